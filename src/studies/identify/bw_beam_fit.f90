@@ -1,7 +1,7 @@
 module bw_beam_fit
   !! The unknowns that fit the lines best, from several starts, and any other place that fits as well.
   use bw_fit_problem, only: fit_problem
-  use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, polish, search, settle, unlikely
+  use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, polish, search, choose_fit, unlikely
   use bw_fit_starts, only: choose_starts
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -36,7 +36,7 @@ contains
       call search(problem, fits)
       if (i < searched) cycle
       n = size(fits)
-      if (i == searched .or. all(fits(:n - 1)%price > fits(n)%price)) call settle(problem, fits, fit)
+      if (i == searched .or. all(fits(:n - 1)%penalty > fits(n)%penalty)) call choose_fit(problem, fits, fit)
       if (.not. (is_doubtful(fit) .and. thorough)) exit
     end do
     call find_others(problem, fits, fit, as_good, others)
@@ -59,12 +59,12 @@ contains
     allocate (fits(0))
     problem%v = v
     call polish(problem, fits)
-    call settle(problem, fits, fit)
+    call choose_fit(problem, fits, fit)
   end subroutine refit_from
 
   subroutine find_others(problem, fits, fit, as_good, others)
     !! Places apart from the fit that are about as probable: by the sum of squares where lines are taken for the same modes, and
-    !! τ is that of the fit, else by their price.
+    !! τ is that of the fit, else by their penalty.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:), fit
     real(dp), intent(in) :: as_good
@@ -82,7 +82,7 @@ contains
         other%v = problem%v
         other%sum = sum(other%residuals**2)
         if (.not. other%sum < fit%sum + as_good) cycle
-      else if (.not. other%price < minval(fits%price) + as_good) then
+      else if (.not. other%penalty < minval(fits%penalty) + as_good) then
         cycle
       end if
       if (is_near(other, fit) .or. any([(is_near(other, others(j)), j=1, size(others))])) cycle

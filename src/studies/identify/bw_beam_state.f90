@@ -4,7 +4,7 @@ module bw_beam_state
   use bw_beam_units, only: beam_units, units_of
   use bw_double_double, only: dd
   use bw_error, only: error_type
-  use bw_foreign_lines, only: foreign_chance
+  use bw_spurious_lines, only: spurious_chance
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
@@ -73,7 +73,7 @@ contains
     state%most_modes = scene%modes%before
     allocate (state%mode_of(size(lines%frequency)), source=0)
     allocate (state%is_harmonic(size(lines%frequency)), source=.false.)
-    state%chance = foreign_chance(lines%frequency, lines%deviation, lines%decay, lines%decay_deviation, lines%strength)
+    state%chance = spurious_chance(lines%frequency, lines%deviation, lines%decay, lines%decay_deviation, lines%strength)
     call with_unknowns(scene, unknowns, state%varied)
     call scene_with(state%varied, unknowns%start, state%one, error)
     state%beam = resolved_text(scene)

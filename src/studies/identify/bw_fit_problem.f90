@@ -239,7 +239,7 @@ contains
         end do
         records(i)%line = frequency
         records(i)%deviation = state%lines%deviation/frequency
-        records(i)%foreign = state%is_harmonic .or. records(i)%deviation > vague
+        records(i)%spurious = state%is_harmonic .or. records(i)%deviation > vague
         records(i)%chance = state%chance
         records(i)%mode = modes%frequency
         if (.not. modes%found) records(i)%mode = -records(i)%mode
@@ -250,18 +250,18 @@ contains
       records(i)%line = self%states(i)%lines%frequency
       records(i)%deviation = records(i)%line
       records(i)%mode = records(i)%line
-      records(i)%foreign = self%states(i)%is_harmonic
+      records(i)%spurious = self%states(i)%is_harmonic
       records(i)%chance = self%states(i)%chance
     end do
     band%width = 1 + log(max(high/low, 1.0_dp))
     band%share = max(0.0_dp, 1 - size(self%unknowns)/real(max(1, lines), dp))
   end subroutine pairs
 
-  subroutine match(self, least, price, changed)
+  subroutine match(self, least, penalty, changed)
     !! Assign lines to modes where the unknowns are, and set τ: both as they cost least.
     class(fit_problem), intent(inout) :: self
     real(dp), intent(in) :: least                !! τ is not below
-    real(dp), intent(out) :: price
+    real(dp), intent(out) :: penalty
     logical, intent(out) :: changed              !! the assignment is another
     type(pairing), allocatable :: records(:)
     type(band_type) :: band
@@ -269,7 +269,7 @@ contains
     self%roughly = is_coarse(self, least)
     call self%pairs(records, band)
     self%roughly = .false.
-    call best_scatter(records, band, least, self%scatter, price)
+    call best_scatter(records, band, least, self%scatter, penalty)
     changed = .false.
     do i = 1, size(self%states)
       changed = changed .or. any(records(i)%mode_of /= self%states(i)%mode_of)

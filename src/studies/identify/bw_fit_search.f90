@@ -10,7 +10,7 @@ module bw_fit_search
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: add_fit, explain, is_near, misfit_of, place, polish, search, settle
+  public :: add_fit, explain, is_near, misfit_of, place, polish, search, choose_fit
 
   real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
   real(dp), parameter, public :: first_scatter = 0.05_dp !! τ is not below, where a search begins
@@ -29,7 +29,7 @@ module bw_fit_search
     !! A place that fits, and its misfit where that is least.
     real(dp), allocatable :: v(:)                !! of the unknowns in their ranges, (unknowns)
     integer, allocatable :: mode_of(:)           !! of the lines of all states, one state after another; 0: no mode
-    real(dp) :: price = huge(1.0_dp)             !! −2 ln of its likelihood, apart from a constant
+    real(dp) :: penalty = huge(1.0_dp)             !! −2 ln of its likelihood, apart from a constant
     integer :: spare = 0                         !! residuals less unknowns
     real(dp) :: sum = 0.0_dp                     !! of squares with τ
     real(dp), allocatable :: residuals(:)        !! with τ
@@ -43,11 +43,11 @@ contains
     type(fit_type), allocatable, intent(inout) :: fits(:)
     real(dp), parameter :: finer(2) = [first_scatter, 0.1_dp*first_scatter]
     real(dp), allocatable :: residuals(:)
-    real(dp) :: price
+    real(dp) :: penalty
     logical :: changed
     integer :: round
     do round = 1, size(finer)
-      call problem%match(finer(round), price, changed)
+      call problem%match(finer(round), penalty, changed)
       call problem%minimise(residuals, .true.)
     end do
     call polish(problem, fits)
@@ -63,7 +63,7 @@ contains
     logical :: changed
     integer :: round
     do round = 1, most_rounds
-      call problem%match(0.0_dp, fit%price, changed)
+      call problem%match(0.0_dp, fit%penalty, changed)
       if (round > 1 .and. .not. changed) exit
       call problem%minimise(residuals, .true.)
     end do
@@ -71,7 +71,7 @@ contains
     call add_fit(fits, fit)
   end subroutine polish
 
-  subroutine settle(problem, fits, fit)
+  subroutine choose_fit(problem, fits, fit)
     !! The fit that costs least, with τ = 0; where noise does not explain what is left, with the τ that does.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:)
@@ -80,7 +80,7 @@ contains
     real(dp), parameter :: same = 1.0e-3_dp
     real(dp) :: before
     integer :: round
-    fit = fits(minloc(fits%price, dim=1))
+    fit = fits(minloc(fits%penalty, dim=1))
     call place(problem, fit)
     problem%scatter = 0
     call take_least(problem, fits, fit)
@@ -97,7 +97,7 @@ contains
     end if
     call place_at(problem, fit)
     fit%sum = sum(fit%residuals**2)
-  end subroutine settle
+  end subroutine choose_fit
 
   subroutine take_least(problem, fits, fit)
     !! Fit at this τ from where the problem is, and from all fits that take the same lines for the same modes.

@@ -16,24 +16,24 @@ contains
     type(fit_problem), intent(inout) :: problem
     real(dp), intent(in) :: scatter              !! τ is not below
     real(dp), intent(out) :: starts(:, :)        !! (unknowns, starts)
-    real(dp), allocatable :: looks(:, :), price(:)
+    real(dp), allocatable :: looks(:, :), penalty(:)
     logical :: changed
     integer :: i, n, best
     n = size(problem%unknowns)
-    allocate (looks(n, 1 + looks_each*n), price(1 + looks_each*n))
+    allocate (looks(n, 1 + looks_each*n), penalty(1 + looks_each*n))
     looks(:, 1) = position_in(problem%unknowns, problem%unknowns%start)
-    do i = 2, size(price)
+    do i = 2, size(penalty)
       looks(:, i) = 2*radical_inverse(i - 1, primes(:n)) - 1
     end do
-    do i = 1, size(price)
+    do i = 1, size(penalty)
       problem%v = looks(:, i)
-      call problem%match(scatter, price(i), changed)
+      call problem%match(scatter, penalty(i), changed)
     end do
-    price(1) = -huge(price)
+    penalty(1) = -huge(penalty)
     do i = 1, size(starts, 2)
-      best = minloc(price, dim=1)
+      best = minloc(penalty, dim=1)
       starts(:, i) = looks(:, best)
-      price(best) = huge(price)
+      penalty(best) = huge(penalty)
     end do
   end subroutine choose_starts
 

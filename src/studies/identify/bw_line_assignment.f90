@@ -1,13 +1,13 @@
 module bw_line_assignment
   !! Which measured line is which mode: both in ascending order, lines that are no modes and modes without a line left out, at
-  !! the least price.
+  !! the least penalty.
   !!
-  !! A price is −2 ln of a probability. A line is a mode with probability 1 − p, p its `chance` to be none, and then lies about the mode's
+  !! A penalty is −2 ln of a probability. A line is a mode with probability 1 − p, p its `chance` to be none, and then lies about the mode's
   !! frequency f as a normal deviate whose relative variance is s² + τ²: s the line's own standard deviation, τ what the model
   !! is off by, common to all lines. Or it is none, and lies anywhere in the band, by the logarithm of its frequency. Any mode below
-  !! the last one that has a line lacks one with probability `p_silent`. So a pair costs ((f_line − f)/f_line)²/(s² + τ²)
-  !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p)(1 − p_silent), a foreign line 2ρ ln(width of the band) − 2 ln p, and a
-  !! silent mode −2 ln p_silent. As k unknowns make k of n residuals vanish whatever the lines are, only the share
+  !! the last one that has a line lacks one with probability `p_undetected`. So a pair costs ((f_line − f)/f_line)²/(s² + τ²)
+  !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p)(1 − p_undetected), a spurious line 2ρ ln(width of the band) − 2 ln p, and an
+  !! undetected mode −2 ln p_undetected. As k unknowns make k of n residuals vanish whatever the lines are, only the share
   !! ρ = 1 − k/n of the logarithms counts: it is what restricted likelihood leaves.
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -15,10 +15,10 @@ module bw_line_assignment
   public :: assign, best_scatter
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter :: p_silent = 0.3_dp       !! chosen: many modes are silent
+  real(dp), parameter :: p_undetected = 0.3_dp       !! chosen: many modes are undetected
 
   type, public :: band_type
-    !! What prices depend on beside a line and a mode.
+    !! What penalties depend on beside a line and a mode.
     real(dp) :: width = 1.0_dp           !! ln of the highest over the lowest frequency that a line may have
     real(dp) :: share = 1.0_dp           !! ρ
   end type band_type
@@ -27,7 +27,7 @@ module bw_line_assignment
     !! The lines and modes of one record.
     real(dp), allocatable :: line(:)     !! frequencies, ascending, > 0, (lines)
     real(dp), allocatable :: deviation(:)  !! relative standard deviations s, (lines)
-    logical, allocatable :: foreign(:)   !! a line that is known to be no mode, (lines)
+    logical, allocatable :: spurious(:)   !! a line that is known to be no mode, (lines)
     real(dp), allocatable :: chance(:)   !! that a line is no mode, before its frequency is looked at, (lines)
     real(dp), allocatable :: mode(:)     !! frequencies, ascending; not > 0: no line can be this mode, (modes)
     integer, allocatable :: mode_of(:)   !! the mode of each line; 0: none, (lines)
@@ -35,31 +35,31 @@ module bw_line_assignment
 
 contains
 
-  subroutine best_scatter(records, band, least, scatter, price)
+  subroutine best_scatter(records, band, least, scatter, penalty)
     !! Assign the lines of several records with the τ at which it costs least.
     type(pairing), intent(inout) :: records(:)
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: least        !! τ is not below
     real(dp), intent(out) :: scatter     !! τ
-    real(dp), intent(out) :: price
+    real(dp), intent(out) :: penalty
     real(dp), parameter :: largest = 0.3_dp, ratio = 2.0_dp
     integer, parameter :: most = 22      !! down to 1e-7 of the largest, then 0
     real(dp) :: tau, cost
     integer :: i
-    price = huge(price)
+    penalty = huge(penalty)
     scatter = largest
     do i = 0, most
       tau = largest/ratio**i
       if (i == most) tau = 0
       if (tau < least) tau = least
-      call price_all(tau, cost)
-      if (cost < price) scatter = tau
-      price = min(price, cost)
+      call add_penalties(tau, cost)
+      if (cost < penalty) scatter = tau
+      penalty = min(penalty, cost)
       if (tau <= least) exit
     end do
-    call price_all(scatter, price)
+    call add_penalties(scatter, penalty)
   contains
-    subroutine price_all(tau, total)
+    subroutine add_penalties(tau, total)
       real(dp), intent(in) :: tau
       real(dp), intent(out) :: total
       real(dp) :: one
@@ -69,16 +69,16 @@ contains
         call assign(records(r), band, tau, one)
         total = total + one
       end do
-    end subroutine price_all
+    end subroutine add_penalties
   end subroutine best_scatter
 
-  pure subroutine assign(record, band, tau, price)
+  pure subroutine assign(record, band, tau, penalty)
     !! The assignment that costs least, by dynamic programming over the first i lines and j modes.
     type(pairing), intent(inout) :: record
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: tau
-    real(dp), intent(out) :: price
-    integer, parameter :: pair = 1, foreign = 2, silent = 3
+    real(dp), intent(out) :: penalty
+    integer, parameter :: pair = 1, spurious = 2, undetected = 3
     real(dp), allocatable :: cost(:, :)
     integer, allocatable :: step(:, :)
     real(dp) :: choices(3)
@@ -91,10 +91,10 @@ contains
     do j = 0, m
       do i = 0, n
         if (i + j == 0) cycle
-        choices = huge(price)
-        if (i > 0 .and. j > 0) choices(pair) = cost(i - 1, j - 1) + pair_price(record, band, tau, i, j)
-        if (i > 0) choices(foreign) = cost(i - 1, j) + 2*band%share*log(band%width) - 2*log(record%chance(i))
-        if (j > 0) choices(silent) = cost(i, j - 1) + silent_price(record%mode(j))
+        choices = huge(penalty)
+        if (i > 0 .and. j > 0) choices(pair) = cost(i - 1, j - 1) + pair_penalty(record, band, tau, i, j)
+        if (i > 0) choices(spurious) = cost(i - 1, j) + 2*band%share*log(band%width) - 2*log(record%chance(i))
+        if (j > 0) choices(undetected) = cost(i, j - 1) + undetected_penalty(record%mode(j))
         step(i, j) = minloc(choices, dim=1)
         cost(i, j) = choices(step(i, j))
       end do
@@ -102,15 +102,15 @@ contains
     if (allocated(record%mode_of)) deallocate (record%mode_of)
     allocate (record%mode_of(n), source=0)
     i = n
-    j = minloc(cost(n, :), dim=1) - 1                  ! modes above the last that has a line may well be silent
-    price = cost(n, j)
+    j = minloc(cost(n, :), dim=1) - 1                  ! modes above the last that has a line may well be undetected
+    penalty = cost(n, j)
     do while (i + j > 0)
       if (step(i, j) == pair) record%mode_of(i) = j
       select case (step(i, j))
       case (pair)
         i = i - 1
         j = j - 1
-      case (foreign)
+      case (spurious)
         i = i - 1
       case default
         j = j - 1
@@ -118,7 +118,7 @@ contains
     end do
   end subroutine assign
 
-  pure real(dp) function pair_price(record, band, tau, i, j) result(price)
+  pure real(dp) function pair_penalty(record, band, tau, i, j) result(penalty)
     !! Of line i as mode j.
     type(pairing), intent(in) :: record
     type(band_type), intent(in) :: band
@@ -126,18 +126,18 @@ contains
     integer, intent(in) :: i, j
     real(dp), parameter :: never = 1.0e30_dp
     real(dp) :: variance
-    price = never
-    if (record%foreign(i) .or. .not. record%mode(j) > 0) return
+    penalty = never
+    if (record%spurious(i) .or. .not. record%mode(j) > 0) return
     variance = record%deviation(i)**2 + tau**2
-    price = min(never, ((record%line(i) - record%mode(j))/record%line(i))**2/variance) &
-      + band%share*log(2*pi*variance) - 2*log((1 - record%chance(i))*(1 - p_silent))
-  end function pair_price
+    penalty = min(never, ((record%line(i) - record%mode(j))/record%line(i))**2/variance) &
+      + band%share*log(2*pi*variance) - 2*log((1 - record%chance(i))*(1 - p_undetected))
+  end function pair_penalty
 
-  elemental real(dp) function silent_price(frequency) result(price)
+  elemental real(dp) function undetected_penalty(frequency) result(penalty)
     !! Of a mode without a line; one that grows has none.
     real(dp), intent(in) :: frequency
-    price = 0
-    if (frequency > 0) price = -2*log(p_silent)
-  end function silent_price
+    penalty = 0
+    if (frequency > 0) penalty = -2*log(p_undetected)
+  end function undetected_penalty
 
 end module bw_line_assignment

@@ -30,11 +30,11 @@ contains
     type(fit_problem) :: problem
     type(identify_par) :: none(0)
     real(dp), allocatable :: residuals(:)
-    real(dp) :: price
+    real(dp) :: penalty
     logical :: changed
     problem = problem_of([state], none)
     if (size(state%lines%frequency) == 0) return
-    call problem%match(0.0_dp, price, changed)
+    call problem%match(0.0_dp, penalty, changed)
     problem%scatter = 0
     call problem%minimise(residuals, .false.)
     misfit = misfit_of(problem, residuals)

@@ -1,4 +1,4 @@
-module bw_foreign_lines
+module bw_spurious_lines
   !! How probable it is, before any beam is asked, that a line is no mode of it: a few are; more of those that do not decay as
   !! the others do, and of those at a multiple of a far stronger line.
   !!
@@ -10,16 +10,16 @@ module bw_foreign_lines
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: foreign_chance
+  public :: spurious_chance
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter, public :: usual_chance = 0.05_dp  !! chosen: few lines are foreign
-  real(dp), parameter :: steady_odds = 25.0_dp   !! chosen: half of foreign lines are driven and do not decay; of modes one in 50
+  real(dp), parameter, public :: usual_chance = 0.05_dp  !! chosen: few lines are spurious
+  real(dp), parameter :: steady_odds = 25.0_dp   !! chosen: half of spurious lines are driven and do not decay; of modes one in 50
   real(dp), parameter :: weaker = 0.01_dp        !! chosen: of a line, that its multiples are
 
 contains
 
-  pure function foreign_chance(frequency, deviation, decay, decay_deviation, strength) result(chance)
+  pure function spurious_chance(frequency, deviation, decay, decay_deviation, strength) result(chance)
     !! Of each line of a record.
     real(dp), intent(in) :: frequency(:)         !! [rad/s], > 0, (lines)
     real(dp), intent(in) :: deviation(:)         !! its standard deviation, (lines)
@@ -32,13 +32,13 @@ contains
     where (decay + 2*decay_deviation < usual/20) odds = odds*steady_odds
     if (present(strength)) odds = odds + multiple_odds(frequency, deviation, strength)
     chance = odds/(1 + odds)
-  end function foreign_chance
+  end function spurious_chance
 
   pure function multiple_odds(frequency, deviation, strength) result(odds)
     !! Of each line to be a multiple of a far stronger one: Lπ/(1 − π).
     real(dp), intent(in) :: frequency(:), deviation(:), strength(:)   !! (lines)
     real(dp) :: odds(size(frequency))
-    integer, parameter :: rounds = 30            !! the expectations have settled
+    integer, parameter :: rounds = 30            !! the expectations have converged
     real(dp) :: ratio(size(frequency)), share(size(frequency)), expected(size(frequency))
     logical :: weak(size(frequency))
     integer :: i, round
@@ -79,4 +79,4 @@ contains
     end do
   end function median
 
-end module bw_foreign_lines
+end module bw_spurious_lines
