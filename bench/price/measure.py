@@ -17,7 +17,6 @@ SAMPLES, SMALL = (65_536, 4096), (256,)
 NUMBERS = {  # our name: the file's variable
     "tolerance": "tolerance",
     "modes": "mode_count",
-    "extended": "refined_count",
     "error": "true_error",
     "estimate": "estimated_error",
     "repeats": "repeats",
@@ -28,7 +27,7 @@ NUMBERS = {  # our name: the file's variable
     "digit_growth": "digit_growth",
     "digit_noise": "digit_noise",
 }
-WHOLE = ("modes", "extended", "repeats")
+WHOLE = ("modes", "repeats")
 
 
 def measure(program: Path, small: bool) -> dict[str, Any]:
@@ -44,7 +43,7 @@ def measure(program: Path, small: bool) -> dict[str, Any]:
             subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
             with netCDF4.Dataset(Path(directory) / "price.accuracy.nc") as file:
                 rows += [{"samples": samples, **row} for row in rungs(file)]
-                against[str(samples)] = {name: rounded(file[name][()]) for name in ("converged_error", "converged_difference")}
+                against[str(samples)] = {name: rounded(file[name][()]) for name in ("converged_error",)}
     return {"against": against, "rows": rows}
 
 

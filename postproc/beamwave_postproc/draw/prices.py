@@ -13,7 +13,7 @@ from ..parts.units import number_text, si_prefix
 from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, curve_style, logarithmic, styled
 
-LADDERS = {1: "tolerance asked for", 2: "counts: before = after", 3: "last tolerance, all roots in extended precision"}
+LADDERS = {1: "tolerance asked for", 2: "counts: before = after"}
 CHEAP = 0.25  # of the time at hand, for a tenth of the error: a digit that costs no more is cheap
 MARGIN = 2.0  # between curves and the frame of a logarithmic axis
 

@@ -9,24 +9,24 @@ from beamwave_postproc import NothingToDraw, open_result, work_precision
 
 @pytest.fixture
 def study():
-    """Three tolerances, the last not timed, the finest again in extended precision, and two counts."""
+    """Three tolerances, the last not timed, and two counts."""
     missing = np.nan
     per_rung = {
-        "ladder": [1, 1, 1, 3, 2, 2],
-        "tolerance": [1e-2, 1e-3, 1e-4, 1e-3, missing, missing],
-        "true_error": [5e-3, 4e-4, missing, 4e-4, 1e-2, 1e-5],
-        "seconds": [1e-3, 1.2e-3, missing, 4e-3, 1e-3, 1e-2],
-        "seconds_lower": [0.9e-3, 1.1e-3, missing, 3e-3, 0.9e-3, 0.9e-2],
-        "seconds_upper": [1.1e-3, 1.5e-3, missing, 5e-3, 1.2e-3, 1.1e-2],
-        "digit_seconds": [2e-4, missing, missing, missing, missing, missing],
-        "digit_growth": [0.2, missing, missing, missing, missing, missing],
+        "ladder": [1, 1, 1, 2, 2],
+        "tolerance": [1e-2, 1e-3, 1e-4, missing, missing],
+        "true_error": [5e-3, 4e-4, missing, 1e-2, 1e-5],
+        "seconds": [1e-3, 1.2e-3, missing, 1e-3, 1e-2],
+        "seconds_lower": [0.9e-3, 1.1e-3, missing, 0.9e-3, 0.9e-2],
+        "seconds_upper": [1.1e-3, 1.5e-3, missing, 1.2e-3, 1.1e-2],
+        "digit_seconds": [2e-4, missing, missing, missing, missing],
+        "digit_growth": [0.2, missing, missing, missing, missing],
     }
     shares = np.outer(np.nan_to_num(per_rung["seconds"]), [0.2, 0.1, 0.7])
     words = {"flag_meanings": "modes events response"}
     return xr.Dataset(
         {name: ("rung", values) for name, values in per_rung.items()}
         | {"stage_seconds": (("rung", "stage"), shares), "converged_error": 2e-5},
-        {"rung": np.arange(1, 7), "stage": ("stage", [1, 2, 3], words)},
+        {"rung": np.arange(1, 6), "stage": ("stage", [1, 2, 3], words)},
         {"title": "a study", "machine": "a machine"},
     )
 
@@ -35,7 +35,7 @@ def test_each_ladder_is_a_curve_of_its_timed_rungs(study):
     axes = work_precision(study).axes[0]
     curves = {line.get_label(): line for line in axes.lines}
     drawn = sorted(len(box.lines[0].get_xdata()) for box in axes.containers)
-    assert drawn == [1, 2, 2]
+    assert drawn == [2, 2]
     assert "for comparison: 25% more time for each digit" in curves
     assert axes.get_xlim()[0] > axes.get_xlim()[1]
 
@@ -44,7 +44,7 @@ def test_the_head_says_what_a_digit_takes_on_average(study):
     # A tenth of the error, from 5e-3 to 4e-4, is 1.097 digits: 1.2 to that root.
     said = "each digit takes on average 18% more time, from an error of 0.005 to 0.0004"
     assert any(said in text.get_text().replace("\n", " ") for text in work_precision(study).texts)
-    one = study.isel(rung=[0, 4, 5])
+    one = study.isel(rung=[0, 3, 4])
     assert not any("on average" in text.get_text() for text in work_precision(one).texts)
 
 
@@ -65,8 +65,8 @@ def test_stage_shares_fill_the_bars_and_digits_carry_their_growth(study):
 
 
 def test_a_price_within_the_noise_has_no_bar(study):
-    noisy = study.assign(digit_noise=("rung", [3e-4, *5 * [np.nan]]))
-    below = study.assign(digit_seconds=("rung", [-2e-4, *5 * [np.nan]]))
+    noisy = study.assign(digit_noise=("rung", [3e-4, *4 * [np.nan]]))
+    below = study.assign(digit_seconds=("rung", [-2e-4, *4 * [np.nan]]))
     for measured in (noisy, below):
         digits = work_precision(measured).axes[2]
         assert "+20%" not in [text.get_text() for text in digits.texts]
@@ -75,6 +75,6 @@ def test_a_price_within_the_noise_has_no_bar(study):
 
 def test_without_an_error_there_is_nothing_to_draw(study, full_result):
     with pytest.raises(NothingToDraw):
-        work_precision(study.assign(true_error=("rung", np.zeros(6))))
+        work_precision(study.assign(true_error=("rung", np.zeros(5))))
     with open_result(full_result) as ds, pytest.raises(NothingToDraw):
         work_precision(ds)

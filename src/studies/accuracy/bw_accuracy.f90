@@ -10,9 +10,9 @@ module bw_accuracy
   use bw_monitor, only: part_monitor, progress_type
   use bw_note, only: kind_of
   use bw_outcome, only: outcome_type
-  use bw_price_list, only: all_extended, is_above_estimate, price_list, rung_out_of_reach, rung_too_long, rung_type
+  use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_scene, only: scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
   use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run
@@ -91,12 +91,12 @@ contains
     part = part_monitor(progress, 0.0_dp, 0.5_dp*measuring)
     call converge(scene, part, state%converged, whole, error)
     if (allocated(error) .or. .not. whole) return
-    state%list%rungs = ladder_of(state%converged%tolerance, .not. changes_shapes(scene))
+    state%list%rungs = ladder_of()
     allocate (state%runs(size(state%list%rungs)))
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
-    call leave_out_of_reach(state%converged, part, state%runs, state%list%rungs)
+    call leave_out_of_reach(state%converged, state%runs, state%list%rungs)
     call run_rungs(progress, state, whole)
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)
@@ -127,7 +127,7 @@ contains
         call run_once(first, part, result, whole)
         if (whole) whole = .not. progress%stop_requested()
         if (.not. whole) return
-        call take_errors(run%scene, result, state%converged, rung)
+        call take_errors(result, state%converged, rung)
         run%is_timed = rung%status /= rung_out_of_reach
         call foreseen%book(fineness(rung), first%seconds%total())
         if (first%seconds%total() <= patience) cycle
@@ -179,8 +179,6 @@ contains
       list%peak = converged%peak
       list%converged_count = converged%result%mode_count
       list%converged_error = converged%error
-      list%converged_difference = converged%difference
-      list%checked_samples = converged%checked_samples
       list%converged_tolerance = converged%tolerance
       if (converged%reach > converged_tolerance) list%reachable = converged%reach
       associate (result => converged%result)
@@ -200,16 +198,13 @@ contains
     type(price_list), intent(in) :: list
     type(string), allocatable, intent(inout) :: notes(:)
     character(:), allocatable :: names
-    real(dp) :: reference_error
     integer :: i
-    reference_error = list%converged_error
-    if (.not. is_missing(list%converged_difference)) reference_error = max(reference_error, list%converged_difference)
     names = ''
     do i = 1, size(list%rungs)
-      if (is_above_estimate(list%rungs(i), reference_error)) names = names//', '//name_of(list%rungs(i))
+      if (is_above_estimate(list%rungs(i), list%converged_error)) names = names//', '//name_of(list%rungs(i))
     end do
     if (names /= '') call append(notes, 'estimate: the true error is above the estimate with '//names(3:)// &
-                                 ' (the converged run is good to '//shortest(reference_error, 2)//')')
+                                 ' (the converged run is good to '//shortest(list%converged_error, 2)//')')
   end subroutine note_estimates
 
   pure function name_of(rung) result(name)
@@ -220,7 +215,6 @@ contains
       name = 'before = after = '//text_of(rung%mode_count)
     else
       name = 'tolerance '//shortest(rung%tolerance, 2)
-      if (rung%ladder == all_extended) name = name//' (all roots extended)'
     end if
   end function name_of
 

@@ -1,11 +1,8 @@
 module bw_converged
-  !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
-  !! estimate, and where modes have a closed form, by a direct sum in extended precision at some samples. test_bw_converged
-  !! compares it with residues summed in 45 digits.
-  use bw_case_result, only: case_done, case_not_converged, case_result
+  !! A run so fine that the errors of others can be measured against it. test_bw_converged compares it with residues summed in 45
+  !! digits.
+  use bw_case_result, only: case_not_converged, case_result
   use bw_case_tolerance, only: plan_case
-  use bw_direct_motion, only: sum_directly
-  use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -13,7 +10,7 @@ module bw_converged
   use bw_monitor, only: monitor_type
   use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: layout_of
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_scene, only: scene_type
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
   use bw_timed_runs, only: foresight
@@ -25,8 +22,7 @@ module bw_converged
   integer, parameter :: first_decade = 6, decades = 2   !! of the tolerances of the runs that come ever nearer to it
   real(dp), parameter :: patience = 5.0_dp           !! s of the processor; a run that would take longer is not made
   real(dp), parameter, public :: steepest_tolerance = 1.0_dp   !! of seconds over 1/tolerance, as a power
-  integer, parameter :: checked = 32            !! samples, at most
-  integer, parameter, public :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
+  integer, parameter :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
 
   type, public :: converged_run
     type(case_result) :: result
@@ -34,8 +30,6 @@ module bw_converged
     real(dp) :: tolerance = missing             !! that the run keeps: `reach`, or the finest that does not take too long
     real(dp) :: peak = 0.0_dp                   !! m, over all points
     real(dp) :: error = missing                 !! its own estimate over the peak
-    real(dp) :: difference = missing            !! from the direct sum over the peak; missing where it was not taken
-    integer :: checked_samples = 0
   end type converged_run
 
 contains
@@ -67,7 +61,6 @@ contains
       if (foreseen%next_seconds(1.0_dp/tolerance_of(decade + decades, run%reach), steepest_tolerance) > patience) exit
     end do
     call take_peak(run)
-    call check(fine, monitor, run, whole)
   end subroutine converge
 
   pure real(dp) function tolerance_of(decade, reach) result(tolerance)
@@ -135,36 +128,5 @@ contains
       tolerance = margin*max(tolerance, reached)
     end do
   end subroutine find_reach
-
-  subroutine check(scene, monitor, run, whole)
-    !! Find the `difference` from a direct sum, where the modes are those that a direct sum knows and not too many.
-    type(scene_type), intent(in) :: scene
-    class(monitor_type), intent(inout) :: monitor
-    type(converged_run), intent(inout) :: run
-    logical, intent(inout) :: whole
-    type(dd), allocatable :: direct(:, :)
-    integer, allocatable :: sample(:)
-    integer :: p
-    if (changes_shapes(scene)) return
-    if (run%result%status /= case_done .or. run%result%mode_count > most_extended .or. run%peak == 0.0_dp) return
-    sample = spread_samples(scene%response%samples)
-    call sum_directly(scene, run%result, sample, monitor, direct, whole)
-    if (.not. whole) return
-    run%checked_samples = size(sample)
-    run%difference = 0.0_dp
-    do p = 1, size(direct, 2)
-      run%difference = max(run%difference, maxval(abs( &
-                           (run%result%response%displacement(sample + 1, p) - direct(:, p)%hi) - direct(:, p)%lo))/run%peak)
-    end do
-  end subroutine check
-
-  pure function spread_samples(samples) result(sample)
-    !! Numbers of samples, from 0, spread over the record and with its last one.
-    integer, intent(in) :: samples
-    integer, allocatable :: sample(:)
-    integer :: i, count
-    count = min(checked, samples)
-    sample = [(int((real(i, dp)*samples)/count) - 1, i=1, count)]
-  end function spread_samples
 
 end module bw_converged

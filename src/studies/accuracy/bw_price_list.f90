@@ -10,8 +10,8 @@ module bw_price_list
   private
   public :: beyond_model, digit_noise, is_above_estimate, is_resolved, price_digits, work_slope
 
-  integer, parameter, public :: by_tolerances = 1, by_counts = 2, all_extended = 3
-  character(*), parameter, public :: ladder_words(3) = [character(9) :: 'tolerance', 'counts', 'extended']   !! by number
+  integer, parameter, public :: by_tolerances = 1, by_counts = 2
+  character(*), parameter, public :: ladder_words(2) = [character(9) :: 'tolerance', 'counts']   !! by number
 
   integer, parameter, public :: rung_measured = 1, rung_out_of_reach = 2, rung_too_long = 3, rung_diverged = 4
   character(*), parameter, public :: rung_words(4) = &
@@ -27,7 +27,6 @@ module bw_price_list
     integer :: status = rung_measured
     real(dp) :: tolerance = missing       !! that was asked for; missing on the ladder of counts
     integer :: mode_count = 0             !! modes that were summed; 0 where none were
-    integer :: refined_count = 0          !! of these, roots solved in extended precision
     integer :: method = not_summed
     real(dp) :: error = missing           !! largest |displacement − converged displacement| over the samples, over the peak
     real(dp) :: estimate = missing        !! the largest `displacement_error` over the peak
@@ -43,8 +42,6 @@ module bw_price_list
     real(dp) :: converged_tolerance = missing  !! that the converged run keeps
     integer :: converged_count = 0             !! modes of the converged run
     real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
-    real(dp) :: converged_difference = missing !! largest difference from the direct sum over the peak; missing: not taken
-    integer :: checked_samples = 0             !! samples at which it was taken
     real(dp) :: model_errors(size(absent_words)) = 0.0_dp
       !! what each effect that the scene leaves out would change, over the peak; estimates
     real(dp) :: reachable = missing            !! the smallest tolerance in reach; missing: all that were tried
@@ -165,8 +162,6 @@ contains
       call file%put_counts('rung_status', 'rung', 'how the rung ended', rungs%status, rung_words)
       call file%put_numbers('tolerance', 'rung', '1', 'largest error that was asked for, over the peak', rungs%tolerance)
       call file%put_counts('mode_count', 'rung', 'number of modes that were summed', rungs%mode_count)
-      call file%put_counts('refined_count', 'rung', 'number of modes whose root was solved in extended precision', &
-                           rungs%refined_count)
       call file%put_counts('method', 'rung', 'how the modes were summed', rungs%method, method_words)
     end associate
   end subroutine put_rungs
@@ -221,11 +216,6 @@ contains
     call file%put_numbers('converged_error', '', '1', &
                           'the converged run''s estimate of its own error, over the peak: smaller errors are not resolved', &
                           [list%converged_error])
-    call file%put_numbers('converged_difference', '', '1', &
-                          'largest difference of the converged run from a direct sum in extended precision, over the peak', &
-                          [list%converged_difference])
-    call file%put_counts('converged_samples', '', 'number of samples at which that difference was taken', &
-                         [list%checked_samples])
     call file%put_numbers('model_error', '', '1', &
                           'estimate of what the effects that are left out would change of the displacement, over the peak', &
                           [maxval(list%model_errors)])

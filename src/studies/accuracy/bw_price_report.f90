@@ -4,7 +4,7 @@ module bw_price_report
   use bw_absent_effects, only: absent_words
   use bw_columns, only: right
   use bw_missing, only: is_missing
-  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, digit_noise, method_words, price_digits, &
+  use bw_price_list, only: beyond_model, by_counts, by_tolerances, digit_noise, method_words, price_digits, &
     price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
   use bw_stopwatch, only: processor_name, stage_words
   use bw_text, only: shortest, text_builder, text_of
@@ -27,7 +27,6 @@ contains
     call lines%append_line('')
     call lines%append_line('  Runs on '//processor_name()//'; medians, and the half of what the middle half of the repeats spans')
     call report_ladder(list, by_tolerances, 'tolerance', lines)
-    call report_ladder(list, all_extended, 'the finest of them with every root in extended precision', lines)
     call report_ladder(list, by_counts, 'before = after (the response holds the estimate of its error, which a tolerance books '// &
                        'as modes)', lines)
     call report_slopes(list, lines)
@@ -44,9 +43,6 @@ contains
                            shortest(list%converged_tolerance, 2)//', whose own error is estimated at '// &
                            small(list%converged_error)//';')
     call lines%append_line('  what is below that stands as <')
-    if (is_missing(list%converged_difference)) return
-    call lines%append_line('  At '//text_of(list%checked_samples)//' samples it is within '//small(list%converged_difference)// &
-                           ' of a direct sum of the same modes in extended precision')
   end subroutine report_converged
 
   subroutine report_model(list, lines)
@@ -111,7 +107,6 @@ contains
     do i = 1, priced_stages
       text = text//right(percent(rung%stages(i)/sum(rung%stages)), len_trim(stage_words(i)) + 2)
     end do
-    if (rung%refined_count > 0) text = text//'  '//percent(real(rung%refined_count, dp)/rung%mode_count)//' extended'
   end function rung_line
 
   pure function reason(list, rung) result(text)
