@@ -4,7 +4,8 @@ module bw_text
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: append, fitted, joined, lines_of, lower, percent, printable, shortened, shortest, string, text_of
+  public :: append, fitted, joined, lines_of, lower, percent, printable, replaced, shortened, shortest, string, text_of, &
+    words_of
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -181,20 +182,47 @@ contains
     end do
   end function joined
 
-  pure function lines_of(text) result(lines)
+  pure function lines_of(text, separator) result(lines)
     !! The lines of a text, without their ends; the last may lack its end. An empty text has none.
     character(*), intent(in) :: text
+    character, intent(in), optional :: separator      !! what ends a line; absent: the end of a line
     type(string), allocatable :: lines(:)
+    character :: ending
     integer :: first, last
+    ending = new_line('a')
+    if (present(separator)) ending = separator
     allocate (lines(0))
     first = 1
     do while (first <= len(text))
-      last = index(text(first:), new_line('a'))
+      last = index(text(first:), ending)
       last = merge(len(text), first + last - 2, last == 0)
       call append(lines, text(first:last))
       first = last + 2
     end do
   end function lines_of
+
+  pure function words_of(text) result(words)
+    !! The words of a list by single blanks.
+    character(*), intent(in) :: text
+    type(string), allocatable :: words(:)
+    words = lines_of(trim(text), ' ')
+  end function words_of
+
+  pure function replaced(text, mark, by) result(edited)
+    !! A text with something else for each mark.
+    character(*), intent(in) :: text
+    character, intent(in) :: mark
+    character(*), intent(in) :: by
+    character(:), allocatable :: edited
+    type(string), allocatable :: parts(:)
+    integer :: i
+    parts = lines_of(text//mark, mark)
+    edited = ''
+    do i = 1, size(parts)
+      if (i > 1) edited = edited//by
+      edited = edited//parts(i)%text
+    end do
+  end function replaced
 
   pure function lower(text) result(lowered)
     !! ASCII letters in lower case.

@@ -1,5 +1,6 @@
 module bw_scene_describe
   !! Every input name with its type, unit, range, default and meaning: plain text that is Markdown too.
+  use bw_effect_table, only: effect_table
   use bw_error, only: error_type, fail, status_bad_input
   use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
                            range_text
@@ -65,9 +66,26 @@ contains
       if (name == '') call builder%append_line('')
       call put_group(builder, group_table(i))
     end do
+    if (name == '') call put_effects(builder)
     text = builder%text()
     text = text(:len(text) - 1)
   end function describe_text
+
+  pure subroutine put_effects(builder)
+    !! The effects that a scene may have, as `beamwave effects` compares them.
+    type(text_builder), intent(inout) :: builder
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(effect_table)
+      text = text//', `'//trim(effect_table(i)%name)//'`'
+      if (effect_table(i)%about /= '') text = text//' ('//trim(effect_table(i)%about)//')'
+    end do
+    call builder%append_line('')
+    call builder%append_line('## What `beamwave effects` compares')
+    call builder%append_line('')
+    call put_wrapped(builder, 'A scene with each of these beside the same scene without it: '//text(3:)//'.')
+  end subroutine put_effects
 
   pure subroutine put_opening(builder)
     !! How a scene is written.

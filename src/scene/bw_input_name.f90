@@ -8,8 +8,8 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_list, is_number, is_sweepable, kind_text, place_of, &
-    quoted_words, range_text
+  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_list, is_number, is_simulated, is_sweepable, &
+    kind_text, place_of, quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
   integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5, &
@@ -40,7 +40,8 @@ module bw_input_name
     logical :: implied = .false.             !! absent is the same as empty
     logical :: repeatable = .false.
     character(8) :: along = ''               !! dimension of a result along which its repeats lie; '' where it has none
-    logical :: is_effect = .false.           !! an effect or an event: a result names it in its attribute `effects`
+    logical :: is_effect = .false.           !! it changes the beam or how it moves by itself
+    logical :: is_event = .false.            !! it happens to the beam at an instant; results name both in their attribute `effects`
     logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form here
   end type input_group
 
@@ -64,6 +65,12 @@ module bw_input_name
   end type input_name
 
 contains
+
+  elemental logical function is_simulated(group)
+    !! The group is an effect or an event.
+    type(input_group), intent(in) :: group
+    is_simulated = group%is_effect .or. group%is_event
+  end function is_simulated
 
   elemental logical function in_range(range, value)
     !! A value that the range accepts.

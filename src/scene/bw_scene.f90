@@ -7,12 +7,13 @@ module bw_scene
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
   use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
+  use bw_input_name, only: is_simulated
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: build_modes, modes_par, settle_modes
   use bw_record_par, only: build_record, check_record, record_par, settle_record
-  use bw_recontact_par, only: build_recontact, check_recontact, recontact_par
+  use bw_recontact_par, only: build_recontact, recontact_par
   use bw_release_par, only: build_release, release_par, release_text
   use bw_response_par, only: build_response, check_response, response_par
   use bw_rotation_par, only: build_rotation, rotation_par, rotation_text
@@ -142,7 +143,6 @@ contains
     type(message_list), intent(inout) :: messages
     call check_shear(groups, messages)
     call check_spectrum(groups, messages)
-    call check_recontact(groups, messages)
   end subroutine check_rules_together
 
   pure subroutine settle_groups(groups, messages)
@@ -210,7 +210,7 @@ contains
     integer :: i
     names = ''
     do i = 1, size(group_table)
-      if (group_table(i)%is_effect .and. any(scene%groups%row == i)) names = names//' '//trim(group_table(i)%name)
+      if (is_simulated(group_table(i)) .and. any(scene%groups%row == i)) names = names//' '//trim(group_table(i)%name)
     end do
     names = trim(adjustl(names))
   end function effect_names

@@ -1,13 +1,13 @@
 module bw_scene_checks
   !! What the names of a group, and the groups of a scene, have to do with each other, and what its cases have to keep to.
-  use bw_input_name, only: accepted_text, has_word, place_of
+  use bw_input_name, only: accepted_text, has_word, is_simulated, place_of
   use bw_input_table, only: group_row, group_table, name_table
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp
   use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: message_list
   use bw_scene_scales, only: check_scales
-  use bw_text, only: text_of
+  use bw_text, only: string, text_of, words_of
   implicit none (type, external)
   private
   public :: check_case, check_group, check_groups
@@ -45,7 +45,7 @@ contains
       return
     end if
     do i = 1, size(groups)
-      if (.not. group_table(groups(i)%row)%is_effect) cycle
+      if (.not. is_simulated(group_table(groups(i)%row))) cycle
       call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs '//name//', which is absent; accepted: both, or '// &
                         'neither')
     end do
@@ -69,13 +69,11 @@ contains
     type(group_values), intent(in) :: groups(:)
     integer, intent(in) :: i
     type(message_list), intent(inout) :: messages
-    character(:), allocatable :: needs
-    integer :: gap
-    needs = trim(group_table(groups(i)%row)%needs)
-    do while (needs /= '')
-      gap = index(needs//' ', ' ')
-      call check_need(groups, i, needs(:gap - 1), messages)
-      needs = needs(min(gap + 1, len(needs) + 1):)
+    type(string), allocatable :: needs(:)
+    integer :: n
+    needs = words_of(group_table(groups(i)%row)%needs)
+    do n = 1, size(needs)
+      call check_need(groups, i, needs(n)%text, messages)
     end do
   end subroutine check_needs
 

@@ -2,8 +2,8 @@ module bw_scene_scales
   !! Whether what a scene asks for can be computed in double precision. Everything inside is computed in the beam's own units: its
   !! length l, its mass and the time l²/h (bw_beam_units). Where these lie far inside the range of numbers, and so does every input
   !! in these units, products of a few of them are numbers too, and no formula has to ask.
-  use bw_beam_par, only: area_of, beam_mass, beam_piece, piece_mass, pieces_of_beam, second_moment_of
-  use bw_input_name, only: has_unit, in_range, place_of
+  use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of
+  use bw_input_name, only: has_unit, in_range, is_simulated, place_of
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: dp, qp
@@ -12,7 +12,7 @@ module bw_scene_scales
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: check_scales
+  public :: check_scales, own_size
 
   real(qp), parameter :: unit_reach = 1.0e140_qp    !! the beam's own units are so many SI units at most, or one over it at least
   real(qp), parameter :: reach = 1.0e60_qp          !! likewise inputs in these units; products of five are still numbers
@@ -42,7 +42,7 @@ contains
     if (messages%count > before) return
     do g = 1, size(scene%groups)
       associate (group => scene%groups(g))
-        if (.not. (group_table(group%row)%is_effect .or. group%group == 'response')) cycle
+        if (.not. (is_simulated(group_table(group%row)) .or. group%group == 'response')) cycle
         do v = 1, size(group%values)
           if (group%values(v)%known .and. has_unit(name_table(group%values(v)%row)) .and. .not. is_free(scene, group%values(v))) &
             call check_input(group%values(v), group%line, own, messages)
@@ -62,6 +62,23 @@ contains
     if (value%name == 'mass' .or. value%name == 'mass_ratio') is_free = .not. changes_shapes(scene)
   end function is_free
 
+  pure real(dp) function own_size(unit, beam) result(size)
+    !! How much SI a unit of the table of names is for a beam, that of a moment over an angle EI/l.
+    character(*), intent(in) :: unit             !! as UDUNITS writes it
+    type(beam_par), intent(in) :: beam
+    size = real(unit_of(trim(unit), own_units_of(beam)), dp)
+  end function own_size
+
+  pure type(own_units) function own_units_of(beam) result(own)
+    !! The units of a beam of which nothing is 0.
+    type(beam_par), intent(in) :: beam
+    type(beam_piece), allocatable :: pieces(:)
+    pieces = pieces_of_beam(beam)
+    own%length = sum(real(pieces%length, qp))
+    own%mass = beam_mass(beam)
+    own%time = sqrt(own%mass*own%length**3/(pieces(1)%youngs_modulus*second_moment_of(pieces(1))))
+  end function own_units_of
+
   pure subroutine check_beam(scene, own, messages)
     !! The beam's own units, and its pieces in them.
     type(scene_type), intent(in) :: scene
@@ -73,9 +90,7 @@ contains
     pieces = pieces_of_beam(scene%beam)
     stiffness = pieces%youngs_modulus*second_moment_of(pieces)
     mass = piece_mass(pieces)/pieces%length
-    own%length = sum(real(pieces%length, qp))
-    own%mass = beam_mass(scene%beam)
-    own%time = sqrt(own%mass*own%length**3/stiffness(1))
+    own = own_units_of(scene%beam)
     line = scene%groups(position_of(scene%groups, 'beam'))%line
     call check([own%length], unit_reach, 'the length of the beam in m', line, messages)
     call check([own%mass], unit_reach, 'the mass of the beam in kg', line, messages)

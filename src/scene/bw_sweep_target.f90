@@ -1,7 +1,7 @@
 module bw_sweep_target
   !! Which number of a scene a `&sweep` varies, or an `&identify` does not know: `group%name`, or one of several as `body(2)%mass` and `beam%length(1)`.
-  use bw_input_name, only: has_word, input_name, integer_input, is_number, is_sweepable, place_of
-  use bw_input_table, only: group_row, name_row, name_table, unknown_group, unknown_name
+  use bw_input_name, only: input_name, integer_input, is_number, is_sweepable, place_of
+  use bw_input_table, only: group_row, group_table, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_scene_messages, only: message_list, shown
   use bw_text, only: lower, text_of
@@ -16,8 +16,6 @@ module bw_sweep_target
     integer :: element = 1                       !! which of the name's numbers
     character(:), allocatable :: place           !! how a sweep names it, with numbers only where there are several
   end type sweep_target
-
-  character(*), parameter :: of_the_beam = 'beam support body rotation stiffening shear damping'
 
 contains
 
@@ -56,7 +54,8 @@ contains
     character(*), intent(in) :: by
     type(input_name), intent(in) :: row
     is_taken = is_sweepable(row)
-    if (is_taken .and. by == 'identify') is_taken = row%kind /= integer_input .and. has_word(of_the_beam, row%group)
+    if (is_taken .and. by == 'identify') is_taken = row%kind /= integer_input .and. &
+      (row%group == 'beam' .or. group_table(group_row(row%group))%is_effect)
   end function is_taken
 
   pure function likely_target(by, parameter) result(text)

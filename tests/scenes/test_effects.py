@@ -11,22 +11,7 @@ from workplace import captured_beam
 
 PROJECT = Path(__file__).parents[2]
 REFERENCES = PROJECT / "tests/reference/paper_effects.txt"
-WORDS = (
-    "rotation",
-    "rotation_with_tension",
-    "out_of_plane",
-    "stiffening",
-    "shear",
-    "damping",
-    "body_inertia",
-    "capture",
-    "release",
-    "recontact",
-    "pieces",
-    "support",
-    "body",
-    "position",
-)
+WORDS = tuple(re.findall(r"`(\w+)`", (PROJECT / "docs/input.md").read_text(encoding="utf-8").split("effects` compares\n")[1]))
 OFF, ON, NOT_COMBINED = 1, 2, 3
 PAPER = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 0.05, "samples": 512})
 

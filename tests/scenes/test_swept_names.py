@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from workplace import PAPER_BEAM, captured_beam, namelist
+from workplace import PAPER_BEAM, captured_beam, example, namelist
 
 SETS_AXES = {"response", "spectrum", "sweep"}  # groups, and one name beside them
 SETS_AXES |= {"record", "identify"}
@@ -14,7 +14,7 @@ BAR = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter
 REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
 SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
-SCENES = {  # a scene in which the name means something, and two values
+SCENES = {  # a scene in which the name means something, and two values; of a name that is not here a scene of input/ and its value
     "beam%length": (CAPTURE, [0.9, 1.1]),
     "beam%density": (CAPTURE, [7000.0, 8000.0]),
     "beam%youngs_modulus": (CAPTURE, [1e11, 2e11]),
@@ -78,19 +78,25 @@ def coordinate_of(name):
     return name.replace("%", "_") + ("_1" if name.startswith("body%") else "")
 
 
-def test_every_name_that_may_be_swept_has_a_scene_here(described):
-    assert {name for name, kind in described.items() if is_swept(name, kind)} == SCENES.keys()
+def scene_of(name):
+    group, key = name.split("%")
+    if name in SCENES:
+        return SCENES[name]
+    scene = example(group)
+    assert scene and key in scene[group], f"{name} is in no scene, neither here nor in input/"
+    return scene, [scene[group][key], 1.25 * scene[group][key]]
 
 
-def test_a_sweep_over_any_name_is_its_cases(shared):
+def test_a_sweep_over_any_name_is_its_cases(described, shared):
     here = shared("names")
-    for number, (name, (scene, values)) in enumerate(SCENES.items()):
+    scenes = {name: scene_of(name) for name, kind in described.items() if is_swept(name, kind)}
+    for number, (name, (scene, values)) in enumerate(scenes.items()):
         here.write(f"all/n{number}.nml", namelist(scene, {"parameter": name, "values": values}))
         for case, value in enumerate(values):
             here.write(f"all/n{number}_{case}.nml", namelist(with_value(scene, name, value)))
     ended = here.beamwave("run", "all")
     assert ended.returncode == 4, ended.stderr  # for contacts beyond max_contacts
-    for number, (name, (_, values)) in enumerate(SCENES.items()):
+    for number, (name, (_, values)) in enumerate(scenes.items()):
         swept = here.result(f"n{number}")
         assert swept[coordinate_of(name)].tolist() == values
         assert (swept["case_status"] == (2 if name == "recontact%max_contacts" else 0)).all(), name

@@ -1,6 +1,9 @@
 """Scenes written as namelists, and the program run on them in one directory."""
 
+import ast
+import re
 import subprocess
+from pathlib import Path
 
 import results
 
@@ -52,6 +55,22 @@ def value_text(value):
     if isinstance(value, (list, tuple)):
         return ", ".join(value_text(item) for item in value)
     return repr(value)
+
+
+def example(group):
+    """A scene of `input/` that has a group, which effects that are in no list of a test are tested by; None where there is none."""
+    for path in sorted((Path(__file__).parents[2] / "input").rglob("*.nml"), key=lambda path: ("effects" not in path.parts, path)):
+        text = re.sub(r"!.*", "", path.read_text(encoding="utf-8"))
+        scene = {name: inputs_of(words) for name, words in re.findall(r"&(\w+)([^/]*)/", text)}
+        if group in scene:
+            return scene
+    return None
+
+
+def inputs_of(words):
+    """The names of a group with their values."""
+    named = re.findall(r"(\w+)\s*=\s*([^=]*?)[\s,]*(?=\w+\s*=|$)", words)
+    return {name: ast.literal_eval(re.sub(r"\.(true|false)\.", lambda word: word[1].title(), value)) for name, value in named}
 
 
 class Workplace:

@@ -12,24 +12,12 @@ from ..result import NothingToDraw, swept_inputs
 from .describe import description_of, effects_of, file_of, title_of
 from .head import Head
 from .labels import symbol_of, value_text
+from .scene import groups_of
 from .select import spread
 from .units import units_of, with_unit
 
 MAX_PAIRS = 4
-INPUTS = (
-    "beam",
-    "support",
-    "body",
-    "rotation",
-    "stiffening",
-    "shear",
-    "damping",
-    "impact",
-    "capture",
-    "release",
-    "modes",
-    "response",
-)
+NOT_COMPARED = ("scene", "record", "spectrum", "identify", "sweep")  # groups that say nothing of the beam and its motion
 
 
 class Pair(NamedTuple):
@@ -91,7 +79,9 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> str:
     effects = [effects_of(first), effects_of(second)]
     for letter, mine, others in zip("AB", effects, reversed(effects)):
         words += [f"{name} in {letter} alone" for name in mine if name not in others]
-    for name in [str(name) for name in first.variables if name in second and str(name).split("_")[0] in INPUTS]:
+    groups = {group.name for ds in (first, second) for group in groups_of(ds)}.difference(NOT_COMPARED)
+    inputs = tuple(f"{group}_" for group in groups)
+    for name in [str(name) for name in first.variables if name in second and str(name).startswith(inputs)]:
         mine, other = first[name], second[name]
         if mine.shape != other.shape or not np.array_equal(mine.values, other.values):
             words.append(f"{symbol_of(name)}\u00a0=\u00a0{_values(mine)} and {_values(other)}")

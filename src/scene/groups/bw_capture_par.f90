@@ -12,7 +12,7 @@ module bw_capture_par
   end type capture_par
 
   type(input_group), parameter, public :: capture_group = input_group( &
-    'capture', needs='impact', is_effect=.true., absent='the mass rebounds')
+    'capture', needs='impact', is_event=.true., absent='the mass rebounds')
 
   type(input_name), parameter, public :: capture_names(*) = [ &
     input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., changes_shapes=.true., &

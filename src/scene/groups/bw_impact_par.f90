@@ -20,7 +20,7 @@ module bw_impact_par
   end type impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
-    'impact', is_effect=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
+    'impact', is_event=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
     rules='Give `mass` or `mass_ratio`. A positive `approach_velocity` drives the beam towards positive displacement; with '// &
     'the opposite sign all of the motion has the opposite sign. `restitution` is the velocity at which mass and beam '// &
     'separate over that at which they met: with 0 they go on together, with 1 no energy is lost. With `&capture` a '// &

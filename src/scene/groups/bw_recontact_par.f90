@@ -1,20 +1,19 @@
 module bw_recontact_par
   !! `&recontact`: a mass that rebounded may strike the beam again.
   use bw_input_name, only: input_group, input_name, integer_input, number_range
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
-  use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_recontact, check_recontact
+  public :: build_recontact
 
   type, public :: recontact_par
     integer :: max_contacts = 100       !! contacts after the first impact that are followed, and the motion up to one more
   end type recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
-    'recontact', needs='impact response', is_effect=.true., absent='a rebounded mass never returns', &
-    rules='It excludes `&capture`. After the rebound the mass slides without friction in a straight guide that '// &
+    'recontact', needs='impact response', excludes='capture', is_event=.true., absent='a rebounded mass never returns', &
+    rules='After the rebound the mass slides without friction in a straight guide that '// &
     'turns with the hub, and can meet the beam again where it struck. Contacts that follow each other ever faster are taken '// &
     'for one that lasts until the mass is no longer pressed against the beam. Where there are more than `max_contacts`, the '// &
     'histories are missing from the next one on.')
@@ -24,18 +23,6 @@ module bw_recontact_par
                meaning='largest number of contacts after the impact')]
 
 contains
-
-  pure subroutine check_recontact(groups, messages)
-    !! A captured mass does not come back.
-    type(group_values), intent(in) :: groups(:)
-    type(message_list), intent(inout) :: messages
-    integer :: recontact, capture
-    recontact = position_of(groups, 'recontact')
-    capture = position_of(groups, 'capture')
-    if (recontact == 0 .or. capture == 0) return
-    call messages%add(max(groups(recontact)%line, groups(capture)%line), '&recontact', &
-                      'excludes &capture: a mass that stays does not come back; accepted: one or the other')
-  end subroutine check_recontact
 
   pure type(recontact_par) function build_recontact(values) result(recontact)
     !! From checked values.

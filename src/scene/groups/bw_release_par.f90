@@ -12,7 +12,7 @@ module bw_release_par
   end type release_par
 
   type(input_group), parameter, public :: release_group = input_group( &
-    'release', needs='capture', is_effect=.true., absent='a captured mass stays', &
+    'release', needs='capture', is_event=.true., absent='a captured mass stays', &
     rules='A sample at exactly that time shows the beam without the mass. A time after the end of the histories '// &
     'changes nothing.')
 

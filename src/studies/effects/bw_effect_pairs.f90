@@ -1,64 +1,94 @@
 module bw_effect_pairs
-  !! For each effect two scenes, one with it and one without, all else as in the scene that is studied. One of the two is
-  !! that scene itself wherever it can be. An effect that is off is tried with a value that follows from the scene, which
+  !! For each row of the table of effects two scenes, one with it and one without, all else as in the scene that is studied. One of
+  !! the two is that scene itself wherever it can be. An effect that is off is tried with a value that follows from the scene, which
   !! the row's remark says.
   use bw_kinds, only: dp, qp
   use bw_beam_par, only: area_of, beam_mass, beam_par, second_moment_of
   use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_modes
-  use bw_damping_par, only: usual_ratio
   use bw_effect_list, only: effect_off, effect_on, effect_row
-  use bw_missing, only: rounded
+  use bw_effect_table, only: effect_table, effect_type, of_duration, of_first_speed, of_section, of_sphere, own_unit, &
+    plain
+  use bw_input_name, only: has_word
+  use bw_input_table, only: group_table, name_row, name_table
+  use bw_missing, only: is_missing, missing, rounded
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
+  use bw_scene_scales, only: own_size
   use bw_scene_variant, only: has_group, scene_variants, with_group, with_value, without_group
-  use bw_text, only: shortest, text_of
+  use bw_shear_par, only: shear_par, usual_coefficient
+  use bw_text, only: replaced, shortest, string, text_of, words_of
   implicit none (type, external)
   private
   public :: pairs_of
 
-  real(dp), parameter :: tried_speed = 0.4_dp      !! of the speed at which mode 1 would be unstable
-  real(dp), parameter :: tried_release = 0.5_dp    !! of the duration
-  real(dp), parameter :: tried_mass = 0.01_dp      ! of the beam's
-  real(dp), parameter :: tried_shear = 0.85_dp     !! coefficient of a section whose shape is not known: a rectangle's
-
   type, public :: compared_scenes
     !! All rows, and every scene that they take, each once; the first is the one that is studied.
-    type(effect_row), allocatable :: rows(:)       !! in the order in which they are shown
+    type(effect_row), allocatable :: rows(:)       !! in the order of the table
     type(scene_variants) :: variants
+    real(dp), private :: first_speed = missing     !! that of `find_first_speed`, rad/s; missing where it was not asked for yet
+    logical, private :: grows = .false.            !! there mode 1 grows
   end type compared_scenes
 
 contains
 
   subroutine pairs_of(scene, list)
-    !! Find the pair of scenes for each effect. A new effect is a call here.
+    !! Find the pair of scenes for each effect.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(compared_scenes), intent(out) :: list
-    character(:), allocatable :: text, never
-    integer :: place
+    character(:), allocatable :: text, reason
+    integer :: place, i
     allocate (list%rows(0))
     text = without_group(resolved_text(scene), 'spectrum')
     if (.not. scene%modes%asked) text = with_value(text, 'modes', 'tolerance', '')    ! each variant relaxes its own
     list%variants%file = scene%file
-    call list%variants%find(text, place, never)    ! the scene that is studied has been read before and is not refused now
-    call pair_rotation(scene, text, list)
-    call pair_stiffening(text, list)
-    call pair_shear(scene, text, list)
-    call pair_group(text, 'damping', 'ratio = '//text_of(usual_ratio), list, &
-                    'tried with ratio = '//text_of(usual_ratio))
-    call pair_body(scene, text, list)
-    call pair_capture(scene, text, list)
-    call pair_release(scene, text, list)
-    call pair_recontact(text, list)
-    call pair_pieces(scene, text, list)
-    call pair_support(scene, text, list)
-    call pair_group(text, 'body', 'position = 0.5, mass_ratio = '//text_of(tried_mass), list, &
-                    'tried with a mass of '//text_of(tried_mass)//' of the beam''s at the midpoint')
-    call pair_position(scene, text, list)
+    call list%variants%find(text, place, reason)   ! the scene that is studied has been read before and is not refused now
+    do i = 1, size(effect_table)
+      reason = why_not_compared(scene, text, effect_table(i))
+      if (reason /= '') then
+        call leave_out(list, effect_table(i)%name, reason)
+      else if (effect_table(i)%name == 'pieces') then
+        call pair_pieces(scene, text, effect_table(i), list)
+      else if (effect_table(i)%input /= '') then
+        call pair_values(scene, text, effect_table(i), list)
+      else
+        call pair_groups(scene, text, effect_table(i), list)
+      end if
+    end do
   end subroutine pairs_of
+
+  pure function why_not_compared(scene, text, effect) result(reason)
+    !! Why an effect cannot be tried beside a scene; empty where it can.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(effect_type), intent(in) :: effect
+    character(:), allocatable :: reason
+    reason = ''
+    if (effect%excludes /= '') then
+      if (any_group(text, effect%excludes, is_there=.true.)) reason = 'excludes &'//trim(effect%excludes)
+    end if
+    if (reason == '' .and. any_group(text, effect%needs, is_there=.false.)) reason = 'needs &'// &
+      replaced(trim(effect%needs), ' ', ' and &')
+    if (reason == '' .and. effect%counted .and. has_group(text, trim(effect%groups)) .and. by_tolerance(scene%modes)) &
+      reason = 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added'
+  end function why_not_compared
+
+  pure logical function any_group(text, groups, is_there)
+    !! Whether any of some groups is in a text, or is not.
+    character(*), intent(in) :: text
+    character(*), intent(in) :: groups             !! by blanks
+    logical, intent(in) :: is_there
+    type(string), allocatable :: names(:)
+    integer :: i
+    names = words_of(groups)
+    any_group = .false.
+    do i = 1, size(names)
+      any_group = any_group .or. (has_group(text, names(i)%text) .eqv. is_there)
+    end do
+  end function any_group
 
   subroutine leave_out(list, effect, reason)
     !! A row of an effect that cannot be tried beside this scene.
@@ -106,37 +136,103 @@ contains
     call move_alloc(rows, list%rows)
   end subroutine add_row
 
-  subroutine pair_group(text, group, values, list, remark)
-    !! A row of an effect that is a group: it is taken out where the scene has it, else tried with some values.
-    character(*), intent(in) :: text
-    character(*), intent(in) :: group
-    character(*), intent(in) :: values             !! to try; empty: all defaults
-    type(compared_scenes), intent(inout) :: list
-    character(*), intent(in) :: remark             !! on what is tried
-    if (has_group(text, group)) then
-      call add_pair(list, group, .true., text, without_group(text, group), '')
-    else
-      call add_pair(list, group, .false., with_group(text, group, values), text, remark)
-    end if
-  end subroutine pair_group
-
-  subroutine pair_pieces(scene, text, list)
-    !! Pair a beam of several pieces with a uniform one.
+  subroutine pair_groups(scene, text, effect, list)
+    !! A row of an effect that groups switch: they are taken out where the scene has them all, else those that it lacks are added.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
+    type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
-    real(dp), parameter :: softer = 0.9_dp                 ! E of the outer half
-    character(:), allocatable :: length, moduli
+    type(string), allocatable :: groups(:)
+    character(:), allocatable :: base, with, values, remark
+    integer :: i
+    base = text
+    if (effect%alone) base = without_dependents(text, effect%groups)
+    with = base
+    remark = trim(effect%remark_on)
+    if (any_group(base, effect%groups, is_there=.false.)) then
+      groups = words_of(effect%groups)
+      values = trim(effect%values)
+      if (has_group(base, groups(1)%text)) values = ''
+      call find_values(scene, effect, list, values, remark)
+      do i = 1, size(groups)
+        if (.not. has_group(base, groups(i)%text)) with = with_group(without_excluded(with, groups(i)%text), groups(i)%text, values)
+        values = ''
+      end do
+    end if
+    call add_pair(list, effect%name, with == base, with, without_groups(base, effect%groups), remark)
+  end subroutine pair_groups
+
+  pure function without_groups(text, groups) result(edited)
+    !! The text without some groups and those that need them.
+    character(*), intent(in) :: text, groups
+    character(:), allocatable :: edited
+    type(string), allocatable :: names(:)
+    integer :: i
+    edited = without_dependents(text, groups)
+    names = words_of(groups)
+    do i = 1, size(names)
+      edited = without_group(edited, names(i)%text)
+      if (names(i)%text == 'capture') edited = with_value(edited, 'modes', 'after', '')    ! there is one set of modes then
+    end do
+  end function without_groups
+
+  pure function without_dependents(text, groups) result(edited)
+    !! The text without the groups that need one of some groups.
+    character(*), intent(in) :: text, groups
+    character(:), allocatable :: edited
+    integer :: i
+    edited = text
+    do i = 1, size(group_table)
+      if (group_table(i)%needs /= '' .and. has_word(groups, group_table(i)%needs)) &
+        edited = without_group(edited, trim(group_table(i)%name))
+    end do
+  end function without_dependents
+
+  pure function without_excluded(text, group) result(edited)
+    !! The text without the groups that exclude a group.
+    character(*), intent(in) :: text, group
+    character(:), allocatable :: edited
+    integer :: i
+    edited = text
+    do i = 1, size(group_table)
+      if (has_word(group_table(i)%excludes, group)) edited = without_group(edited, trim(group_table(i)%name))
+    end do
+  end function without_excluded
+
+  subroutine pair_values(scene, text, effect, list)
+    !! A row of an effect that the value of a name switches.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(effect_type), intent(in) :: effect
+    type(compared_scenes), intent(inout) :: list
+    character(:), allocatable :: without, on, remark
+    without = with_value(text, trim(effect%groups), trim(effect%input), trim(effect%off))
+    if (without /= text) then
+      call add_pair(list, effect%name, .true., text, without, trim(effect%remark_on))
+    else
+      on = trim(effect%on)
+      call find_values(scene, effect, list, on, remark)
+      call add_pair(list, effect%name, .false., with_value(text, trim(effect%groups), trim(effect%input), on), without, remark)
+    end if
+  end subroutine pair_values
+
+  subroutine pair_pieces(scene, text, effect, list)
+    !! Pair a beam of several pieces with a uniform one, or a uniform one with one whose outer half is softer.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(effect_type), intent(in) :: effect
+    type(compared_scenes), intent(inout) :: list
+    character(:), allocatable :: length, softer, remark
     associate (beam => scene%beam)
       if (allocated(beam%pieces)) then
-        call add_pair(list, 'pieces', .true., text, with_group(text, 'beam', mean_beam(beam)), &
-                      'beside a uniform beam of the same length and mass, and of the mean E I')
+        call add_pair(list, effect%name, .true., text, with_group(text, 'beam', mean_beam(beam)), trim(effect%remark_on))
       else
+        softer = ''
+        call find_values(scene, effect, list, softer, remark)
         length = text_of(0.5_dp*beam%length)
-        moduli = text_of(beam%youngs_modulus)//', '//text_of(softer*beam%youngs_modulus)
-        call add_pair(list, 'pieces', .false., with_value(with_value(text, 'beam', 'length', length//', '//length), 'beam', &
-                                                          'youngs_modulus', moduli), text, &
-                      'tried with an outer half whose youngs_modulus is '//text_of(softer)//' of that of the inner one')
+        softer = text_of(beam%youngs_modulus)//', '//text_of(effect%tried*beam%youngs_modulus)
+        call add_pair(list, effect%name, .false., with_value(with_value(text, 'beam', 'length', length//', '//length), 'beam', &
+                                                             'youngs_modulus', softer), text, remark)
       end if
     end associate
   end subroutine pair_pieces
@@ -157,130 +253,60 @@ contains
     end associate
   end function mean_beam
 
-  subroutine pair_support(scene, text, list)
-    !! Pair a root that gives with a clamped one.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
+  subroutine find_values(scene, effect, list, values, remark)
+    !! Put the number with which an effect is tried where `@` stands in the values, and in the remark on them. What is measured by
+    !! the beam has three digits.
+    type(scene_type), intent(in) :: scene          !! without the effect
+    type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
-    real(dp), parameter :: tried_stiffness = 100.0_dp      ! of EI/l
-    character(:), allocatable :: stiffness
-    associate (beam => scene%beam)
-      stiffness = shortest(tried_stiffness*beam%youngs_modulus*beam%second_moment/beam%length, 3)
-    end associate
-    call pair_group(text, 'support', 'rotational_stiffness = '//stiffness, list, &
-                    'tried with rotational_stiffness = '//stiffness//' N m/rad, '//shortest(tried_stiffness, 3)//' EI/l')
-  end subroutine pair_support
+    character(:), allocatable, intent(inout) :: values
+    character(:), allocatable, intent(out) :: remark
+    type(shear_par) :: usual
+    character(:), allocatable :: digits
+    real(dp) :: number
+    remark = trim(effect%remark_off)
+    if (index(values//remark, '@') == 0) return
+    select case (effect%measure)
+    case (plain); number = effect%tried
+    case (own_unit); number = effect%tried*own_size(unit_of(trim(effect%groups), values), scene%beam)
+    case (of_first_speed)
+      if (is_missing(list%first_speed)) call find_first_speed(scene, list)
+      number = effect%tried*list%first_speed
+      if (list%grows .and. index(remark, '@') > 0) remark = remark//', '//text_of(effect%tried)// &
+        ' of the speed at which mode 1 would be unstable'
+    case (of_sphere); number = effect%tried*sphere_inertia(scene)
+    case (of_duration); number = effect%tried*scene%response%duration
+    case (of_section)
+      number = effect%tried*usual_coefficient(usual%poisson_ratio, scene%beam%round)
+      remark = remark//', that of a solid '//trim(merge('circle   ', 'rectangle', scene%beam%round))
+    end select
+    digits = text_of(number)
+    if (any(effect%measure == [own_unit, of_first_speed, of_sphere])) digits = shortest(number, 3)
+    values = replaced(values, '@', digits)
+    remark = replaced(remark, '@', shortest(number, 3))
+  end subroutine find_values
 
-  subroutine pair_position(scene, text, list)
-    !! Pair a blow inboard with one at the tip.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    character(*), parameter :: tried = '0.9'
-    if (.not. allocated(scene%impact)) then
-      call leave_out(list, 'position', 'needs &impact')
-    else if (scene%impact%position < 1.0_dp) then
-      call add_pair(list, 'position', .true., text, with_value(text, 'impact', 'position', '1'), 'beside a blow at the tip')
-    else
-      call add_pair(list, 'position', .false., with_value(text, 'impact', 'position', tried), text, &
-                    'a blow at xi = '//tried//' beside one at the tip')
-    end if
-  end subroutine pair_position
+  pure function unit_of(group, values) result(unit)
+    !! The unit of what values give.
+    character(*), intent(in) :: group
+    character(*), intent(in) :: values             !! `name = value`
+    character(:), allocatable :: unit
+    unit = name_table(name_row(group, values(:index(values, ' =') - 1)))%unit
+  end function unit_of
 
-  subroutine pair_rotation(scene, text, list)
-    !! Pair rotation without tension, with it, and in the other plane.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    character(:), allocatable :: turning, resting, remark
-    logical :: holds, is_on
-    real(dp) :: speed
-    is_on = has_group(text, 'rotation')
-    resting = without_group(without_group(text, 'stiffening'), 'rotation')
-    turning = without_group(text, 'stiffening')
-    remark = 'without tension'
-    if (.not. is_on) then
-      call find_usual_speed(scene, speed, holds)
-      turning = with_group(resting, 'rotation', 'angular_velocity = '//text_of(speed))
-      remark = 'tried in plane at '//shortest(speed, 6)//' rad/s'
-      if (holds) remark = remark//', '//text_of(tried_speed)//' of the speed at which mode 1 would be unstable'
-    end if
-    call add_pair(list, 'rotation', is_on, turning, resting, remark)
-    remark = 'rotation and stiffening, beside neither of them'
-    if (.not. has_group(text, 'stiffening')) then
-      turning = with_group(turning, 'stiffening', '')
-      remark = remark//'; the tension is that of a hub without radius'
-    else
-      turning = text
-    end if
-    call add_pair(list, 'rotation_with_tension', is_on .and. has_group(text, 'stiffening'), turning, resting, remark)
-    if (.not. is_on) then
-      call leave_out(list, 'out_of_plane', 'needs &rotation')
-    else
-      call add_pair(list, 'out_of_plane', scene%rotation%plane == 'out', with_value(text, 'rotation', 'plane', "'out'"), &
-                    with_value(text, 'rotation', 'plane', "'in'"), 'the rotation, out of the plane of the motion beside in it')
-    end if
-  end subroutine pair_rotation
-
-  subroutine find_usual_speed(scene, speed, holds)
-    !! An angular velocity to try, rad/s, with three digits.
+  subroutine find_first_speed(scene, list)
+    !! Find the angular velocity at which mode 1 would be unstable, or, where there is none, one that belongs to the beam.
     type(scene_type), intent(in) :: scene          !! that does not rotate
-    real(dp), intent(out) :: speed
-    logical, intent(out) :: holds                  !! there is a speed at which mode 1 would be unstable, of which it is a part
+    type(compared_scenes), intent(inout) :: list
     type(beam_units) :: units
     type(case_modes) :: modes
     type(silent_monitor) :: monitor
-    character(:), allocatable :: digits
     units = units_of(scene%beam)
     call find_modes(scene, units, monitor, modes)
-    speed = modes%configuration(size(modes%configuration))%set%critical_speed%hi
-    holds = speed > 0.0_dp
-    if (.not. holds) speed = 1.0_dp
-    digits = shortest(tried_speed*speed*units%frequency, 3)
-    read (digits, *) speed
-  end subroutine find_usual_speed
-
-  subroutine pair_stiffening(text, list)
-    !! Pair the tension beside the same rotation without it.
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    if (has_group(text, 'rotation')) then
-      call pair_group(text, 'stiffening', '', list, 'tried with hub_radius = 0')
-    else
-      call leave_out(list, 'stiffening', 'needs &rotation')
-    end if
-  end subroutine pair_stiffening
-
-  subroutine pair_shear(scene, text, list)
-    !! Pair a beam that shears with one that does not.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    character(*), parameter :: remark = 'tried with poisson_ratio = 0.3 and '
-    if (scene%beam%round) then
-      call pair_group(text, 'shear', '', list, remark//'the shear_coefficient of a solid circle')
-    else
-      call pair_group(text, 'shear', 'shear_coefficient = '//text_of(tried_shear), list, &
-                      remark//'shear_coefficient = '//text_of(tried_shear)//', a rectangle''s')
-    end if
-  end subroutine pair_shear
-
-  subroutine pair_body(scene, text, list)
-    !! Pair a captured body that has rotary inertia with a point mass.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    character(:), allocatable :: inertia
-    if (.not. has_group(text, 'capture')) then
-      call leave_out(list, 'body_inertia', 'needs &capture')
-    else if (scene%capture%rotary_inertia > 0.0_dp) then
-      call add_pair(list, 'body_inertia', .true., text, with_value(text, 'capture', 'rotary_inertia', '0'), '')
-    else
-      inertia = shortest(sphere_inertia(scene), 3)
-      call add_pair(list, 'body_inertia', .false., with_value(text, 'capture', 'rotary_inertia', inertia), text, &
-                    'tried with rotary_inertia = '//inertia//' kg m2, a solid sphere of the beam''s density')
-    end if
-  end subroutine pair_body
+    list%first_speed = modes%configuration(size(modes%configuration))%set%critical_speed%hi*units%frequency
+    list%grows = list%first_speed > 0.0_dp
+    if (.not. list%grows) list%first_speed = units%frequency
+  end subroutine find_first_speed
 
   pure real(dp) function sphere_inertia(scene) result(inertia)
     !! The rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
@@ -290,49 +316,5 @@ contains
       inertia = 0.4_dp*mass*(0.75_dp*mass/pi/scene%beam%density)**(2.0_dp/3.0_dp)
     end associate
   end function sphere_inertia
-
-  subroutine pair_capture(scene, text, list)
-    !! Pair a mass that stays with one that rebounds.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    if (.not. has_group(text, 'impact')) then
-      call leave_out(list, 'capture', 'needs &impact')
-    else if (.not. has_group(text, 'capture')) then
-      call add_pair(list, 'capture', .false., with_group(without_group(text, 'recontact'), 'capture', ''), text, '')
-    else if (by_tolerance(scene%modes)) then
-      call leave_out(list, 'capture', 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added')
-    else
-      call add_pair(list, 'capture', .true., text, &
-                    with_value(without_group(without_group(text, 'release'), 'capture'), 'modes', 'after', ''), &
-                    'beside a rebound of as many modes as before the capture')
-    end if
-  end subroutine pair_capture
-
-  subroutine pair_release(scene, text, list)
-    !! Pair a mass that leaves with one that stays.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    if (has_group(text, 'capture') .and. has_group(text, 'response')) then
-      call pair_group(text, 'release', 'time = '//text_of(tried_release*scene%response%duration), list, &
-                      'tried at half of the duration')
-    else
-      call leave_out(list, 'release', 'needs &capture and &response')
-    end if
-  end subroutine pair_release
-
-  subroutine pair_recontact(text, list)
-    !! Pair a mass that returns with one that does not.
-    character(*), intent(in) :: text
-    type(compared_scenes), intent(inout) :: list
-    if (has_group(text, 'capture')) then
-      call leave_out(list, 'recontact', 'excludes &capture')
-    else if (has_group(text, 'impact') .and. has_group(text, 'response')) then
-      call pair_group(text, 'recontact', '', list, '')
-    else
-      call leave_out(list, 'recontact', 'needs &impact and &response')
-    end if
-  end subroutine pair_recontact
 
 end module bw_effect_pairs

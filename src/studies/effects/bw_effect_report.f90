@@ -3,6 +3,7 @@ module bw_effect_report
   use bw_kinds, only: dp
   use bw_columns, only: right
   use bw_effect_list, only: effect_list, effect_not_combined, effect_on, effect_row, largest_change, state_words
+  use bw_effect_table, only: in_words
   use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
   use bw_stopwatch, only: processor_name
@@ -10,7 +11,7 @@ module bw_effect_report
   use bw_text, only: percent, shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: effect_report, name_of
+  public :: effect_report
 
   integer, parameter :: middle = 3         !! a mode between the first and the last that is shown
   character(*), parameter :: by_mode = 'effect mode'   !! dimensions in the file
@@ -46,7 +47,7 @@ contains
     call lines%append_line('  '//list%tolerance_source//'.')
     do i = 1, size(list%rows)
       if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') then
-        call lines%append_line('  '//name_of(list%rows(i))//': '//list%rows(i)%remark)
+        call lines%append_line('  '//in_words(list%rows(i)%effect)//': '//list%rows(i)%remark)
       end if
     end do
     text = lines%text()
@@ -60,7 +61,7 @@ contains
     character(21) :: name
     character(3) :: state
     character(:), allocatable :: cost
-    name = name_of(row)
+    name = in_words(row%effect)
     text = '  '//name
     if (row%state == effect_not_combined) then
       text = text//'  -        '//row%remark
@@ -74,17 +75,6 @@ contains
       right(signed(largest_change(row%phase_velocity_change)), 9)//right(signed(largest_change(row%group_velocity_change)), 9)// &
       right(part(row%response_change), 10)//right(cost, 8)//'  '//verdict(row)
   end function row_line
-
-  pure function name_of(row) result(name)
-    !! The name of an effect in words.
-    type(effect_row), intent(in) :: row
-    character(:), allocatable :: name
-    integer :: i
-    name = trim(row%effect)
-    do i = 1, len(name)
-      if (name(i:i) == '_') name(i:i) = ' '
-    end do
-  end function name_of
 
   pure function verdict(row) result(text)
     !! The words on whether an effect matters; a dash where numbers that are left out would have to say so.

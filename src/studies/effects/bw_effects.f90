@@ -6,7 +6,8 @@ module bw_effects
   use bw_case_result, only: case_done, case_result
   use bw_effect_list, only: compare_frequencies, compared_case, effect_list
   use bw_effect_pairs, only: compared_scenes, pairs_of
-  use bw_effect_report, only: effect_report, effect_values, name_of
+  use bw_effect_report, only: effect_report, effect_values
+  use bw_effect_table, only: in_words
   use bw_error, only: error_type, status_not_trusted
   use bw_hint, only: compared_modes
   use bw_modes_par, only: by_tolerance, default_tolerance
@@ -205,8 +206,8 @@ contains
       rows = ''
       do i = 1, size(state%list%rows)
         associate (row => state%list%rows(i))
-          if (place == row%place_with) rows = rows//', '//name_of(row)//' (the run with it)'
-          if (place == row%place_without) rows = rows//', '//name_of(row)//' (the run without it)'
+          if (place == row%place_with) rows = rows//', '//in_words(row%effect)//' (the run with it)'
+          if (place == row%place_without) rows = rows//', '//in_words(row%effect)//' (the run without it)'
         end associate
       end do
       if (place == 1) rows = ', the scene itself'

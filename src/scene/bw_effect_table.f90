@@ -1,0 +1,123 @@
+module bw_effect_table
+  !! The table of effects that a scene may have or lack: what each is called, which groups or which number of the scene switch it,
+  !! and with which values it is tried where the scene lacks it. `beamwave effects` runs each row with and without, `describe` lists
+  !! them. Beside it the corrections that `beamwave identify` tries on a model that does not explain its lines.
+  !!
+  !! Whether a group is an effect or an event, whether modes then have a closed form, and what it needs, is said in its own row of
+  !! the table of groups.
+  use bw_damping_par, only: usual_ratio
+  use bw_input_name, only: name_length
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: effect_row, in_words
+
+  integer, parameter, public :: plain = 1, own_unit = 2, of_first_speed = 3, of_sphere = 4, of_duration = 5, of_section = 6
+    !! what the number is measured in with which an effect is tried: nothing; what its unit is in the beam's own length, mass and
+    !! time; the speed at which mode 1 would be unstable; a sphere of the beam's density; the duration of the response; the usual
+    !! shear coefficient of the section
+
+  type, public :: effect_type
+    !! One effect. In texts `@` stands for the number with which it is tried.
+    character(21) :: name = ''                    !! in results; reports write its underscores as blanks
+    character(name_length) :: groups = ''         !! that switch it, by blanks
+    character(name_length) :: input = ''          !! the name that does; '': it is whether the groups are there
+    character(8) :: on = '', off = ''             !! values of that name with the effect and without it
+    character(36) :: values = ''                  !! of the first group, which is tried where the scene lacks it; '': all defaults
+    real(dp) :: tried = 0.0_dp                    !! the number
+    integer :: measure = plain                    !! what it is measured in
+    character(24) :: needs = '', excludes = ''    !! groups of the scene without or with which it is not compared, by blanks
+    logical :: alone = .false.                    !! compared without the groups that need its own
+    logical :: counted = .false.                  !! compared, where it is on, with counts of modes alone
+    character(96) :: remark_off = '', remark_on = ''   !! on what is tried where it is off, and beside what it stands where it is on
+    character(56) :: about = ''                   !! what is compared with what
+  end type effect_type
+
+  character(*), parameter :: both = 'rotation and stiffening, beside neither of them'
+
+  type(effect_type), parameter, public :: effect_table(*) = [ &
+    effect_type('rotation', 'rotation', values='angular_velocity = @', tried=0.4_dp, measure=of_first_speed, alone=.true., &
+                remark_off='tried in plane at @ rad/s', remark_on='without tension', about='without tension'), &
+    effect_type('rotation_with_tension', 'rotation stiffening', values='angular_velocity = @', tried=0.4_dp, &
+                measure=of_first_speed, remark_off=both//'; the tension is that of a hub without radius', remark_on=both, &
+                about='both, compared with neither'), &
+    effect_type('out_of_plane', 'rotation', 'plane', "'out'", "'in'", needs='rotation', &
+                remark_off='the rotation, out of the plane of the motion beside in it', &
+                remark_on='the rotation, out of the plane of the motion beside in it', about='compared with in plane'), &
+    effect_type('stiffening', 'stiffening', needs='rotation', remark_off='tried with hub_radius = 0'), &
+    effect_type('shear', 'shear', values='shear_coefficient = @', tried=1.0_dp, measure=of_section, &
+                remark_off='tried with poisson_ratio = 0.3 and shear_coefficient = @'), &
+    effect_type('damping', 'damping', values='ratio = @', tried=usual_ratio, remark_off='tried with ratio = @'), &
+    effect_type('body_inertia', 'capture', 'rotary_inertia', '@', '0', tried=1.0_dp, measure=of_sphere, needs='capture', &
+                remark_off='tried with rotary_inertia = @ kg m2, a solid sphere of the beam''s density', &
+                about='compared with a point mass'), &
+    effect_type('capture', 'capture', needs='impact', counted=.true., &
+                remark_on='beside a rebound of as many modes as before the capture', about='compared with a rebound'), &
+    effect_type('release', 'release', values='time = @', tried=0.5_dp, measure=of_duration, needs='capture response', &
+                remark_off='tried at half of the duration'), &
+    effect_type('recontact', 'recontact', needs='impact response', excludes='capture'), &
+    effect_type('pieces', 'beam', 'length', tried=0.9_dp, &
+                remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
+                remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
+                about='compared with a uniform beam of its mass and mean E I'), &
+    effect_type('support', 'support', values='rotational_stiffness = @', tried=100.0_dp, measure=own_unit, &
+                remark_off='tried with rotational_stiffness = @ N m/rad, 100 EI/l', about='compared with a clamped root'), &
+    effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &
+                remark_off='tried with a mass of @ of the beam''s at the midpoint', about='all bodies'), &
+    effect_type('position', 'impact', 'position', '@', '1', tried=0.9_dp, needs='impact', &
+                remark_off='a blow at xi = @ beside one at the tip', remark_on='beside a blow at the tip', &
+                about='compared with a blow at the tip')]
+
+  integer, parameter, public :: added = 1, given = 2, toggled = 3
+    !! a correction adds a group or a name; it changes what the scene gives; it switches the effect of its row over
+
+  type, public :: correction_type
+    !! What may be wrong with a model of a beam: an effect that it leaves out, or a number that it gives.
+    character(40) :: words = ''
+    character(name_length) :: group = ''          !! of the scene, or the effect that is switched over
+    integer :: kind = added
+    character(36) :: unknown = ''                 !! its numbers that are fitted, by blanks, at most two
+    real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges, in units of the beam's own length, mass and time
+    real(dp) :: factor = 0.0_dp                   !! or by how much the range is larger and smaller than what the scene gives
+    character(16) :: values = ''                  !! what else is set
+    logical :: neutral_at_last = .false.          !! at the end of its range an addition is the model without it, else at 0
+  end type correction_type
+
+  type(correction_type), parameter, public :: correction_table(*) = [ &
+    correction_type('shear and rotary inertia', 'shear'), &
+    correction_type('a root that turns', 'support', unknown='rotational_stiffness', first=0.1_dp, last=1.0e5_dp, &
+                    neutral_at_last=.true.), &
+    correction_type('a root that gives way', 'support', unknown='stiffness', first=1.0_dp, last=1.0e7_dp, &
+                    neutral_at_last=.true.), &
+    correction_type('a mass at the tip', 'body', unknown='mass', last=1.0_dp, values='position = 1'), &
+    correction_type('a mass on the beam', 'body', unknown='mass position', first=[0.0_dp, 0.02_dp], last=1.0_dp), &
+    correction_type('tension by rotation', 'stiffening'), &
+    correction_type('rotation in the other plane', 'out_of_plane', toggled), &
+    correction_type('another stiffness of the turning root', 'support', given, 'rotational_stiffness', factor=1.0e4_dp), &
+    correction_type('another stiffness of the root', 'support', given, 'stiffness', factor=1.0e4_dp), &
+    correction_type('another speed', 'rotation', given, 'angular_velocity', factor=3.0_dp), &
+    correction_type('another mass of the first body', 'body', given, 'mass', factor=30.0_dp), &
+    correction_type('another place of the first body', 'body', given, 'position', first=0.02_dp, last=1.0_dp), &
+    correction_type('a body''s rotary inertia', 'body', given, 'rotary_inertia', last=0.1_dp), &
+    correction_type('another modulus', 'beam', given, 'youngs_modulus', factor=3.0_dp)]
+
+contains
+
+  pure integer function effect_row(name)
+    !! Place of an effect in `effect_table`; 0 for an unknown one.
+    character(*), intent(in) :: name
+    effect_row = findloc(effect_table%name == name, .true., dim=1)
+  end function effect_row
+
+  pure function in_words(name) result(words)
+    !! The name of an effect in words.
+    character(*), intent(in) :: name
+    character(:), allocatable :: words
+    integer :: i
+    words = trim(name)
+    do i = 1, len(words)
+      if (words(i:i) == '_') words(i:i) = ' '
+    end do
+  end function in_words
+
+end module bw_effect_table
