@@ -33,6 +33,12 @@ for preset in "${presets[@]}"; do
 done
 if can_sanitize; then set_up sanitize --target fuzz; else without_sanitizers=yes; fi
 
+# slow_tests BUILD: each test of the last run that took ten seconds and more
+slow_tests() {
+  awk '/^  [a-z_0-9]+: / { name = $0 } /^ +[0-9.]+ s$/ && $1 >= 10 { print $1 " s" name }
+    /s (call|setup) / && $1 + 0 >= 10 { print }' "$1/Testing/Temporary/LastTest.log" | sort -rn
+}
+
 export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-3}  # kills, limits and job queues are waited for: room for one more
 cd "$root"
 failed=()
@@ -42,6 +48,8 @@ for preset in "${presets[@]}"; do
   rm -f "$hard_cases"
   in_group ctest --preset "$preset" --no-tests=error "$@" || failed+=("$preset")
   [ ! -f "$hard_cases" ] || cat "$hard_cases"
+  say 'tests that took ten seconds and more:'
+  slow_tests "build/${preset#default}"
 done
 if [ -z "$without_sanitizers" ]; then
   say 'testing the preset sanitize: the fuzz'

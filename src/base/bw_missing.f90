@@ -1,10 +1,11 @@
 module bw_missing
   !! The number that stands for 'does not exist' in arrays of results, and as `_FillValue` in files.
   !! A plain finite number, so that it passes floating-point traps.
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  public :: is_missing, rounded, scaled
+  public :: is_missing, no_number, rounded, scaled
 
   real(dp), parameter, public :: missing = 9.9692099683868690e+36_dp  !! NetCDF's own fill value for doubles
 
@@ -30,5 +31,10 @@ contains
     rounded = missing
     if (abs(value) <= huge(rounded)) rounded = real(value, dp)
   end function rounded
+
+  elemental real(dp) function no_number()
+    !! NaN: what cannot be, which the gate before the file reports as a fault of the program.
+    no_number = ieee_value(no_number, ieee_quiet_nan)
+  end function no_number
 
 end module bw_missing

@@ -117,7 +117,7 @@ module bw_mode_set
     function overlap_interface(self, from, amplitude, monitor) result(sums)
       !! What these modes see of a motion Σ_i a_iφ_i written in others: the sums over i of the weighted integrals of
       !! Φ_kφ_i, times a_i. Divided by the modal masses they are the motion's projection on these modes.
-      !! **Limits**: both sets were found in the same way, for the same beam.
+      !! **Limits**: both sets were found in the same way, for the same beam; else there is no number.
       import :: mode_set, monitor_type, dp
       implicit none (type, external)
       class(mode_set), intent(in) :: self

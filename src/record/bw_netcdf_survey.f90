@@ -224,11 +224,11 @@ contains
     places = lines%text()
   end subroutine find_places
 
-  pure subroutine list_columns(texts, source, where)
+  pure subroutine list_columns(texts, source, of_column)
     !! The columns of a file, from what was found in it.
     type(string), intent(in) :: texts(:)
     class(record_source), intent(inout) :: source    !! gets all but its path
-    type(netcdf_column), allocatable, intent(out) :: where(:)
+    type(netcdf_column), allocatable, intent(out) :: of_column(:)
     type(netcdf_column), allocatable :: facts(:)     ! of the variables; their place is how many columns they have
     type(column_type) :: column
     real(dp), allocatable :: places(:)
@@ -238,7 +238,7 @@ contains
     do v = 1, size(facts)
       read (texts(2 + texts_each*(v - 1) + 3)%text, *) facts(v)
     end do
-    allocate (source%columns(sum(facts%place)), where(sum(facts%place)))
+    allocate (source%columns(sum(facts%place)), of_column(sum(facts%place)))
     last = 0
     do v = 1, size(facts)
       first = 2 + texts_each*(v - 1)
@@ -252,8 +252,8 @@ contains
         source%columns(last) = column
         if (facts(v)%rank == 2) source%columns(last)%name = column%name//'('//text_of(c)//')'
         source%columns(last)%position = places(c)
-        where(last) = facts(v)
-        where(last)%place = c
+        of_column(last) = facts(v)
+        of_column(last)%place = c
       end do
     end do
   end subroutine list_columns

@@ -100,14 +100,14 @@ contains
     letters = scan(word//'0', '0123456789^+-') - 1
     power = 1
     stat = 0
+    digits = len(word)
     if (letters < len(word)) then
       digits = letters + 1
       if (word(digits:digits) == '^') digits = digits + 1
       read (word(digits:), '(i4)', iostat=stat) power
-      if (digits > len(word)) stat = 1
     end if
     call find_name(word(:letters), name, unit%known)
-    unit%known = unit%known .and. stat == 0 .and. abs(power) < 10
+    unit%known = unit%known .and. stat == 0 .and. digits <= len(word) .and. abs(power) < 10
     if (.not. unit%known) return
     unit%named = .true.
     unit%length = unit%length + sign*power*name%length

@@ -76,13 +76,17 @@ contains
   end subroutine start_tests
 
   subroutine run_test(suite, name, test)
-    !! The name is written before the test runs, so that a crash is told by the last line.
+    !! The name is written before the test runs, so that a crash is told by the last line; behind it the CPU time that it took.
     character(*), intent(in) :: suite, name
     procedure(test_procedure) :: test
+    real(real64) :: begin, end
     write (output_unit, '(a)') '  '//suite//': '//name
     flush (output_unit)
     has_failed = .false.
+    call cpu_time(begin)
     call test()
+    call cpu_time(end)
+    write (output_unit, '(f12.2,a)') end - begin, ' s'
     tests_run = tests_run + 1
     if (has_failed) tests_failed = tests_failed + 1
   end subroutine run_test

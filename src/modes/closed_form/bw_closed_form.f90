@@ -4,7 +4,7 @@ module bw_closed_form
   use bw_kinds, only: dp, qp
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
-  use bw_missing, only: missing
+  use bw_missing, only: missing, no_number
   use bw_mode_cache, only: cached_set, shape_table
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type, stops
@@ -219,7 +219,7 @@ contains
     class is (closed_form_set)
       sums = overlap_with_tip_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
     class default
-      error stop 'bw_closed_form: modes found in different ways have no overlap'
+      sums = no_number()
     end select
   end function overlap_with_mass
 
@@ -234,7 +234,7 @@ contains
     class is (closed_form_set)
       sums = overlap_without_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
     class default
-      error stop 'bw_closed_form: modes found in different ways have no overlap'
+      sums = no_number()
     end select
   end function overlap_of_beam
 

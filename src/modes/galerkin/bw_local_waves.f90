@@ -8,6 +8,7 @@ module bw_local_waves
   !! and shear P⁴ = λ, Eq. 2; at high speeds P is that of a string.
   use bw_kinds, only: dp
   use bw_lapack, only: dsterf
+  use bw_missing, only: no_number
   use bw_strain_basis, only: basis_values
   implicit none (type, external)
   private
@@ -85,6 +86,7 @@ contains
     allocate (node(n), source=0.5_dp)
     below = [(0.5_dp*j/sqrt((2.0_dp*j - 1.0_dp)*(2.0_dp*j + 1.0_dp)), j=1, n)]
     call dsterf(n, node, below, info)
+    if (info /= 0) node = no_number()
     weight = 1.0_dp/sum(basis_values(n, node)**2, dim=1)
   end subroutine gauss_rule
 

@@ -7,6 +7,7 @@ module bw_strain_system
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_lapack, only: dpbtrf
+  use bw_missing, only: no_number
   use bw_piece_strains, only: columns_of, ends_of, forces_on, layout_of, motions_of, piece_forces, piece_motions, strain_layout
   use bw_strain_basis, only: times_polynomial
   use bw_varying_beam, only: varying_beam
@@ -270,6 +271,7 @@ contains
       c(:d, j) = unit(j:j + d - 1)
     end do
     call dpbtrf('L', n, size(law) - 1, c, size(law), info)
+    if (info /= 0) c = no_number()                     ! and so is the system, which has no factor then
   end subroutine factor_weight
 
 end module bw_strain_system

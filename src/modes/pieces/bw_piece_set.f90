@@ -7,6 +7,7 @@ module bw_piece_set
   use bw_damping, only: damping_law
   use bw_double_double, only: dd, to_quad, operator(+), operator(*)
   use bw_kinds, only: dp, qp
+  use bw_missing, only: no_number
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_piece_overlap, only: overlap_sums, piece_modes
@@ -126,7 +127,7 @@ contains
     class is (piece_set)
       sums = overlap_sums(self%modes, from%modes, amplitude, .true., monitor)
     class default
-      error stop 'bw_piece_set: modes found in different ways have no overlap'
+      sums = no_number()
     end select
   end function overlap_with_mass
 
@@ -140,7 +141,7 @@ contains
     class is (piece_set)
       sums = overlap_sums(self%modes, from%modes, amplitude, .false., monitor)
     class default
-      error stop 'bw_piece_set: modes found in different ways have no overlap'
+      sums = no_number()
     end select
   end function overlap_of_beam
 

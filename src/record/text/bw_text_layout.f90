@@ -5,6 +5,7 @@ module bw_text_layout
   !! Each separator is tried; the one by which most fields are numbers is taken. Rows have as many fields as most lines with
   !! numbers have, and begin with the first such line that has numbers wherever most of them have. What stands before is header.
   use bw_error, only: error_type, fail, status_bad_file
+  use bw_kinds, only: dp
   use bw_probed_lines, only: any_number, is_row, number_columns, numbers_in, probe, probed_line, usual_count
   use bw_record, only: column_type
   use bw_text, only: string, text_of
@@ -36,14 +37,14 @@ contains
     type(probed_line) :: probed(size(lines))
     integer :: i, n, numbers, most, columns
     character(:), allocatable :: where_text
-    real :: share, largest_share
+    real(dp) :: share, largest_share
     most = 0
-    largest_share = 0.0
+    largest_share = 0.0_dp
     do i = 1, size(separators)
       call probe_all(lines, separators(i), probed)
       columns = usual_count(probed)
       numbers = numbers_in(probed, number_columns(probed, columns))
-      share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
+      share = real(numbers, dp)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
                                                    n=1, size(lines))]))
       if (numbers < most .or. (numbers == most .and. share <= largest_share)) cycle
       most = numbers

@@ -120,6 +120,7 @@ contains
     real(dp), allocatable, intent(out) :: position(:)  !! bins; none if the degree is too high
     real(dp), allocatable, intent(out) :: growth(:)    !! logarithm of growth over the record
     complex(dp) :: reduced(rank, rank), pole(rank)
+    logical :: found
     integer :: i
     allocate (position(0), growth(0))
     if (rank > size(pencil%singular)) return
@@ -127,7 +128,9 @@ contains
     do i = 1, rank
       reduced(i, :) = pencil%shifted(i, :rank)/pencil%singular(i)
     end do
-    pole = pencil%count*logarithm(eigenvalues(reduced)*cmplx(0, 2*pi, dp)/pencil%count)
+    call find_eigenvalues(reduced, pole, found)
+    if (.not. found) return
+    pole = pencil%count*logarithm(pole*cmplx(0, 2*pi, dp)/pencil%count)
     position = pencil%middle + pole%im/(2*pi)
     growth = pole%re
   end subroutine find_poles
@@ -198,12 +201,14 @@ contains
     work = 0
     scratch = 0
     call zgesvd('S', 'S', m, n, a, m, singular, left, m, right, n, work, size(work), scratch, info)
+    if (info /= 0) singular = 0                   ! no pole stands out
   end subroutine singular_vectors
 
-  function eigenvalues(matrix) result(values)
-    !! The eigenvalues of a square matrix.
+  subroutine find_eigenvalues(matrix, values, found)
+    !! Find the eigenvalues of a square matrix.
     complex(dp), intent(in) :: matrix(:, :)
-    complex(dp) :: values(size(matrix, 1))
+    complex(dp), intent(out) :: values(size(matrix, 1))
+    logical, intent(out) :: found                 !! all of them
     complex(dp) :: a(size(matrix, 1), size(matrix, 1) + spare), none(1, 1), work(32*size(matrix, 1))
     real(dp) :: scratch(2*size(matrix, 1))
     integer :: n, info
@@ -215,6 +220,7 @@ contains
     work = 0
     scratch = 0
     call zgeev('N', 'N', n, a, n, values, none, 1, none, 1, work, size(work), scratch, info)
-  end function eigenvalues
+    found = info == 0
+  end subroutine find_eigenvalues
 
 end module bw_line_poles

@@ -2,6 +2,7 @@ module bw_separation
   !! Numbers of known correlations turned into independent ones.
   use bw_kinds, only: dp
   use bw_lapack, only: dsyev
+  use bw_missing, only: no_number
   implicit none (type, external)
   private
   public :: separation_of
@@ -18,7 +19,7 @@ contains
     integer :: s, info
     vectors = correlation
     call dsyev('V', 'U', size(values), vectors, size(values), values, work, size(work), info)
-    if (info /= 0) error stop 'the eigenvalues of correlations did not converge'
+    if (info /= 0) values = no_number()
     do s = 1, size(values)
       separating(:, s) = vectors(:, s)/sqrt(max(values(s), least))
     end do

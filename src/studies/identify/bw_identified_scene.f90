@@ -93,7 +93,8 @@ contains
     character(:), allocatable :: draft
     logical :: taken
     integer :: problem, ignored
-    if (holds(path, text, error) .or. allocated(error)) return
+    if (holds(path, text, error)) return
+    if (allocated(error)) return
     call work%plan(result, overwrite)
     work%parts = 2                                       ! the lock is taken for moments, beside parts that may be at work
     call work%begin(error)

@@ -1,5 +1,6 @@
 # Runs PROGRAM and compares its output with the file EXPECTED and its exit status with 1.
 execute_process(COMMAND "${PROGRAM}" OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE status)
+string(REGEX REPLACE "\n +[0-9.]+ s\n" "\n" output "${output}")
 file(READ "${EXPECTED}" expected)
 if(NOT output STREQUAL expected)
   message(FATAL_ERROR "expected:\n${expected}\nwritten:\n${output}")
