@@ -1,11 +1,24 @@
 module bw_columns
-  !! Numbers in the columns of a printed report.
+  !! Tables of printed reports, and numbers in their columns.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_text, only: shortest, text_builder, text_of
+  use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
-  public :: fixed, numbered_rows, right, seconds_text
+  public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error
+
+  character, parameter :: mark = '|'                !! between the cells of a row
+
+  type, public :: text_table
+    !! Columns with a name and a unit each. Words stand at the right of a column, at the left where its width is negative, and
+    !! behind three blanks, as they are, in one of width 0, the last.
+    private
+    character(:), allocatable :: names, units
+    integer, allocatable :: widths(:)
+    logical, allocatable :: shown(:)
+  contains
+    procedure :: put_head, put_row, put_numbers
+  end type text_table
 
 contains
 
@@ -46,33 +59,115 @@ contains
     field = repeat(' ', max(1, width - len(text)))//text
   end function right
 
-  subroutine numbered_rows(lines, most, widths, columns, rounded)
-    !! Rows of numbers, each behind its own from 1 on, at most `most` of them.
+  pure type(text_table) function table_of(names, units, widths, shown) result(table)
+    !! A table of columns.
+    character(*), intent(in) :: names, units      !! of all columns, `|` between them; no units: they have no line
+    integer, intent(in) :: widths(:)
+    logical, intent(in), optional :: shown(:)     !! columns that are; absent: all
+    table%names = names
+    table%units = units
+    table%widths = widths
+    allocate (table%shown(size(widths)), source=.true.)
+    if (present(shown)) table%shown = shown
+  end function table_of
+
+  subroutine put_head(self, lines)
+    !! The lines of names and units.
+    class(text_table), intent(in) :: self
+    type(text_builder), intent(inout) :: lines
+    call self%put_row(lines, self%names)
+    if (self%units /= '') call self%put_row(lines, self%units)
+  end subroutine put_head
+
+  subroutine put_row(self, lines, cells, remark)
+    !! The line of a row.
+    class(text_table), intent(in) :: self
+    type(text_builder), intent(inout) :: lines
+    character(*), intent(in) :: cells             !! of all columns, `|` between them; the last ones may be left out
+    character(*), intent(in), optional :: remark  !! any text behind them
+    type(string), allocatable :: words(:)
+    integer :: c
+    words = lines_of(cells, mark)
+    do c = 1, size(words)
+      if (.not. self%shown(c)) cycle
+      if (self%widths(c) > 0) then
+        call lines%append(right(words(c)%text, self%widths(c)))
+      else if (self%widths(c) < 0) then
+        call lines%append(words(c)%text//repeat(' ', max(1, -self%widths(c) - len(words(c)%text))))
+      else
+        call lines%append('   '//words(c)%text)
+      end if
+    end do
+    if (present(remark)) call lines%append(remark)
+    call lines%append_line('')
+  end subroutine put_row
+
+  subroutine put_numbers(self, lines, most, columns, rounded)
+    !! The head, and rows of numbers, each behind its own from 1 on, at most `most` of them.
+    class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     integer, intent(in) :: most
-    integer, intent(in) :: widths(:)              !! (columns)
     real(dp), intent(in) :: columns(:, :)         !! (rows, columns)
     integer, intent(in), optional :: rounded      !! a column of errors, of which two digits are enough
-    integer :: k, c
+    character(:), allocatable :: cells
+    integer :: k, c, errors
+    errors = 0
+    if (present(rounded)) errors = rounded
+    call self%put_head(lines)
     do k = 1, min(most, size(columns, 1))
-      call lines%append(right(text_of(k), 6))
+      cells = text_of(k)
       do c = 1, size(columns, 2)
-        if (c == rounded_column(rounded)) then
-          call lines%append(right(shortest(columns(k, c), 2), widths(c)))
-        else
-          call lines%append(right(fixed(columns(k, c)), widths(c)))
-        end if
+        if (c == errors) cells = cells//mark//shortest(columns(k, c), 2)
+        if (c /= errors) cells = cells//mark//fixed(columns(k, c))
       end do
-      call lines%append_line('')
+      call self%put_row(lines, cells)
     end do
-    if (size(columns, 1) > most) call lines%append_line('   ...  '//text_of(size(columns, 1))//' in the file')
-  end subroutine numbered_rows
+    call note_rest(lines, size(columns, 1), most)
+  end subroutine put_numbers
 
-  pure integer function rounded_column(rounded) result(column)
-    !! 0 where there is none.
-    integer, intent(in), optional :: rounded
-    column = 0
-    if (present(rounded)) column = rounded
-  end function rounded_column
+  subroutine note_rest(lines, count, most)
+    !! How many rows there are, where not all are shown.
+    type(text_builder), intent(inout) :: lines
+    integer, intent(in) :: count, most
+    if (count > most) call lines%append_line('   ...  '//text_of(count)//' in the file')
+  end subroutine note_rest
 
+  pure function short(value) result(text)
+    !! Two digits of an error; a dash where there is none.
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    text = '-'
+    if (.not. is_missing(value)) text = shortest(value, 2)
+  end function short
+
+  pure function pair_cells(value, error) result(cells)
+    !! A number and half its interval; dashes where there is none.
+    real(dp), intent(in) :: value, error
+    character(:), allocatable :: cells
+    cells = '-|-'
+    if (.not. is_missing(value)) cells = to_its_error(value, error)//mark//short(error)
+  end function pair_cells
+
+  pure function to_its_error(value, error) result(text)
+    !! A number with as many digits as two of its error tell.
+    real(dp), intent(in) :: value, error
+    character(:), allocatable :: text
+    character(40) :: buffer
+    integer :: digits
+    digits = 15
+    if (is_missing(error)) then
+      text = shortest(value, 4)
+      return
+    end if
+    if (error > 0) digits = 1 - floor(log10(error))
+    if (digits > 12 .or. abs(value) >= 1.0e9_dp) then
+      text = shortest(value, 15)
+    else
+      write (buffer, '(f40.'//text_of(max(0, digits))//')') value
+      text = trim(adjustl(buffer))
+      if (text(1:1) == '.') text = '0'//text
+      if (text(len(text):) == '.') text = text(:len(text) - 1)
+      if (index(text, '-.') == 1) text = '-0'//text(2:)
+    end if
+  end function to_its_error
 end module bw_columns

@@ -2,7 +2,7 @@ module bw_history_report
   !! The printed report of histories: the largest value at each point, how far it may be off, and the waves that were measured.
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, numbered_rows, right
+  use bw_columns, only: fixed, short, table_of, text_table
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_response, only: response_type
@@ -13,7 +13,6 @@ module bw_history_report
   public :: report_histories, report_measured
 
   integer, parameter :: shown_points = 5, shown_peaks = 10
-  integer, parameter :: first_column = 21           !! letters of the longest name of a history with its unit, and the indent
 
 contains
 
@@ -22,20 +21,21 @@ contains
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    character(:), allocatable :: head
+    type(text_table) :: table
+    integer :: p
     associate (response => result%response, points => scene%response%points)
       if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
       call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes')
-      head = repeat(' ', first_column)//'      xi         largest   error, about           of it'
-      if (allocated(response%displacement_bound)) head = head//'   surely below'
-      call lines%append_line(head)
-      call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, lines, &
-                           response%displacement_bound)
+      table = table_of('|xi|largest|error, about|of it|surely below', '', [-21, 8, 16, 15, 16, 15], &
+                       [(.true., p=1, 5), allocated(response%displacement_bound)])
+      call table%put_head(lines)
+      call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, table, &
+                           lines, response%displacement_bound)
       if (allocated(response%velocity)) call report_quantity('velocity', 'm/s', points, response, response%velocity, &
-                                                             response%velocity_error, lines)
+                                                             response%velocity_error, table, lines)
       if (allocated(response%bending_moment)) call report_quantity('bending moment', 'N m', points, response, &
-        response%bending_moment, response%bending_moment_error, lines)
+        response%bending_moment, response%bending_moment_error, table, lines)
       if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
         'where a history is largest, and where its error is the largest part of it.')
       if (allocated(scene%recontact)) call lines%append_line( &
@@ -49,17 +49,18 @@ contains
     end associate
   end subroutine report_histories
 
-  subroutine report_quantity(name, unit, points, response, histories, error, lines, bound)
+  subroutine report_quantity(name, unit, points, response, histories, error, table, lines, bound)
     !! The rows of one quantity.
     character(*), intent(in) :: name, unit
     real(dp), intent(in) :: points(:)
     type(response_type), intent(in) :: response
     real(dp), intent(in) :: histories(:, :)           !! (samples, points)
     real(dp), intent(in), optional :: error(:)        !! (points); absent: there is no estimate
+    type(text_table), intent(in) :: table
     type(text_builder), intent(inout) :: lines
     real(dp), intent(in), optional :: bound(:)        !! of the error, (points); absent: none is proved
     real(dp) :: peak(size(points)), part(size(points))
-    character(:), allocatable :: head, row
+    character(:), allocatable :: head, cells
     logical :: shown(size(points))
     integer :: p
     peak = [(maxval(abs(histories(:response%finite_samples, p)), mask=.not. is_missing(histories(:response%finite_samples, p))), &
@@ -70,32 +71,19 @@ contains
     shown(maxloc(peak, dim=1)) = .true.
     if (present(error)) shown(maxloc(part, dim=1)) = .true.
     head = '  '//name//', '//unit
-    row = ''
     do p = 1, size(points)
       if (.not. shown(p)) cycle
-      row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 6), 8)
-      if (peak(p) < 0.0_dp) then                       ! nothing of it is given
-        row = row//right('-', 16)
-      else
-        row = row//right(fixed(peak(p)), 16)
+      cells = '|-|-|-'                                         ! nothing of it is given
+      if (peak(p) >= 0.0_dp) cells = '|'//fixed(peak(p))//'|-|-'
+      if (present(error) .and. peak(p) == 0.0_dp) cells = '|0'
+      if (present(error) .and. peak(p) > 0.0_dp) then
+        cells = '|'//fixed(peak(p))//'|'//shortest(error(p), 2)//'|'//shortest(100.0_dp*part(p), 2)//' %'
+        if (present(bound)) cells = cells//'|'//short(bound(p))
       end if
-      if (.not. present(error) .or. peak(p) < 0.0_dp) then
-        row = row//right('-', 15)//right('-', 16)
-      else if (peak(p) > 0.0_dp) then
-        row = row//right(shortest(error(p), 2), 15)//right(shortest(100.0_dp*part(p), 2)//' %', 16)
-        if (present(bound)) row = row//right(bound_words(bound(p)), 15)
-      end if
-      call lines%append_line(row)
+      call table%put_row(lines, head//'|'//shortest(points(p), 6)//cells)
       head = ''
     end do
   end subroutine report_quantity
-
-  pure function bound_words(bound) result(words)
-    real(dp), intent(in) :: bound
-    character(:), allocatable :: words
-    words = '-'
-    if (.not. is_missing(bound)) words = shortest(bound, 2)
-  end function bound_words
 
   subroutine report_measured(result, lines)
     !! Waves found in the histories, with the bounds of their errors.
@@ -103,6 +91,7 @@ contains
     type(text_builder), intent(inout) :: lines
     real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
     real(dp), allocatable, dimension(:) :: frequency, bound, wavenumber, phase, group
+    type(text_table) :: table
     integer :: shown
     if (result%measured%peak_count == 0) return
     frequency = values_of(result, 'measured_angular_frequency')
@@ -113,11 +102,10 @@ contains
     shown = min(shown_peaks, size(wavenumber))
     call lines%append_line('')
     call lines%append_line('  Measured in the tip and midpoint histories alone; +/- is a bound of the error')
-    call lines%append_line('  peak   frequency        +/-   frequency  wave number  phase velocity  group velocity')
-    call lines%append_line('             rad/s      rad/s          Hz          1/m             m/s             m/s')
-    call numbered_rows(lines, shown_peaks, [12, 11, 12, 13, 16, 16], &
-                       reshape([frequency, bound, frequency/two_pi, wavenumber, phase, group], [size(frequency), 6]), &
-                       rounded=2)
+    table = table_of('peak|frequency|+/-|frequency|wave number|phase velocity|group velocity', &
+                     '|rad/s|rad/s|Hz|1/m|m/s|m/s', [6, 12, 11, 12, 13, 16, 16])
+    call table%put_numbers(lines, shown_peaks, reshape([frequency, bound, frequency/two_pi, wavenumber, phase, group], &
+                                                       [size(frequency), 6]), rounded=2)
     if (any(is_missing(wavenumber(:shown))) .and. .not. all(is_missing(wavenumber))) call lines%append_line( &
       '  -: it is not sure which mode this peak is, so that it has no wave number.')
     if (all(is_missing(wavenumber))) call lines%append_line('  -: the notes below say why there are no wave numbers.')

@@ -1,10 +1,9 @@
 module bw_pooled_table
   !! The printed table of the lines that repeats of a record share.
-  use bw_columns, only: right
+  use bw_columns, only: note_rest, pair_cells, table_of, text_table
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, scaled
   use bw_random_effects, only: pooled_value
-  use bw_record_report, only: pair_text
   use bw_repeats, only: pooled_lines
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -23,38 +22,34 @@ contains
     real(dp), intent(in) :: confidence            !! of the intervals
     character(:), allocatable :: text
     type(text_builder) :: lines
+    type(text_table) :: table
     integer :: k
     text = ''
     if (size(pooled%count) == 0) return
     call lines%append_line('')
     call lines%append_line('  Repeats pooled; +/- is half an interval of '//shortest(100*confidence, 6)// &
                            ' % about what they share, next +/- holds what one more repeat measures')
-    call lines%append_line('  line  repeats     frequency         +/-    next +/-     scatter  decay rate         +/-    '// &
-                           'next +/-     scatter   what')
-    call lines%append_line('                           Hz          Hz          Hz          Hz         1/s         1/s    '// &
-                           '     1/s         1/s')
+    table = table_of('line|repeats|frequency|+/-|next +/-|scatter|decay rate|+/-|next +/-|scatter|what', &
+                     '||Hz|Hz|Hz|Hz|1/s|1/s|1/s|1/s', [6, 9, 14, 12, 12, 12, 12, 12, 12, 12, 0])
+    call table%put_head(lines)
     do k = 1, min(shown, size(pooled%count))
-      call lines%append_line(right(text_of(k), 6)//right(text_of(pooled%count(k))//' of '//text_of(cases), 9)// &
-        value_text(pooled%frequency(k), 1/two_pi, 14)//value_text(pooled%decay(k), 1.0_dp, 12)// &
-        status_text(pooled%status(k)))
+      call table%put_row(lines, text_of(k)//'|'//text_of(pooled%count(k))//' of '//text_of(cases)//'|'// &
+                         value_cells(pooled%frequency(k), 1/two_pi)//'|'//value_cells(pooled%decay(k), 1.0_dp), &
+                         status_text(pooled%status(k)))
     end do
-    if (size(pooled%count) > shown) call lines%append_line('   ...  '//text_of(size(pooled%count))//' in the file')
+    call note_rest(lines, size(pooled%count), shown)
     text = lines%text()
   end function pooled_table
 
-  pure function value_text(pooled, unit, width) result(text)
+  pure function value_cells(pooled, unit) result(cells)
     !! A number, half its interval, that of the next repeat, and the scatter.
     type(pooled_value), intent(in) :: pooled
     real(dp), intent(in) :: unit
-    integer, intent(in) :: width                  !! of the number; the others take 12 each
-    character(:), allocatable :: text
-    text = pair_text([scaled(pooled%value, unit), scaled(pooled%error, unit)], width)
-    if (is_missing(pooled%value)) then
-      text = text//right('-', 12)//right('-', 12)
-    else
-      text = text//right(shortest(unit*pooled%next, 2), 12)//right(shortest(unit*pooled%scatter, 2), 12)
-    end if
-  end function value_text
+    character(:), allocatable :: cells
+    cells = '-|-|-|-'
+    if (.not. is_missing(pooled%value)) cells = pair_cells(scaled(pooled%value, unit), scaled(pooled%error, unit))//'|'// &
+      shortest(unit*pooled%next, 2)//'|'//shortest(unit*pooled%scatter, 2)
+  end function value_cells
 
   pure function status_text(status) result(text)
     !! Which numbers scatter more than the repeats' own errors allow, and whether they drift: the bits of `pooled_words` behind the

@@ -1,7 +1,7 @@
 module bw_record_report
   !! The printed report of a record: its lines with their intervals, what else was looked at and why it is no line, and the noise.
   use bw_case_result, only: record_result
-  use bw_columns, only: fixed, right
+  use bw_columns, only: fixed, note_rest, pair_cells, short, table_of, text_table, to_its_error
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_missing, only: is_missing, scaled
@@ -12,10 +12,9 @@ module bw_record_report
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: pair_text, report_record, to_its_error
+  public :: report_record
 
   integer, parameter :: shown_lines = 40, shown_candidates = 10, shown_sensors = 16
-  integer, parameter :: widths(9) = [14, 11, 11, 13, 11, 11, 11, 12, 11]
   real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
@@ -38,54 +37,39 @@ contains
     type(record_result), intent(in) :: record
     real(dp), intent(in) :: confidence
     type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
     integer :: k
     call lines%append_line('')
     call lines%append_line('  Lines; +/- is half an interval of '//shortest(100*confidence, 6)//' %, the bound what '// &
                            'noise alone does to the best estimate (one standard deviation)')
     if (size(record%extent%sensors) > 1) call lines%append_line('  The amplitude is that at the sensor where it stands out of '// &
                                                               'the noise most')
-    call put_row(lines, '  line', [character(12) :: 'frequency', '+/-', 'bound', 'decay rate', '+/-', 'bound', 'damping', &
-                                   'amplitude', '+/-'], '   what')
-    call put_row(lines, '      ', [character(12) :: 'Hz', 'Hz', 'Hz', '1/s', '1/s', '1/s', '%', '', ''], '')
+    table = table_of('line|frequency|+/-|bound|decay rate|+/-|bound|damping|amplitude|+/-|what', &
+                     '|Hz|Hz|Hz|1/s|1/s|1/s|%|||', [6, 14, 11, 11, 13, 11, 11, 11, 12, 11, 0])
+    call table%put_head(lines)
     do k = 1, min(shown_lines, size(record%lines%angular_frequency))
-      call report_line(record, k, lines)
+      call report_line(record, k, table, lines)
     end do
-    if (size(record%lines%angular_frequency) > shown_lines) call lines%append_line('   ...  '// &
-      text_of(size(record%lines%angular_frequency))//' in the file')
+    call note_rest(lines, size(record%lines%angular_frequency), shown_lines)
     call report_drifts(record, lines)
   end subroutine report_lines
 
-  subroutine put_row(lines, first, words, last)
-    !! Words at the right of their columns.
-    type(text_builder), intent(inout) :: lines
-    character(*), intent(in) :: first, words(:), last
-    integer :: c
-    call lines%append(first)
-    do c = 1, size(words)
-      call lines%append(right(trim(words(c)), widths(c)))
-    end do
-    call lines%append_line(last)
-  end subroutine put_row
-
-  subroutine report_line(record, k, lines)
+  subroutine report_line(record, k, table, lines)
     !! The row of line k.
     type(record_result), intent(in) :: record
     integer, intent(in) :: k
+    type(text_table), intent(in) :: table
     type(text_builder), intent(inout) :: lines
-    character(24) :: words(size(widths))
     integer :: s
     associate (found => record%lines)
       s = maxloc(abs(found%amplitude(:, k))/max(found%noise_deviation, tiny(1.0_dp)), dim=1)
-      words(1) = to_its_error(found%angular_frequency(k)/two_pi, scaled(found%angular_frequency_error(k), 1/two_pi))
-      words(2) = short(scaled(found%angular_frequency_error(k), 1/two_pi))
-      words(3) = short(scaled(found%angular_frequency_bound(k), 1/two_pi))
-      words(4) = to_its_error(found%decay_rate(k), found%decay_rate_error(k))
-      words(5) = short(found%decay_rate_error(k))
-      words(6) = short(found%decay_rate_bound(k))
-      words(7) = shortest(100*found%decay_rate(k)/hypot(found%decay_rate(k), found%angular_frequency(k)), 3)
-      words(8) = shortest(abs(found%amplitude(s, k)), 4)
-      words(9) = short(found%amplitude_error(s, k))
-      call put_row(lines, right(text_of(k), 6), words, '   '//place_text(record, s)//kinds_text(found%status(k)))
+      call table%put_row(lines, text_of(k)//'|'//to_its_error(found%angular_frequency(k)/two_pi, &
+        scaled(found%angular_frequency_error(k), 1/two_pi))//'|'//short(scaled(found%angular_frequency_error(k), 1/two_pi))//'|'// &
+        short(scaled(found%angular_frequency_bound(k), 1/two_pi))//'|'//to_its_error(found%decay_rate(k), &
+        found%decay_rate_error(k))//'|'//short(found%decay_rate_error(k))//'|'//short(found%decay_rate_bound(k))//'|'// &
+        shortest(100*found%decay_rate(k)/hypot(found%decay_rate(k), found%angular_frequency(k)), 3)//'|'// &
+        shortest(abs(found%amplitude(s, k)), 4)//'|'//short(found%amplitude_error(s, k)), &
+        '   '//place_text(record, s)//kinds_text(found%status(k)))
     end associate
   end subroutine report_line
 
@@ -96,14 +80,6 @@ contains
     text = name
     if (is_unit(unit_in(name))) text = without_unit(name)
   end function short_name
-
-  pure function short(value) result(text)
-    !! Two digits of an error; a dash where the record does not tell it.
-    real(dp), intent(in) :: value
-    character(:), allocatable :: text
-    text = '-'
-    if (.not. is_missing(value)) text = shortest(value, 2)
-  end function short
 
   function place_text(record, s) result(text)
     !! The sensor and its unit.
@@ -153,15 +129,17 @@ contains
     type(record_result), intent(in) :: record
     type(measured_type), intent(in) :: measured
     type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
     integer :: k
     if (all(is_missing(measured%wavenumber))) return           ! a note says why
     call lines%append_line('')
-    call lines%append_line('  line   wave number         +/-  phase velocity         +/-  group velocity         +/-')
-    call lines%append_line('                 1/m         1/m             m/s         m/s             m/s         m/s')
+    table = table_of('line|wave number|+/-|phase velocity|+/-|group velocity|+/-', &
+                     '|1/m|1/m|m/s|m/s|m/s|m/s', [6, 14, 12, 16, 12, 16, 12])
+    call table%put_head(lines)
     do k = 1, min(shown_lines, size(measured%wavenumber))
-      call lines%append_line(right(text_of(k), 6)//pair_text([measured%wavenumber(k), measured%wavenumber_error(k)], 14)// &
-        pair_text([measured%phase_velocity(k), measured%phase_velocity_error(k)], 16)// &
-        pair_text([measured%group_velocity(k), measured%group_velocity_error(k)], 16))
+      call table%put_row(lines, text_of(k)//'|'//pair_cells(measured%wavenumber(k), measured%wavenumber_error(k))//'|'// &
+                         pair_cells(measured%phase_velocity(k), measured%phase_velocity_error(k))//'|'// &
+                         pair_cells(measured%group_velocity(k), measured%group_velocity_error(k)))
     end do
     if (.not. is_missing(record%stiffness_root(1))) call lines%append_line('  Their dispersion: sqrt(EI/(rho A)) '// &
       to_its_error(record%stiffness_root(1), record%stiffness_root(2))//' +/- '//shortest(record%stiffness_root(2), 2)//' m2/s'// &
@@ -177,31 +155,20 @@ contains
     text = ', angular velocity '//to_its_error(pair(1), pair(2))//' +/- '//shortest(pair(2), 2)//' rad/s'
   end function rotation_text
 
-  pure function pair_text(pair, width) result(text)
-    !! A number and half its interval, the latter in 12 letters; dashes where there is none.
-    real(dp), intent(in) :: pair(2)
-    integer, intent(in) :: width
-    character(:), allocatable :: text
-    if (is_missing(pair(1))) then
-      text = right('-', width)//right('-', 12)
-    else
-      text = right(to_its_error(pair(1), pair(2)), width)//right(short(pair(2)), 12)
-    end if
-  end function pair_text
-
   subroutine report_rejected(record, lines)
     !! What was looked at and is no line, and why.
     type(record_result), intent(in) :: record
     type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
     integer :: i
     associate (rejected => record%lines%rejected)
       call lines%append_line('')
       call lines%append_line('  Looked at, and no lines')
-      call lines%append_line('       frequency   over noise   because')
-      call lines%append_line('              Hz        power')
+      table = table_of('frequency|over noise|because', 'Hz|power', [16, 13, 0])
+      call table%put_head(lines)
       do i = 1, min(shown_candidates, size(rejected))
-        call lines%append_line(right(fixed(rejected(i)%angular_frequency/two_pi), 16)// &
-                               right(shortest(rejected(i)%ordinate, 3), 13)//'   '//trim(reason_texts(rejected(i)%reason)))
+        call table%put_row(lines, fixed(rejected(i)%angular_frequency/two_pi)//'|'//shortest(rejected(i)%ordinate, 3)//'|'// &
+                           trim(reason_texts(rejected(i)%reason)))
       end do
       if (size(rejected) > shown_candidates) call lines%append_line('             ...  '//text_of(size(rejected))//' in all')
     end associate
@@ -224,28 +191,5 @@ contains
     if (size(record%extent%sensors) > shown_sensors) text = text//', ...'
     call lines%append_line('  Noise, standard deviation of what is left: '//text(3:))
   end subroutine report_noise
-
-  pure function to_its_error(value, error) result(text)
-    !! A number with as many digits as two of its error tell.
-    real(dp), intent(in) :: value, error
-    character(:), allocatable :: text
-    character(40) :: buffer
-    integer :: digits
-    digits = 15
-    if (is_missing(error)) then
-      text = shortest(value, 4)
-      return
-    end if
-    if (error > 0) digits = 1 - floor(log10(error))
-    if (digits > 12 .or. abs(value) >= 1.0e9_dp) then
-      text = shortest(value, 15)
-    else
-      write (buffer, '(f40.'//text_of(max(0, digits))//')') value
-      text = trim(adjustl(buffer))
-      if (text(1:1) == '.') text = '0'//text
-      if (text(len(text):) == '.') text = text(:len(text) - 1)
-      if (index(text, '-.') == 1) text = '-0'//text(2:)
-    end if
-  end function to_its_error
 
 end module bw_record_report

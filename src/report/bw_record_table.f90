@@ -1,9 +1,8 @@
 module bw_record_table
   !! The printed table of the cases of a record, repeats or parts of it: of a few cases all, of many the first and the last.
-  use bw_columns, only: right
+  use bw_columns, only: pair_cells, table_of, text_table
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
-  use bw_record_report, only: pair_text
   use bw_result_draft, only: result_draft
   use bw_swept_text, only: swept_text
   use bw_text, only: shortest, text_builder, text_of
@@ -21,13 +20,15 @@ contains
     type(result_draft), intent(inout) :: draft
     character(:), allocatable :: text
     type(text_builder) :: built
+    type(text_table) :: table
     integer(i8) :: i
     call built%append_line('')
-    call built%append_line('    case   lines  strongest line         +/-  decay rate         +/-       noise   of')
-    call built%append_line('                              Hz          Hz         1/s         1/s  1st sensor')
+    table = table_of('case|lines|strongest line|+/-|decay rate|+/-|noise|of', &
+                     '||Hz|Hz|1/s|1/s|1st sensor', [8, 8, 16, 12, 12, 12, 12, 0])
+    call table%put_head(built)
     do i = 1, draft%layout%cases
       if (i <= shown .or. i > draft%layout%cases - shown) then
-        call built%append_line(row_text(draft, i)//'   '//swept_text(draft%scene, i))
+        call table%put_row(built, row_cells(draft, i), '   '//swept_text(draft%scene, i))
       else if (i == shown + 1) then
         call built%append_line('     ...')
       end if
@@ -35,11 +36,11 @@ contains
     text = built%text()
   end function record_table
 
-  function row_text(draft, case) result(text)
+  function row_cells(draft, case) result(cells)
     !! The numbers of a case: of its strongest line, and the noise of the first sensor.
     type(result_draft), intent(inout) :: draft
     integer(i8), intent(in) :: case
-    character(:), allocatable :: text
+    character(:), allocatable :: cells
     real(dp), allocatable, dimension(:) :: lines, frequency, frequency_error, decay, decay_error, noise
     real(dp) :: pairs(2, 2)
     integer :: k
@@ -55,9 +56,9 @@ contains
       pairs(:, 1) = [frequency(k), frequency_error(k)]/two_pi
       pairs(:, 2) = [decay(k), decay_error(k)]
     end if
-    text = right(text_of(case), 8)//right(text_of(nint(lines(1))), 8)//pair_text(pairs(:, 1), 16)//pair_text(pairs(:, 2), 12)// &
-      right(shortest(noise(1), 3), 12)
-  end function row_text
+    cells = text_of(case)//'|'//text_of(nint(lines(1)))//'|'//pair_cells(pairs(1, 1), pairs(2, 1))//'|'// &
+      pair_cells(pairs(1, 2), pairs(2, 2))//'|'//shortest(noise(1), 3)
+  end function row_cells
 
   pure integer function strongest(amplitude, peaks) result(k)
     !! The line whose amplitude is largest at any sensor.

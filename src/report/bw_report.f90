@@ -4,7 +4,7 @@ module bw_report
   use bw_kinds, only: dp
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, numbered_rows, right
+  use bw_columns, only: fixed, table_of, text_table
   use bw_event, only: event_words, release_event
   use bw_history_report, only: report_histories, report_measured
   use bw_missing, only: is_missing, missing, scaled
@@ -46,24 +46,18 @@ contains
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: frequency, phase, group
     real(dp), allocatable :: columns(:, :)
+    type(text_table) :: table
     integer :: n
     frequency = values_of(result, 'angular_frequency')
     phase = values_of(result, 'phase_velocity')
     group = values_of(result, 'group_velocity')
     call lines%append_line('')
     columns = reshape([values_of(result, 'alpha'), values_of(result, 'wavenumber'), frequency, &
-                       scaled(frequency, 1.0_dp/two_pi), phase, group], [size(frequency), 6])
-    if (leaves_again(result)) then
-      call lines%append_line('  mode       alpha  wave number    frequency    frequency  phase velocity  group velocity       '// &
-                             'released')
-      call lines%append_line('                            1/m        rad/s           Hz             m/s             m/s'// &
-                             '          rad/s')
-      columns = reshape([columns, released_frequency(result, size(frequency))], [size(frequency), 7])
-    else
-      call lines%append_line('  mode       alpha  wave number    frequency    frequency  phase velocity  group velocity')
-      call lines%append_line('                            1/m        rad/s           Hz             m/s             m/s')
-    end if
-    call numbered_rows(lines, shown_modes, [12, 13, 13, 13, 16, 16, 15], columns)
+                       scaled(frequency, 1.0_dp/two_pi), phase, group, released_frequency(result, size(frequency))], &
+                      [size(frequency), 7])
+    table = table_of('mode|alpha|wave number|frequency|frequency|phase velocity|group velocity|released', &
+                     '||1/m|rad/s|Hz|m/s|m/s|rad/s', [6, 12, 13, 13, 13, 16, 16, 15], [(.true., n=1, 7), leaves_again(result)])
+    call table%put_numbers(lines, shown_modes, columns)
     n = min(shown_modes, size(frequency))
     call lines%append(why_not(values_of(result, 'growth_rate'), frequency(:n), phase(:n), group(:n), result%modes%rigid()))
     call report_critical(scene, result, lines)
@@ -77,13 +71,14 @@ contains
   end function leaves_again
 
   function released_frequency(result, count) result(frequency)
-    !! Of the first modes of the beam alone, rad/s; missing beyond them.
+    !! Of the first modes of the beam alone, rad/s; missing beyond them, and where the mass stays.
     type(case_result), intent(in) :: result
     integer, intent(in) :: count
     real(dp) :: frequency(count)
     integer :: n
-    n = min(count, result%before%count)
     frequency = missing
+    if (.not. leaves_again(result)) return
+    n = min(count, result%before%count)
     associate (all => values_of(result, 'angular_frequency_before'))
       frequency(:n) = all(:n)
     end associate
@@ -155,33 +150,32 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time, impulse
-    integer, parameter :: width = 14, narrow = 10
-    integer :: timed, lasting, doubtful           ! columns: 0 or 1
+    type(text_table) :: table
+    character(:), allocatable :: until
+    logical :: timed, lasting, doubtful           ! columns
     integer :: i
     time = values_of(result, 'event_time')
     end_time = values_of(result, 'event_end')
-    timed = merge(1, 0, any(end_time > 0.0_dp))
-    lasting = merge(1, 0, any(end_time > time))
-    doubtful = merge(timed, 0, any(result%events%time_error > 0.0_dp))
+    timed = any(end_time > 0.0_dp)
+    lasting = any(end_time > time)
+    doubtful = timed .and. any(result%events%time_error > 0.0_dp)
     call lines%append_line('')
-    call lines%append_line('  event   '//repeat(right('time', width), timed)//repeat(right('+/-', narrow), doubtful)// &
-                           repeat(right('until', width), lasting)// &
-                           '     impulse  energy before   energy after  momentum before  momentum after')
-    call lines%append_line('          '//repeat(right('s', width), timed)//repeat(right('s', narrow), doubtful)// &
-                           repeat(right('s', width), lasting)// &
-                           '         N s              J              J           kg m/s          kg m/s')
+    table = table_of('  event|time|+/-|until|impulse|energy before|energy after|momentum before|momentum after', &
+                     '|s|s|s|N s|J|J|kg m/s|kg m/s', [-10, 14, 10, 14, 12, 15, 15, 17, 16], &
+                     [.true., timed, doubtful, lasting, (.true., i=1, 5)])
+    call table%put_head(lines)
     impulse = values_of(result, 'event_impulse')
     energy_before = values_of(result, 'energy_before')
     energy_after = values_of(result, 'energy_after')
     momentum_before = values_of(result, 'momentum_before')
     momentum_after = values_of(result, 'momentum_after')
     do i = 1, min(shown_events, size(result%events))
-      call lines%append('  '//event_words(result%events(i)%kind))
-      if (timed == 1) call lines%append(right(shortest(time(i), 7), width))
-      if (doubtful == 1) call lines%append(right(shortest(result%events(i)%time_error, 2), narrow))
-      if (lasting == 1) call lines%append(right(until(time(i), end_time(i)), width))
-      call lines%append_line(right(fixed(impulse(i)), 12)//right(fixed(energy_before(i)), 15)//right(fixed(energy_after(i)), 15)// &
-                             right(fixed(momentum_before(i)), 17)//right(fixed(momentum_after(i)), 16))
+      until = ''
+      if (end_time(i) > time(i)) until = shortest(end_time(i), 7)
+      call table%put_row(lines, '  '//event_words(result%events(i)%kind)//'|'//shortest(time(i), 7)//'|'// &
+                         shortest(result%events(i)%time_error, 2)//'|'//until//'|'//fixed(impulse(i))//'|'// &
+                         fixed(energy_before(i))//'|'//fixed(energy_after(i))//'|'//fixed(momentum_before(i))//'|'// &
+                         fixed(momentum_after(i)))
     end do
     if (size(result%events) > shown_events) then
       call lines%append_line('  ...     '//text_of(size(result%events))//' in the file')
@@ -189,14 +183,6 @@ contains
     if (any(is_missing([energy_before, energy_after]))) call lines%append_line('  -: a small difference of large numbers, '// &
       'of which rounding leaves no three digits.')
   end subroutine report_events
-
-  pure function until(time, end_time) result(text)
-    !! The end of an event; nothing where it takes no time.
-    real(dp), intent(in) :: time, end_time        !! s
-    character(:), allocatable :: text
-    text = ''
-    if (end_time > time) text = shortest(end_time, 7)
-  end function until
 
   pure function notes_report(notes) result(text)
     !! The notes, one to a line, indented: warnings, and remarks as notes.

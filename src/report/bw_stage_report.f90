@@ -1,6 +1,6 @@
 module bw_stage_report
   !! Where the time of a run went: a line for a short run, a table for a long one.
-  use bw_columns, only: right, seconds_text
+  use bw_columns, only: seconds_text, table_of, text_table
   use bw_kinds, only: dp, i8
   use bw_stopwatch, only: stage_count, stage_words, stopwatch
   use bw_text, only: shortest, text_builder, text_of
@@ -14,7 +14,7 @@ module bw_stage_report
 
 contains
 
-  pure function stage_report(watch, elapsed, processes, cases) result(text)
+  function stage_report(watch, elapsed, processes, cases) result(text)
     !! Stages are summed over processes; the last line is the run as a whole.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed               !! wall time from the first case to the result, s
@@ -45,7 +45,7 @@ contains
     text = text//new_line('a')
   end function stage_line
 
-  pure function stage_table(watch, elapsed, processes, cases) result(text)
+  function stage_table(watch, elapsed, processes, cases) result(text)
     !! All stages, with what is in none of them. Only several cases have a rate.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed
@@ -53,40 +53,35 @@ contains
     integer(i8), intent(in) :: cases
     character(:), allocatable :: text
     type(text_builder) :: lines
+    type(text_table) :: table
     real(dp) :: wall, remainder
     integer :: i
     wall = max(elapsed*processes, sum(watch%seconds), tiny(1.0_dp))
-    call lines%append_line('  stage           wall       CPU   share     calls'//repeat('   cases/s', merge(1, 0, cases > 1)))
+    table = table_of('  stage|wall|CPU|share|calls|cases/s', '', [-10, 12, 10, 8, 10, 10], [(.true., i=1, 5), cases > 1])
+    call table%put_head(lines)
     do i = 1, stage_count
       if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
-      call lines%append_line(stage_row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8), cases > 1))
+      call table%put_row(lines, stage_row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
     end do
-    remainder = wall - sum(watch%seconds)
-    if (nint(100.0_dp*remainder/wall) > 0) call lines%append_line(other_row(remainder, wall))
-    call lines%append_line(stage_row('elapsed', elapsed, sum(watch%cpu), elapsed, cases, cases > 1))
+    remainder = wall - sum(watch%seconds)         ! in none of the stages: making scenes of cases, handing them out, waiting
+    if (nint(100.0_dp*remainder/wall) > 0) call table%put_row(lines, '  other|'//seconds_text(remainder)//'||'// &
+                                                              text_of(nint(100.0_dp*remainder/wall))//' %')
+    call table%put_row(lines, stage_row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))
     if (processes > 1) call lines%append_line('  '//text_of(processes)//' processes; stages are their sums, and shares '// &
                                               'those of '//seconds_text(wall))
     text = lines%text()
   end function stage_table
 
-  pure function other_row(seconds, whole) result(text)
-    !! The line of the time that is in none of the stages: making scenes of cases, handing them out, waiting.
-    real(dp), intent(in) :: seconds, whole        !! as those of `stage_row`
-    character(:), allocatable :: text
-    text = '  other   '//right(seconds_text(seconds), 12)//right(text_of(nint(100.0_dp*seconds/whole))//' %', 18)
-  end function other_row
-
-  pure function stage_row(name, seconds, cpu, whole, calls, rated) result(text)
-    !! The line of a stage.
+  pure function stage_row(name, seconds, cpu, whole, calls) result(cells)
+    !! The cells of a stage.
     character(*), intent(in) :: name
     real(dp), intent(in) :: seconds, cpu
     real(dp), intent(in) :: whole                 !! of which `seconds` is the share, s
     integer(i8), intent(in) :: calls
-    logical, intent(in) :: rated                  !! with calls in a second
-    character(:), allocatable :: text
-    text = '  '//name//repeat(' ', 8 - len(name))//right(seconds_text(seconds), 12)//right(seconds_text(cpu), 10)// &
-      right(text_of(nint(100.0_dp*seconds/max(whole, tiny(1.0_dp))))//' %', 8)//right(text_of(calls), 10)
-    if (rated) text = text//right(shortest(real(calls, dp)/max(seconds, 1.0e-9_dp), 3), 10)
+    character(:), allocatable :: cells
+    cells = '  '//trim(name)//'|'//seconds_text(seconds)//'|'//seconds_text(cpu)//'|'// &
+      text_of(nint(100.0_dp*seconds/max(whole, tiny(1.0_dp))))//' %|'//text_of(calls)//'|'// &
+      shortest(real(calls, dp)/max(seconds, 1.0e-9_dp), 3)
   end function stage_row
 
 end module bw_stage_report

@@ -2,7 +2,7 @@ module bw_sweep_table
   !! The printed table of a sweep: of a few cases all, of many the first, the last, and those that are extreme, each with the
   !! values that it was given.
   use bw_case_result, only: case_done
-  use bw_columns, only: fixed, right
+  use bw_columns, only: fixed, table_of, text_table
   use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing, missing, scaled
   use bw_record_table, only: record_table
@@ -36,6 +36,8 @@ contains
     character(:), allocatable :: lines
     type(case_row), allocatable :: rows(:)    ! by case, or by reason
     type(text_builder) :: built
+    type(text_table) :: table
+    character(:), allocatable :: reasons_shown
     integer(i8) :: printed                    ! the last case
     logical :: without
     integer :: r
@@ -48,14 +50,15 @@ contains
     without = .false.
     printed = 0
     call built%append_line('')
-    call built%append_line('    case   modes  mode 1: frequency   frequency  phase velocity  group velocity  displacement   swept')
-    call built%append_line('                              rad/s          Hz             m/s             m/s    m, largest')
+    table = table_of('case|modes|mode 1: frequency|frequency|phase velocity|group velocity|displacement|swept', &
+                     '||rad/s|Hz|m/s|m/s|m, largest', [8, 8, 19, 12, 16, 16, 14, 0])
+    call table%put_head(built)
     do
       r = next_row(rows, printed)
       if (r == 0) exit
-      call built%append(row_text(draft, rows(r))//'   '//swept_text(draft%scene, rows(r)%case))
-      if (size(statuses) > most_rows) call built%append(why(rows, r))
-      call built%append_line('')
+      reasons_shown = ''
+      if (size(statuses) > most_rows) reasons_shown = why(rows, r)
+      call table%put_row(built, row_cells(draft, rows(r)), '   '//swept_text(draft%scene, rows(r)%case)//reasons_shown)
       without = without .or. is_missing(rows(r)%frequency)
       printed = rows(r)%case
     end do
@@ -146,19 +149,19 @@ contains
     words = ' ('//words(3:)//')'
   end function why
 
-  function row_text(draft, row) result(text)
+  function row_cells(draft, row) result(cells)
     !! The numbers of a case.
     type(result_draft), intent(inout) :: draft
     type(case_row), intent(in) :: row
-    character(:), allocatable :: text
+    character(:), allocatable :: cells
     real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
     real(dp), allocatable :: modes(:), phase_velocity(:), group_velocity(:)
     modes = draft%get('mode_count', row%case)
     phase_velocity = draft%get('phase_velocity', row%case)
     group_velocity = draft%get('group_velocity', row%case)
-    text = right(text_of(row%case), 8)//right(text_of(nint(modes(1))), 8)//right(fixed(row%frequency), 19)// &
-      right(fixed(scaled(row%frequency, 1.0_dp/two_pi)), 12)//right(fixed(phase_velocity(1)), 16)// &
-      right(fixed(group_velocity(1)), 16)//right(fixed(row%displacement), 14)
-  end function row_text
+    cells = text_of(row%case)//'|'//text_of(nint(modes(1)))//'|'//fixed(row%frequency)//'|'// &
+      fixed(scaled(row%frequency, 1.0_dp/two_pi))//'|'//fixed(phase_velocity(1))//'|'//fixed(group_velocity(1))//'|'// &
+      fixed(row%displacement)
+  end function row_cells
 
 end module bw_sweep_table

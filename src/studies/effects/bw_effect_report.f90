@@ -1,7 +1,7 @@
 module bw_effect_report
   !! What effects change, as a printed table and as the variables of DIR/<scene>.effects.nc.
   use bw_kinds, only: dp
-  use bw_columns, only: right
+  use bw_columns, only: table_of, text_table
   use bw_effect_list, only: effect_list, effect_not_combined, effect_on, effect_row, largest_change, state_words
   use bw_effect_table, only: in_words
   use bw_hint, only: compared_modes
@@ -29,6 +29,7 @@ contains
     type(effect_list), intent(in) :: list
     character(:), allocatable :: text
     type(text_builder) :: lines
+    type(text_table) :: table
     integer :: i
     call lines%append_line('')
     call lines%append_line('  Each effect: the scene run with it beside the scene without it, all else alike. Of the wave')
@@ -36,10 +37,11 @@ contains
                            ' modes, of the response the largest difference over its peak.')
     call lines%append_line('')
     call lines%append_line('                                     frequency of mode              wave velocity')
-    call lines%append_line('  effect                 state        1'//right(text_of(min(middle, list%mode_count)), 9)// &
-                           right(text_of(list%mode_count), 9)//'    phase    group  response    time  verdict')
+    table = table_of('  effect|state|1|'//text_of(min(middle, list%mode_count))//'|'//text_of(list%mode_count)// &
+                     '|phase|group|response|time|verdict', '', [-25, -6, 9, 9, 9, 9, 9, 10, 8, 0])
+    call table%put_head(lines)
     do i = 1, size(list%rows)
-      call lines%append_line(row_line(list%rows(i), list%mode_count))
+      call put_effect(list%rows(i), list%mode_count, table, lines)
     end do
     call lines%append_line('')
     call lines%append_line('  An effect matters from the first mode on whose frequency it changes by more than '// &
@@ -53,28 +55,25 @@ contains
     text = lines%text()
   end function effect_report
 
-  function row_line(row, last) result(text)
+  subroutine put_effect(row, last, table, lines)
     !! The line of an effect: what it changes and costs, or why it is not combined with the scene.
     type(effect_row), intent(in) :: row
     integer, intent(in) :: last                    !! the last mode that is compared
-    character(:), allocatable :: text
-    character(21) :: name
-    character(3) :: state
+    type(text_table), intent(in) :: table
+    type(text_builder), intent(inout) :: lines
     character(:), allocatable :: cost
-    name = in_words(row%effect)
-    text = '  '//name
     if (row%state == effect_not_combined) then
-      text = text//'  -        '//row%remark
+      call table%put_row(lines, '  '//in_words(row%effect)//'|-', '   '//row%remark)
       return
     end if
-    state = merge('on ', 'off', row%state == effect_on)
     cost = '-'                                     ! of a run that ends early
     if (row%is_whole) cost = times(row%seconds_with, row%seconds_without)
-    text = text//'  '//state//'   '//right(signed(row%frequency_change(1)), 9)// &
-      right(signed(row%frequency_change(min(middle, last))), 9)//right(signed(row%frequency_change(last)), 9)// &
-      right(signed(largest_change(row%phase_velocity_change)), 9)//right(signed(largest_change(row%group_velocity_change)), 9)// &
-      right(part(row%response_change), 10)//right(cost, 8)//'  '//verdict(row)
-  end function row_line
+    call table%put_row(lines, '  '//in_words(row%effect)//'|'//trim(merge('on ', 'off', row%state == effect_on))//'|'// &
+                       signed(row%frequency_change(1))//'|'//signed(row%frequency_change(min(middle, last)))//'|'// &
+                       signed(row%frequency_change(last))//'|'//signed(largest_change(row%phase_velocity_change))//'|'// &
+                       signed(largest_change(row%group_velocity_change))//'|'//part(row%response_change)//'|'//cost//'|'// &
+                       verdict(row))
+  end subroutine put_effect
 
   pure function verdict(row) result(text)
     !! The words on whether an effect matters; a dash where numbers that are left out would have to say so.

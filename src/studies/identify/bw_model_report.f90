@@ -1,14 +1,13 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_absent_mends, only: helpful, mend_type
-  use bw_columns, only: right
+  use bw_columns, only: right, table_of, text_table, to_its_error
   use bw_fit_problem, only: value_at
   use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_model_comparison, only: compared_lines
-  use bw_record_report, only: to_its_error
   use bw_result_lines, only: result_lines
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -16,7 +15,6 @@ module bw_model_report
   public :: explained_text, loose_text, report_comparison, report_identified, report_mends
 
   real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
-  integer, parameter :: widths(7) = [14, 11, 6, 14, 12, 12, 14]
 
 contains
 
@@ -26,43 +24,41 @@ contains
     type(result_lines), intent(in) :: measured
     type(compared_lines), intent(in) :: compared
     type(text_builder), intent(inout) :: lines
-    character(24) :: words(size(widths) + 1)
+    type(text_table) :: table
+    character(:), allocatable :: cells, remark
     integer :: k
     call lines%append_line('')
     call lines%append_line('  '//title)
-    call put_row(lines, '  line', [character(24) :: 'measured', '+/-', 'mode', 'computed', 'difference', 'over +/-', 'decay rates'])
-    call put_row(lines, '      ', [character(24) :: 'Hz', 'Hz', '', 'Hz', '%', '', 'over +/-'])
+    table = table_of('line|measured|+/-|mode|computed|difference|over +/-|decay rates', &
+                     '|Hz|Hz||Hz|%||over +/-', [6, 14, 11, 6, 14, 12, 12, 14])
+    call table%put_head(lines)
+    cells = ''
+    remark = ''
     do k = 1, size(compared%mode)
-      words = '-'
-      words(8) = ''
-      words(1) = to_its_error(measured%angular_frequency(k)/two_pi, measured%error(k)/two_pi)
-      words(2) = shortest(measured%error(k)/two_pi, 2)
-      if (compared%mode(k) > 0) words(3) = text_of(compared%mode(k))
-      if (.not. is_missing(compared%frequency(k))) then
-        words(4) = to_its_error(compared%frequency(k)/two_pi, measured%error(k)/two_pi)
-        words(5) = shortest(100*(measured%angular_frequency(k)/compared%frequency(k) - 1), 3)
+      cells = text_of(k)//'|'//to_its_error(measured%angular_frequency(k)/two_pi, measured%error(k)/two_pi)//'|'// &
+        shortest(measured%error(k)/two_pi, 2)//'|'
+      remark = ''
+      if (compared%mode(k) > 0) cells = cells//text_of(compared%mode(k))
+      if (compared%mode(k) == 0) cells = cells//'-'
+      if (compared%mode(k) == 0 .and. compared%why_none(k) /= '') remark = '   '//trim(compared%why_none(k))
+      if (is_missing(compared%frequency(k))) then
+        cells = cells//'|-|-'
+      else
+        cells = cells//'|'//to_its_error(compared%frequency(k)/two_pi, measured%error(k)/two_pi)//'|'// &
+          shortest(100*(measured%angular_frequency(k)/compared%frequency(k) - 1), 3)
       end if
-      if (.not. is_missing(compared%frequency_misfit(k))) words(6) = shortest(compared%frequency_misfit(k), 3)
-      if (.not. is_missing(compared%decay_misfit(k))) words(7) = shortest(compared%decay_misfit(k), 3)
-      if (compared%mode(k) == 0) words(8) = compared%why_none(k)
-      call put_row(lines, right(text_of(k), 6), words)
+      call table%put_row(lines, cells//'|'//three_digits(compared%frequency_misfit(k))//'|'// &
+                         three_digits(compared%decay_misfit(k)), remark)
     end do
   end subroutine report_comparison
 
-  subroutine put_row(lines, first, words)
-    !! Words at the right of their columns; a remark behind.
-    type(text_builder), intent(inout) :: lines
-    character(*), intent(in) :: first, words(:)
-    integer :: c
-    call lines%append(first)
-    do c = 1, size(widths)
-      call lines%append(right(trim(words(c)), widths(c)))
-    end do
-    if (size(words) > size(widths)) then
-      if (words(size(words)) /= '') call lines%append('   '//trim(words(size(words))))
-    end if
-    call lines%append_line('')
-  end subroutine put_row
+  pure function three_digits(value) result(text)
+    !! A dash for what does not exist.
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    text = '-'
+    if (.not. is_missing(value)) text = shortest(value, 3)
+  end function three_digits
 
   function explained_text(misfit) result(text)
     !! Whether noise explains what the modes leave of the lines.
