@@ -49,7 +49,7 @@ contains
     if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
       call table%put_columns(result%amplitude)
     call measured_rows(table, result%measured)
-    call record_rows(table, result%record)
+    if (table%layout%of_record) call record_rows(table, result%record)
     if (table%whole_row('mode_count', '', 'number of modes', needs='mode')) call table%put([result%mode_count])
     if (table%whole_row('note_count', '', 'number of notes', needs='case')) call table%put([size(result%notes)])
   end subroutine case_rows

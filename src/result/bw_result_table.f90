@@ -4,8 +4,8 @@ module bw_result_table
   !!
   !!     if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam')) call table%put([impulse])
   !!
-  !! The rows are walked through again and again, always in the same order: first to define the variables, which gives each its
-  !! place in the file, then to put values into these places, or to find those of one name.
+  !! The rows are walked through again and again: first to define the variables, which gives each its place in the file, then to
+  !! put values into the places of their names, or to find those of one name.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_classic_file, only: classic_file
   use bw_classic_head, only: letters, most_bytes, reals, wholes
@@ -33,8 +33,7 @@ module bw_result_table
     character(:), allocatable :: lost        !! of the case at hand, names of variables with NaN or infinity behind ', ' each: fill
                                              !! stands there, and no stage should leave any
     integer, private :: walk = defining, section = before_cases
-    integer, private :: rows = 0, rows_before(before_cases:of_notes) = 0
-    integer, allocatable, private :: variable_of(:)     !! (rows) its number in the head; 0: it is not in this file
+    integer, private :: before(before_cases:of_notes + 1) = 0   !! how many variables stand before those of a section
     integer(i8), allocatable, private :: numbers_before(:)  !! (variables) of the numbers of a case how many stand before its own; −1: it
                                                         !! is not among them
     integer, private :: at = 0               !! the variable at hand
@@ -51,7 +50,7 @@ module bw_result_table
     procedure, private :: put_list, put_wholes
     generic :: put => put_list, put_wholes
     procedure :: put_columns, put_texts, put_again, store, write_cases, is_gathered
-    procedure, private :: row, define, fill, wanted_count
+    procedure, private :: row, in_section, define, fill, wanted_count
   end type result_table
 
 contains
@@ -60,9 +59,9 @@ contains
     !! The rows of a section follow.
     class(result_table), intent(inout) :: self
     integer, intent(in) :: section
-    if (self%walk == defining) self%rows_before(section:) = self%rows
-    self%rows = self%rows_before(section)
+    if (self%walk == defining) self%before(section:) = self%head%count
     self%section = section
+    self%at = self%before(section)
     self%is_blank = .false.
     self%case = 1
     call self%begin_names('', '')
@@ -92,7 +91,6 @@ contains
     !! What the names of the rows that follow end with, and what is said of them.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: suffix, ending
-    if (self%walk == putting) return
     self%suffix = suffix
     self%ending = ending
   end subroutine begin_names
@@ -164,18 +162,32 @@ contains
     character(*), intent(in) :: name, dimensions, units, long_name
     integer, intent(in) :: kind
     character(*), intent(in), optional :: needs
+    integer :: v
     wanted = .false.
-    self%rows = self%rows + 1
     select case (self%walk)
     case (defining)
       call self%define(name, kind, dimensions, units, long_name, needs)
     case (putting)
-      self%at = self%variable_of(self%rows)
-      wanted = self%at > 0
+      v = self%in_section(name//self%suffix)
+      wanted = v > 0
+      if (wanted) self%at = v
     case default
       wanted = name//self%suffix == self%wanted
     end select
   end function row
+
+  pure integer function in_section(self, name) result(v)
+    !! The number of a variable of the section at hand; 0 where there is none. The one behind the last is looked at first.
+    class(result_table), intent(in) :: self
+    character(*), intent(in) :: name
+    integer :: i, n
+    n = self%before(self%section + 1) - self%before(self%section)
+    do i = 0, n - 1
+      v = self%before(self%section) + 1 + modulo(self%at - self%before(self%section) + i, n)
+      if (self%head%variables(v)%name == name) return
+    end do
+    v = 0
+  end function in_section
 
   subroutine define(self, name, kind, dimensions, units, long_name, needs)
     !! Define the variable of a row, if the file has it: where it has all of its dimensions and what else the row needs.
@@ -205,9 +217,6 @@ contains
       if (has_case) coordinates = trim(adjustl(self%swept//positions_of(self%layout, dimensions)))
       if (coordinates /= '') call self%head%add_text('coordinates', coordinates)
     end if
-    if (.not. allocated(self%variable_of)) allocate (self%variable_of(256))
-    if (self%rows > size(self%variable_of)) self%variable_of = [self%variable_of, self%variable_of]
-    self%variable_of(self%rows) = self%at
   end subroutine define
 
   pure function positions_of(layout, dimensions) result(name)
@@ -225,16 +234,15 @@ contains
     class(result_table), intent(inout) :: self
     character(:), allocatable, intent(out) :: head        !! as it stands at the beginning of the file
     logical, intent(out) :: fits                          !! .false.: a variable takes a head with wider sizes
-    integer :: r, v
+    integer :: v
+    self%before(self%section + 1:) = self%head%count
     associate (variables => self%head%variables(:self%head%count))
       fits = self%head%width == 8 .or. all(variables%count*variables%width <= most_bytes)
     end associate
     if (.not. fits) return
     call self%head%lay_out(head)
     allocate (self%numbers_before(self%head%count), source=-1_i8)
-    do r = self%rows_before(of_cases) + 1, self%rows_before(of_case_ends)
-      v = self%variable_of(r)
-      if (v == 0) cycle
+    do v = self%before(of_cases) + 1, self%before(of_case_ends)
       self%numbers_before(v) = self%case_numbers
       self%case_numbers = self%case_numbers + self%head%variables(v)%room
     end do
