@@ -23,7 +23,7 @@ module bw_absent_effects
   use bw_mode_set, only: mode_set
   use bw_root_list, only: solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed, tension_of
-  use bw_scene, only: scene_type
+  use bw_scene, only: has_parts, scene_type
   use bw_shape, only: shape_type, shapes_of
   use bw_shear_par, only: shear_par, usual_shear
   implicit none (type, external)
@@ -99,9 +99,9 @@ contains
   end subroutine absent_changes
 
   pure logical function is_papers_beam(scene) result(is)
-    !! Uniform and clamped, with nothing but a mass at its tip.
+    !! One piece, clamped, with nothing but a mass at its tip.
     type(scene_type), intent(in) :: scene
-    is = .not. (allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies))
+    is = .not. has_parts(scene)
     if (is .and. allocated(scene%capture)) is = scene%impact%position == 1.0_dp
   end function is_papers_beam
 

@@ -8,7 +8,7 @@ module bw_hint
   use bw_beam_units, only: beam_units, units_of
   use bw_damping_par, only: usual_ratio
   use bw_error, only: error_type
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: is_missing
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
@@ -27,7 +27,6 @@ module bw_hint
     integer :: last = 0                  !! the last mode that was asked for
     real(dp) :: last_change = 0.0_dp     !! of that one
     logical :: steadies = .false.        !! mode 1 grows without bound, and would not
-    integer(i8) :: case = 0              !! of a sweep: the case that this is said of
   end type estimate_type
 
   type, public :: aside_type
@@ -35,8 +34,13 @@ module bw_hint
     real(dp) :: left = 1.0_dp            !! of the amplitude of mode 1 at the end of the record, were every mode damped as usual
     integer :: mode = 0                  !! of the first `compared_modes`, the one that the place of a captured mass changes most
     real(dp) :: moved = 0.0_dp           !! the relative change of its frequency by `place_step`
-    integer(i8) :: left_case = 0, moved_case = 0             !! of a sweep: the cases that these are said of
   end type aside_type
+
+  type :: remark_type
+    !! One thing that is left out.
+    real(dp) :: weight = 0.0_dp          !! how much it matters; of the ends of a sweep the larger is told
+    character(:), allocatable :: words
+  end type remark_type
 
   real(dp), parameter :: place_step = 0.01_dp      !! of the length, inwards
 
@@ -47,64 +51,56 @@ contains
     !! mass would be back within the record. Of a sweep the first and the last case are looked at.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
-    type(estimate_type) :: found(size(absent_words)), now(size(absent_words))
+    type(remark_type) :: found(size(absent_words) + 3), now(size(found))
     type(scene_type) :: one
     type(error_type), allocatable :: error
-    type(aside_type) :: asides, aside
-    real(dp) :: tolerance, back, again
-    integer(i8) :: case, back_case
-    integer :: i, e
+    real(dp) :: tolerance
+    integer(i8) :: case
+    integer :: i, r
     tolerance = default_tolerance
-    back = missing
-    back_case = 0
     do i = 1, merge(1, 2, size(scene%sweeps) == 0)
       case = merge(1_i8, case_count(scene), i == 1)
       call case_scene(scene, case, one, error)
       if (allocated(error)) cycle
       if (by_tolerance(one%modes)) tolerance = one%modes%tolerance
-      now = estimate_absent(one, aside)
-      if (size(scene%sweeps) > 0) now%case = case
-      call keep_larger(aside, now(1)%case, asides)
-      do e = 1, size(found)
-        if (weight(now(e)) > weight(found(e))) found(e) = now(e)
+      call find_remarks(one, now)
+      do r = 1, size(found)
+        if (now(r)%weight <= found(r)%weight) cycle
+        found(r) = now(r)
+        if (size(scene%sweeps) > 0) found(r)%words = now(r)%words//' in case '//text_of(case)
       end do
-      again = return_time(one)
-      if (is_missing(again)) cycle
-      if (.not. is_missing(back) .and. back <= again) cycle
-      back = again
-      back_case = now(1)%case
     end do
-    text = frequency_words(found, tolerance)
-    if (asides%left < 1.0_dp - tolerance) call add_words(damping_words(asides), asides%left_case, text)
-    if (abs(asides%moved) > tolerance) call add_words(place_words(asides), asides%moved_case, text)
-    if (.not. is_missing(back)) call add_words('recontact: the mass would be back '//time_words(back), back_case, text)
+    text = frequency_words(found(:size(absent_words)), tolerance)
+    do r = size(absent_words) + 1, size(found)
+      if (found(r)%weight <= tolerance) cycle
+      if (text /= '') text = text//'; '
+      text = text//found(r)%words
+    end do
     if (text /= '') text = '  left out   '//text//new_line('a')
   end function hint_line
 
-  pure subroutine keep_larger(aside, case, asides)
-    !! Of the ends of a sweep what matters more.
-    type(aside_type), intent(in) :: aside
-    integer(i8), intent(in) :: case                !! 0: there is no sweep
-    type(aside_type), intent(inout) :: asides
-    if (aside%left < asides%left) then
-      asides%left = aside%left
-      asides%left_case = case
-    end if
-    if (abs(aside%moved) <= abs(asides%moved)) return
-    asides%mode = aside%mode
-    asides%moved = aside%moved
-    asides%moved_case = case
-  end subroutine keep_larger
-
-  pure subroutine add_words(words, case, text)
-    !! One thing more that is left out.
-    character(*), intent(in) :: words
-    integer(i8), intent(in) :: case                !! of a sweep; 0: there is none
-    character(:), allocatable, intent(inout) :: text
-    if (text /= '') text = text//'; '
-    text = text//words
-    if (case > 0) text = text//' in case '//text_of(case)
-  end subroutine add_words
+  subroutine find_remarks(scene, remarks)
+    !! What an effect would change, in the order of `absent_words`; then damping, the place of a captured mass, and its return.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    type(remark_type), intent(out) :: remarks(:)
+    type(estimate_type) :: estimates(size(absent_words))
+    type(aside_type) :: aside
+    real(dp) :: back
+    integer :: e
+    estimates = estimate_absent(scene, aside)
+    do e = 1, size(estimates)
+      remarks(e)%weight = weight(estimates(e))
+      remarks(e)%words = words(estimates(e))
+    end do
+    remarks(e)%weight = 1.0_dp - aside%left
+    remarks(e)%words = damping_words(aside)
+    remarks(e + 1)%weight = abs(aside%moved)
+    remarks(e + 1)%words = place_words(aside)
+    back = return_time(scene)
+    if (is_missing(back)) return
+    remarks(e + 2)%weight = huge(back)/(1.0_dp + back)           ! the sooner the more
+    remarks(e + 2)%words = 'recontact: the mass would be back '//time_words(back)
+  end subroutine find_remarks
 
   pure function damping_words(aside) result(text)
     type(aside_type), intent(in) :: aside
@@ -122,23 +118,23 @@ contains
       change_words(aside%mode, aside%moved)
   end function place_words
 
-  pure function frequency_words(estimates, tolerance) result(text)
+  pure function frequency_words(remarks, tolerance) result(text)
     !! The two effects that would matter most, as far as they do.
-    type(estimate_type), intent(in) :: estimates(:)
+    type(remark_type), intent(in) :: remarks(:)    !! in the order of `absent_words`
     real(dp), intent(in) :: tolerance
     character(:), allocatable :: text
-    logical :: left(size(estimates))
+    logical :: left(size(remarks))
     integer :: i, e
     text = ''
     left = .true.
     do i = 1, 2
-      e = maxloc(weight(estimates), dim=1, mask=left)
+      e = maxloc(remarks%weight, dim=1, mask=left)
       left(e) = .false.
-      if (weight(estimates(e)) <= tolerance) exit
+      if (remarks(e)%weight <= tolerance) exit
       if (i == 2) text = text//'; '
-      text = text//trim(absent_words(estimates(e)%effect))
+      text = text//trim(absent_words(e))
       if (i == 1) text = text//' would matter most'
-      text = text//': '//words(estimates(e))
+      text = text//': '//remarks(e)%words
     end do
     if (text /= '') text = text//' (frequencies, estimated)'
   end function frequency_words
@@ -207,7 +203,6 @@ contains
     if (estimate%change /= 0.0_dp) text = text//change_words(estimate%mode, estimate%change)
     if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) &
       text = text//', '//change_words(estimate%last, estimate%last_change)
-    if (estimate%case > 0) text = text//' in case '//text_of(estimate%case)
   end function words
 
   pure function change_words(mode, change) result(text)

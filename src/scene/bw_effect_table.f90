@@ -10,7 +10,7 @@ module bw_effect_table
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: effect_row, in_words
+  public :: effect_number, in_words
 
   integer, parameter, public :: plain = 1, own_unit = 2, of_first_speed = 3, of_sphere = 4, of_duration = 5, of_section = 6
     !! what the number is measured in with which an effect is tried: nothing; what its unit is in the beam's own length, mass and
@@ -103,11 +103,11 @@ module bw_effect_table
 
 contains
 
-  pure integer function effect_row(name)
+  pure integer function effect_number(name)
     !! Place of an effect in `effect_table`; 0 for an unknown one.
     character(*), intent(in) :: name
-    effect_row = findloc(effect_table%name == name, .true., dim=1)
-  end function effect_row
+    effect_number = findloc(effect_table%name == name, .true., dim=1)
+  end function effect_number
 
   pure function in_words(name) result(words)
     !! The name of an effect in words.

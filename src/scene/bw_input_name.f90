@@ -42,6 +42,7 @@ module bw_input_name
     character(8) :: along = ''               !! dimension of a result along which its repeats lie; '' where it has none
     logical :: is_effect = .false.           !! it changes the beam or how it moves by itself
     logical :: is_event = .false.            !! it happens to the beam at an instant; results name both in their attribute `effects`
+    logical :: builds_up = .false.           !! it holds the beam otherwise than by a clamp, or attaches something to it
     logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form here
   end type input_group
 

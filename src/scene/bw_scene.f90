@@ -27,7 +27,8 @@ module bw_scene
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, settle_groups
-  public :: by_pieces, changes_shapes, count_methods, effect_names, effects_text, is_built_up, method_name
+  public :: by_pieces, changes_shapes, count_methods, effect_names, effects_text, has_parts, is_built_up, &
+    method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -292,11 +293,17 @@ contains
     by_pieces = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
   end function by_pieces
 
+  pure logical function has_parts(scene)
+    !! The beam is more than one piece, clamped, with nothing attached to it.
+    type(scene_type), intent(in) :: scene
+    has_parts = allocated(scene%beam%pieces) .or. any(group_table(scene%groups%row)%builds_up)
+  end function has_parts
+
   pure logical function is_built_up(scene)
-    !! The beam is more than the paper's, which is one piece, clamped, without bodies, and struck at its tip.
+    !! The beam is more than the paper's, which has no parts, and is struck at its tip.
     type(scene_type), intent(in) :: scene
     integer :: impact
-    is_built_up = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
+    is_built_up = has_parts(scene)
     impact = position_of(scene%groups, 'impact')
     if (is_built_up .or. impact == 0) return
     is_built_up = .not. is_plain(scene, scene%groups(impact)%values(scene%groups(impact)%at('position')))

@@ -1,12 +1,11 @@
-"""Every subset of the effect groups that the program knows, in both planes: each runs and balances, or is refused with the
-reason of the committed table (refused_effects.py)."""
+"""Every subset of the effect groups that the program knows, in both planes: each runs and balances, or is refused for what a group
+needs or excludes by its description."""
 
 import itertools
 import re
 
 import numpy as np
 import pytest
-from refused_effects import reason
 from workplace import PAPER_BEAM, example, namelist
 
 NOT_EFFECTS = {"scene", "beam", "impact", "modes", "response", "record", "spectrum", "identify", "sweep"}
@@ -26,6 +25,16 @@ EVERY = 11  # of the scenes with a support and a body, which stand together here
 
 def known_groups(here):
     return set(re.findall(r"^## &(\w+)", here.beamwave("describe").stdout, re.MULTILINE))
+
+
+def reason(described, groups):
+    """What must be said of a scene with these effects, by the descriptions of all; None where it must run."""
+    for group in sorted(groups & described.keys()):
+        needed, excluded = (set(re.findall(rf"It {word} `&(\w+)`", described[group])) for word in ("needs", "excludes"))
+        for word, others in (("needs", needed - groups), ("excludes", excluded & groups)):
+            if others:
+                return f"&{group}: {word} &{min(others)}"
+    return None
 
 
 def variants(group):
@@ -53,7 +62,9 @@ def walked(shared):
         name = f"s{len(scenes)}"
         here.write(f"all/{name}.nml", namelist(scene))
         scenes[name] = scene
-    return here, scenes, here.beamwave("run", "all")
+    described = {group: here.beamwave("describe", group).stdout for group in effects}
+    reasons = {name: reason(described, scene.keys()) for name, scene in scenes.items()}
+    return here, scenes, reasons, here.beamwave("run", "all")
 
 
 def test_every_effect_group_is_in_a_scene_of_input(here):
@@ -61,10 +72,10 @@ def test_every_effect_group_is_in_a_scene_of_input(here):
 
 
 def test_what_is_refused_is_refused_for_the_reason_in_the_table(walked):
-    here, scenes, ended = walked
+    here, scenes, reasons, ended = walked
     refused = set()
     for name, scene in scenes.items():
-        said = reason(scene.keys() - NOT_EFFECTS)
+        said = reasons[name]
         lines = re.findall(rf"^all/{name}\.nml(?::\d+)?: (.*accepted.*)$", ended.stderr, re.MULTILINE)
         assert bool(lines) == bool(said), (scene, lines)
         if said:
@@ -76,10 +87,10 @@ def test_what_is_refused_is_refused_for_the_reason_in_the_table(walked):
 
 def test_what_runs_keeps_its_balance(walked):
     """Energy falls at events and, if damped, between them; generalised momentum is kept at every instant."""
-    here, scenes, _ = walked
+    here, scenes, reasons, _ = walked
     checked = 0
     for name, scene in scenes.items():
-        if reason(scene.keys() - NOT_EFFECTS):
+        if reasons[name]:
             continue
         result = here.result(name)
         assert np.isfinite(result["displacement"]).all()

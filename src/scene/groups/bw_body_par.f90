@@ -19,7 +19,7 @@ module bw_body_par
   end type body_par
 
   type(input_group), parameter, public :: body_group = input_group( &
-    'body', repeatable=.true., along='body', is_effect=.true., changes_shapes=.true., &
+    'body', repeatable=.true., along='body', is_effect=.true., builds_up=.true., changes_shapes=.true., &
     absent='nothing is attached to the beam', &
     rules='One group for each body, as many as there are. Give `mass` or `mass_ratio`, 0 for springs alone. Springs are fixed '// &
     'to the rotating frame; those at the root belong to `&support`. Several bodies may have one place, also that where the '// &

@@ -15,7 +15,7 @@ module bw_support_par
   end type support_par
 
   type(input_group), parameter, public :: support_group = input_group( &
-    'support', is_effect=.true., changes_shapes=.true., absent='the root is clamped', &
+    'support', is_effect=.true., builds_up=.true., changes_shapes=.true., absent='the root is clamped', &
     rules='Give one or both; a name that is left out is rigid. A `rotational_stiffness` of 0 is a hinge; both 0 is a free end. '// &
     'Springs are fixed to the rotating frame. A beam that rotates in its plane needs something that holds it: a spring here '// &
     'or of a `&body`. One that can turn about its root grows there, as nothing but tension brings it back.')

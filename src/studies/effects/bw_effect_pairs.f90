@@ -41,22 +41,15 @@ contains
     type(compared_scenes), intent(out) :: list
     character(:), allocatable :: text, reason
     integer :: place, i
-    allocate (list%rows(0))
     text = without_group(resolved_text(scene), 'spectrum')
     if (.not. scene%modes%asked) text = with_value(text, 'modes', 'tolerance', '')    ! each variant relaxes its own
     list%variants%file = scene%file
     call list%variants%find(text, place, reason)   ! the scene that is studied has been read before and is not refused now
+    allocate (list%rows(size(effect_table)))
     do i = 1, size(effect_table)
-      reason = why_not_compared(scene, text, effect_table(i))
-      if (reason /= '') then
-        call leave_out(list, effect_table(i)%name, reason)
-      else if (effect_table(i)%name == 'pieces') then
-        call pair_pieces(scene, text, effect_table(i), list)
-      else if (effect_table(i)%input /= '') then
-        call pair_values(scene, text, effect_table(i), list)
-      else
-        call pair_groups(scene, text, effect_table(i), list)
-      end if
+      list%rows(i)%effect = effect_table(i)%name
+      list%rows(i)%remark = why_not_compared(scene, text, effect_table(i))
+      if (list%rows(i)%remark == '') call find_pair(scene, text, effect_table(i), list, list%rows(i))
     end do
   end subroutine pairs_of
 
@@ -90,76 +83,52 @@ contains
     end do
   end function any_group
 
-  subroutine leave_out(list, effect, reason)
-    !! A row of an effect that cannot be tried beside this scene.
-    type(compared_scenes), intent(inout) :: list
-    character(*), intent(in) :: effect             !! what it is called
-    character(*), intent(in) :: reason
-    type(effect_row) :: row
-    row%effect = effect
-    row%remark = reason
-    call add_row(list, row)
-  end subroutine leave_out
-
-  subroutine add_pair(list, effect, is_on, with, without, remark)
-    !! A row of an effect, whose two texts are read. Where one is refused the row is left out, with the first of the reader's
-    !! reasons.
-    type(compared_scenes), intent(inout) :: list
-    character(*), intent(in) :: effect             !! what it is called
-    logical, intent(in) :: is_on                   !! in the scene that is studied
-    character(*), intent(in) :: with, without, remark
-    type(effect_row) :: row
-    character(:), allocatable :: reason
-    row%effect = effect
-    row%state = merge(effect_on, effect_off, is_on)
-    row%remark = remark
-    call list%variants%find(with, row%place_with, reason)
-    call list%variants%find(without, row%place_without, reason)
-    if (allocated(reason)) then
-      call leave_out(list, effect, reason)
-    else
-      call add_row(list, row)
-    end if
-  end subroutine add_pair
-
-  pure subroutine add_row(list, row)
-    !! One more row. (Array constructors of such types leak in gfortran 12.)
-    type(compared_scenes), intent(inout) :: list
-    type(effect_row), intent(in) :: row
-    type(effect_row), allocatable :: rows(:)
-    integer :: i
-    allocate (rows(size(list%rows) + 1))
-    do i = 1, size(list%rows)
-      rows(i) = list%rows(i)
-    end do
-    rows(size(rows)) = row
-    call move_alloc(rows, list%rows)
-  end subroutine add_row
-
-  subroutine pair_groups(scene, text, effect, list)
-    !! A row of an effect that groups switch: they are taken out where the scene has them all, else those that it lacks are added.
+  subroutine find_pair(scene, text, effect, list, row)
+    !! Fill the row of an effect with its two scenes. Where one is refused it says the first of the reader's reasons.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
-    type(string), allocatable :: groups(:)
-    character(:), allocatable :: base, with, values, remark
-    integer :: i
-    base = text
-    if (effect%alone) base = without_dependents(text, effect%groups)
-    with = base
-    remark = trim(effect%remark_on)
-    if (any_group(base, effect%groups, is_there=.false.)) then
-      groups = words_of(effect%groups)
-      values = trim(effect%values)
-      if (has_group(base, groups(1)%text)) values = ''
-      call find_values(scene, effect, list, values, remark)
-      do i = 1, size(groups)
-        if (.not. has_group(base, groups(i)%text)) with = with_group(without_excluded(with, groups(i)%text), groups(i)%text, values)
-        values = ''
-      end do
+    type(effect_row), intent(inout) :: row
+    character(:), allocatable :: with, without, reason
+    if (effect%name == 'pieces') then
+      call pair_pieces(scene, text, effect, list, row, with, without)
+    else if (effect%input /= '') then
+      call pair_values(scene, text, effect, list, row, with, without)
+    else
+      call pair_groups(scene, text, effect, list, row, with, without)
     end if
-    call add_pair(list, effect%name, with == base, with, without_groups(base, effect%groups), remark)
+    call list%variants%find(with, row%place_with, reason)
+    call list%variants%find(without, row%place_without, reason)
+    if (allocated(reason)) row = effect_row(effect=effect%name, remark=reason)
+  end subroutine find_pair
+
+  subroutine pair_groups(scene, text, effect, list, row, with, without)
+    !! An effect that groups switch: they are taken out where the scene has them all, else those that it lacks are added.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(effect_type), intent(in) :: effect
+    type(compared_scenes), intent(inout) :: list
+    type(effect_row), intent(inout) :: row
+    character(:), allocatable, intent(out) :: with, without
+    type(string), allocatable :: groups(:)
+    character(:), allocatable :: values
+    integer :: i
+    with = text
+    if (effect%alone) with = without_dependents(text, effect%groups)
+    without = without_groups(with, effect%groups)
+    row%state = effect_on
+    row%remark = trim(effect%remark_on)
+    if (.not. any_group(with, effect%groups, is_there=.false.)) return
+    row%state = effect_off
+    groups = words_of(effect%groups)
+    values = trim(effect%values)
+    if (has_group(with, groups(1)%text)) values = ''
+    call find_values(scene, effect, list, values, row%remark)
+    do i = 1, size(groups)
+      if (.not. has_group(with, groups(i)%text)) with = with_group(without_excluded(with, groups(i)%text), groups(i)%text, values)
+      values = ''
+    end do
   end subroutine pair_groups
 
   pure function without_groups(text, groups) result(edited)
@@ -199,40 +168,48 @@ contains
     end do
   end function without_excluded
 
-  subroutine pair_values(scene, text, effect, list)
-    !! A row of an effect that the value of a name switches.
+  subroutine pair_values(scene, text, effect, list, row, with, without)
+    !! An effect that the value of a name switches.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
-    character(:), allocatable :: without, on, remark
+    type(effect_row), intent(inout) :: row
+    character(:), allocatable, intent(out) :: with, without
+    character(:), allocatable :: on
+    with = text
     without = with_value(text, trim(effect%groups), trim(effect%input), trim(effect%off))
-    if (without /= text) then
-      call add_pair(list, effect%name, .true., text, without, trim(effect%remark_on))
-    else
-      on = trim(effect%on)
-      call find_values(scene, effect, list, on, remark)
-      call add_pair(list, effect%name, .false., with_value(text, trim(effect%groups), trim(effect%input), on), without, remark)
-    end if
+    row%state = effect_on
+    row%remark = trim(effect%remark_on)
+    if (without /= text) return
+    row%state = effect_off
+    on = trim(effect%on)
+    call find_values(scene, effect, list, on, row%remark)
+    with = with_value(text, trim(effect%groups), trim(effect%input), on)
   end subroutine pair_values
 
-  subroutine pair_pieces(scene, text, effect, list)
-    !! Pair a beam of several pieces with a uniform one, or a uniform one with one whose outer half is softer.
+  subroutine pair_pieces(scene, text, effect, list, row, with, without)
+    !! A beam of several pieces beside a uniform one, or one whose outer half is softer beside a uniform one.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
-    character(:), allocatable :: length, softer, remark
+    type(effect_row), intent(inout) :: row
+    character(:), allocatable, intent(out) :: with, without
+    character(:), allocatable :: values
+    with = text
+    without = text
     associate (beam => scene%beam)
       if (allocated(beam%pieces)) then
-        call add_pair(list, effect%name, .true., text, with_group(text, 'beam', mean_beam(beam)), trim(effect%remark_on))
+        row%state = effect_on
+        row%remark = trim(effect%remark_on)
+        without = with_group(text, 'beam', mean_beam(beam))
       else
-        softer = ''
-        call find_values(scene, effect, list, softer, remark)
-        length = text_of(0.5_dp*beam%length)
-        softer = text_of(beam%youngs_modulus)//', '//text_of(effect%tried*beam%youngs_modulus)
-        call add_pair(list, effect%name, .false., with_value(with_value(text, 'beam', 'length', length//', '//length), 'beam', &
-                                                             'youngs_modulus', softer), text, remark)
+        row%state = effect_off
+        values = text_of(beam%youngs_modulus)//', '//text_of(effect%tried*beam%youngs_modulus)
+        with = with_value(text, 'beam', 'length', text_of(0.5_dp*beam%length)//', '//text_of(0.5_dp*beam%length))
+        with = with_value(with, 'beam', 'youngs_modulus', values)
+        call find_values(scene, effect, list, values, row%remark)
       end if
     end associate
   end subroutine pair_pieces

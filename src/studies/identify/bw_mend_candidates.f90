@@ -1,7 +1,7 @@
 module bw_mend_candidates
   !! What may be wrong with a model that does not explain its lines: effects that it leaves out, and numbers that it gives. Each
   !! is put into the scenes as text, with unknowns of its own where it has a size.
-  use bw_effect_table, only: added, correction_table, correction_type, effect_row, effect_table, given, toggled
+  use bw_effect_table, only: added, correction_table, correction_type, effect_number, effect_table, given, toggled
   use bw_error, only: error_type
   use bw_input_name, only: name_length
   use bw_input_table, only: name_row, name_table
@@ -116,7 +116,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(candidate_type), intent(inout) :: candidate
     character(:), allocatable :: text, value
-    associate (effect => effect_table(effect_row(candidate%group)))
+    associate (effect => effect_table(effect_number(candidate%group)))
       text = resolved_text(scene)
       candidate%group = effect%groups
       value = trim(effect%off)
