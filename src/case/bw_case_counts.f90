@@ -7,7 +7,7 @@ module bw_case_counts
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_lack_error, only: find_lack, lack_error
-  use bw_mode_set, only: configuration_type, deflections, first_numbers
+  use bw_mode_set, only: configuration_type, deflections, first_numbers, mode_source
   use bw_mode_survey, only: mode_survey
   use bw_monitor, only: monitor_type, part_monitor
   use bw_projection, only: project, projection_type
@@ -29,11 +29,9 @@ module bw_case_counts
   integer, parameter :: previewed = 1000         !! samples that show the peak well enough to plan with it
   integer, parameter, public :: looked_ahead = 4096   !! modes up to whose number twice as many are surveyed as are summed
   integer, parameter :: most_previewed = 2**16   !! modes that are summed to see it
-  real(dp), parameter :: aim = 0.8_dp            !! of a tolerance: blocks may come to more of their amplitudes than random phases
-  real(dp), parameter :: usual_power = 2.2_dp    !! of the number of modes, by which an error falls
-  real(dp), parameter :: hopeless = 4.0_dp       !! times as many modes as a tolerance may take: the power is known about
-  real(dp), parameter :: seen_part_of_most = 0.1_dp   !! of them, or of those that are found quickly, which show the power
-  real(dp), parameter :: doubt_share = 0.25_dp   !! of a tolerance, that the modes after a change may be in doubt by
+  real(dp), parameter :: seen_part_of_most = 0.1_dp   !! of the modes that are found quickly, after which errors fall as they go on
+  real(dp), parameter :: near_enough = 1.02_dp   !! times the least count that keeps a tolerance
+  real(dp), parameter :: doubt_share = 0.3_dp    !! of what is allowed, that the modes after a change may be in doubt by
   real(dp), parameter, public :: bound_times = 100.0_dp    !! a tolerance, that is proved
 
 contains
@@ -48,14 +46,16 @@ contains
     type(time_grid) :: grid
     integer :: samples
     segment%count = first_modes
-    allocate (motion%survey(1 + size(changes_of(scene, motion%units))))
+    if (.not. allocated(motion%survey)) allocate (motion%survey(1 + size(changes_of(scene, motion%units))))
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     if (grid%samples == 1 .or. segment%force == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
     associate (moving => motion%modes%configuration(segment%configuration))
       samples = samples_of_first(scene, motion, moving, grid)
-      call motion%survey(1)%start(deflections, scene%response%points, stretch_of(grid, 2, samples, segment%start))
-      call motion%survey(1)%add_source(moving%source, segment%force, 2*first_modes, monitor)
-      if (monitor%stop_requested()) return
+      if (motion%survey(1)%bins == 0) then
+        call motion%survey(1)%start(deflections, scene%response%points, stretch_of(grid, 2, samples, segment%start))
+        call motion%survey(1)%add_source(moving%source, segment%force, 2*first_modes, monitor)
+        if (monitor%stop_requested()) return
+      end if
       call find_peak(scene, motion, segment, samples, monitor)
       if (monitor%stop_requested()) return
       if (samples == 1 .or. motion%peak == 0.0_dp) return
@@ -114,7 +114,7 @@ contains
     integer :: count, i
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     associate (survey => motion%survey(1), moving => motion%modes%configuration(segment%configuration))
-      motion%peak = motion%seen_peak
+      if (motion%seen_peak > 0.0_dp) motion%peak = motion%seen_peak
       if (motion%peak > 0.0_dp) return
       count = first_modes
       do while (samples > 1)
@@ -204,70 +204,109 @@ contains
     type(case_mode_cache), intent(inout), optional :: cache
     real(dp) :: allowed
     real(dp), dimension(2) :: errors, before, power       ! the estimate, and the bound's part: each falls in its own way
-    integer :: count, last, last_before
+    integer :: count, last, last_before, most
     logical :: extended
-    allowed = aim*motion%severity*scene%modes%tolerance*motion%peak
-    power = usual_power
+    allowed = motion%aim*scene%modes%tolerance*motion%peak
     last_before = 0
     before = 0.0_dp
     associate (survey => motion%survey(1), source => motion%modes%configuration(segment%configuration)%source)
+      most = most_of(scene, source)
+      power = steepest(source)
       do
         last = survey%bin(survey%bins)%last
         errors = errors_with(last)
         if (all(errors <= allowed)) exit
         if (last_before > 0 .and. last > last_before) power = max(0.1_dp, log(before/errors)/log(real(last, dp)/last_before))
-        if (survey%count() >= min(most_modes, source%highest)) then
+        if (survey%count() >= min(most, source%highest)) then
           call extend_source(scene, motion%units, segment%configuration == together, monitor, source, extended, cache)
           if (.not. extended) exit
-        else if (last >= seen_part_of_most*min(most_modes, source%quickly) .and. &
-                 last*times() > hopeless*most_modes) then
+        else if (last >= seen_part_of_most*min(most, source%quickly) .and. &
+                 any(expected(max(power, steepest(source))) > allowed)) then
           segment%count = last                     ! no need to find millions of modes that are not enough
-          motion%reached = maxval(errors*(real(last, dp)/most_modes)**power)/(aim*motion%severity*motion%peak)
+          motion%reached = maxval(expected(power))/motion%peak
           return
         end if
         last_before = last
         before = errors
-        call survey%add_source(source, segment%force, next_count(last, times(), min(most_modes, source%highest)), monitor)
+        call survey%add_source(source, segment%force, next_count(last, times(), min(most, source%highest)), monitor)
         if (monitor%stop_requested()) return
       end do
       count = least_count()
       if (count <= looked_ahead) call survey%add_source(source, segment%force, 2*count, monitor)
       if (monitor%stop_requested()) return
       segment%count = least_count()
-      motion%reached = maxval(errors_with(segment%count))/(aim*motion%severity*motion%peak)
+      motion%reached = maxval(errors_with(segment%count))/motion%peak
     end associate
   contains
     function errors_with(count) result(errors)
-      !! What must be within the tolerance.
+      !! That are expected of the first modes: estimate, and bound over what it may be of a tolerance.
       integer, intent(in) :: count
       real(dp) :: errors(2), bound
       errors(1) = predicted(motion, segment, count, samples - 1, bound)
       errors(2) = bound/bound_times
       errors = max(errors, 1.0e-100_dp)          ! powers are taken of them
     end function errors_with
+    pure function expected(power) result(least)
+      !! Errors of as many modes as there may be, where they fall as that power of their number.
+      real(dp), intent(in) :: power(2)
+      real(dp) :: least(2)
+      least = errors*(real(last, dp)/most)**power
+    end function expected
     real(dp) function times()
       !! As many modes as there are, that are enough.
       times = maxval((errors/allowed)**(1.0_dp/power))
     end function times
     integer function least_count() result(count)
-      !! By bisection; the most that there are where none is enough.
+      !! By powers that go through what is not enough and what is; the most that there are where none is enough.
       integer :: few, enough, try
+      real(dp) :: now, over(2), power              ! errors over what is allowed
       associate (survey => motion%survey(1))
         few = survey%bin_of(first_modes)
         enough = survey%bins
-        if (all(errors_with(first_modes) <= allowed)) enough = few
-        do while (enough - few > 1)
-          try = (few + enough)/2
-          if (all(errors_with(survey%bin(try)%last) <= allowed)) then
+        over = [over_allowed(few), over_allowed(enough)]
+        if (over(1) <= 1.0_dp) enough = few
+        do while (enough - few > 1 .and. over(2) <= 1.0_dp)
+          associate (ends => real(survey%bin([few, enough])%last, dp))
+            if (ends(2) <= near_enough*ends(1)) exit
+            power = log(over(1)/over(2))/log(ends(2)/ends(1))
+            try = int(ends(1)*min(over(1)**(1.0_dp/power), ends(2)/ends(1)))
+          end associate
+          try = max(few + 1, min(enough - 1, findloc(survey%bin(:enough)%last >= try, .true., dim=1)))
+          now = over_allowed(try)
+          if (now <= 1.0_dp) then
             enough = try
+            over(2) = now
           else
             few = try
+            over(1) = now
           end if
         end do
         count = survey%bin(enough)%last
       end associate
     end function least_count
+    real(dp) function over_allowed(bin) result(over)
+      integer, intent(in) :: bin                   !! the modes to whose end are summed
+      over = maxval(errors_with(motion%survey(1)%bin(bin)%last))/allowed
+    end function over_allowed
   end subroutine settle_first
+
+  pure integer function most_of(scene, source) result(most)
+    !! Modes that a tolerance may take: one that was not asked for, those that are found quickly.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source
+    most = most_modes
+    if (.not. scene%modes%asked) most = min(most, source%quickly)
+  end function most_of
+
+  pure function steepest(source) result(power)
+    !! Powers of the number of modes by which the estimate and the bound fall in the end: amplitudes fall as k⁻³, with shear as k⁻²;
+    !! they add up in the bound, and at random in the estimate.
+    class(mode_source), intent(in) :: source
+    real(dp) :: power(2)
+    power = 2.0_dp
+    if (any(source%pieces%beam%piece%compliance%hi > 0.0_dp)) power = 1.0_dp
+    power(1) = power(1) + 0.5_dp
+  end function steepest
 
   pure integer function next_count(last, times, most) result(count)
     !! So many modes as an error takes that falls as a power of their number, in steps that learn the power.
@@ -284,7 +323,7 @@ contains
     type(case_motion), intent(inout) :: motion
     type(segment_type), intent(in) :: last       !! a copy of the segment before it
     type(segment_type), intent(inout) :: next    !! whose start and configuration are known
-    type(projection_type), intent(out) :: projection
+    type(projection_type), intent(inout) :: projection   !! new
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), optional :: cache
     type(time_grid) :: grid
@@ -297,7 +336,7 @@ contains
     samples = grid%samples - first + 1
     stretch = stretch_of(grid, first, grid%samples, next%start)
     next%count = first_modes
-    allowed = motion%severity*scene%modes%tolerance*motion%peak
+    allowed = motion%aim*scene%modes%tolerance*motion%peak
     associate (before => motion%modes%configuration(last%configuration), after => motion%modes%configuration(next%configuration))
       most_handed = min(most_modes, before%source%highest, max(before%source%quickly, last%count))
       most = min(most_released, after%source%highest)
@@ -352,7 +391,7 @@ contains
       type(tail_type) :: tail
       associate (survey => motion%survey(2), source => motion%modes%configuration(next%configuration)%source)
         call find_tail(survey, source%pieces%beam, source%damping, next%energy, count, tail)
-        error_with = max(maxval(displacement_error(tail, part_planned(motion, 2, count, samples)))/(aim - doubt_share), &
+        error_with = max(maxval(displacement_error(tail, part_planned(motion, 2, count, samples)))/(1.0_dp - doubt_share), &
                          maxval(tail%bound)/(0.5_dp*bound_times))/allowed
       end associate
     end function error_with
@@ -372,7 +411,7 @@ contains
         end if
       end do
       next%count = enough
-      motion%reached = max(motion%reached, scene%modes%tolerance*max(error_with(enough), doubt))
+      motion%reached = max(motion%reached, motion%aim*scene%modes%tolerance*max(error_with(enough), doubt))
     end subroutine cut_to_least
   end subroutine choose_later
 

@@ -1,6 +1,8 @@
 module bw_case_histories
   !! The histories of a case, segment by segment: of the modes that a scene counts, or of as many as its tolerance takes. The last two
-  !! octaves of a segment's modes are summed apart, since they tell what those that are left out may add.
+  !! octaves of a segment's modes tell what those that are left out may add. They are summed apart, at all samples where that costs
+  !! no more than the sum of all; of a long record, which is summed by the transform, at samples that are evenly spaced and at as many
+  !! after the first, where waves have not spread yet.
   use bw_case_counts, only: samples_of_segment
   use bw_case_notes, only: note_failure, out_of_reach
   use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
@@ -9,17 +11,22 @@ module bw_case_histories
   use bw_mode_set, only: configuration_type, deflections, first_failure
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
-  use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
+  use bw_response, only: fill_unknown, finish_histories, histories_of, response_type, sampling_type, start_histories, &
+    sum_tolerance
   use bw_scene, only: scene_type
   use bw_segment, only: leaves_range, move, segment_type
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
+  use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_text, only: append, shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation_error, only: block_ends, fewest
   implicit none (type, external)
   private
-  public :: sum_histories
+  public :: sum_histories, sums_of_segment
+
+  integer, parameter :: looked_at = 1024    !! samples of a long record, and as many after its first, at which octaves are summed apart
+  integer, parameter :: sums_of_segment = 3 !! of all samples, of those after the first, and of those evenly spaced
 
 contains
 
@@ -29,7 +36,7 @@ contains
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity                      !! deflections or curvatures (bw_mode_set)
     class(monitor_type), intent(inout), target :: monitor   !! the histories mean nothing where it asks to stop
-    type(nonuniform_sum), intent(inout) :: workspace     !! any, also one that another case has used
+    type(nonuniform_sum), intent(inout) :: workspace(:)  !! any `sums_of_segment`, also those that another case has used
     type(case_histories), intent(out) :: histories
     type(sampling_type) :: sampling
     logical :: known
@@ -80,7 +87,7 @@ contains
     type(case_motion), intent(in) :: motion
     type(sampling_type), intent(in) :: sampling          !! of the whole record
     class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace
+    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(inout) :: histories
     type(part_monitor) :: share
     type(response_type) :: part
@@ -123,40 +130,64 @@ contains
     type(sampling_type), intent(in) :: sampling          !! of the whole record
     integer, intent(in) :: samples(2)                    !! the first and the last of the segment
     class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace
+    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(response_type), intent(out) :: part             !! of these samples
     type(block_type), intent(out) :: block
     type(sampling_type) :: own
-    type(response_type) :: octave
     type(segment_type) :: moved
-    integer :: b, ends(3)
+    type(sum_choice) :: choice
+    integer :: ends(3)
     own = sampling
     own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
     call start_histories(own, part)
     call move_to_sample(segment, configuration, sampling%grid, samples(1), moved, part)
     if (part%failing_mode > 0) return
+    allocate (block%value(size(own%points), 2), block%rate(size(own%points), 2), source=0.0_dp)
     ends = block_ends(segment%count)
     if (segment%count < fewest .or. (allocated(segment%rate) .and. .not. allocated(segment%lack))) ends = segment%count
-    call add_modes(1, ends(1), part)
-    allocate (block%value(size(own%points), 2), block%rate(size(own%points), 2), source=0.0_dp)
-    do b = 1, 2
-      if (ends(b) == ends(b + 1)) exit
-      if (monitor%stop_requested()) exit
-      call start_histories(own, octave)
-      call add_modes(ends(b) + 1, ends(b + 1), octave)
-      call take_octave(octave, merge(2, 1, samples(1) == 1), block%value(:, b), block%rate(:, b), part)
-    end do
+    choice = chosen_sum(segment%count, own%grid%samples, histories_of(part), sum_tolerance)
+    if (own%grid%samples <= 2*looked_at .or. allocated(scene%damping) .or. .not. choice%transform) then   ! parts cost no more
+      call add_modes(1, ends(1), workspace(1), part)
+      call add_octaves(own%grid, workspace(1), part)
+    else
+      call add_modes(1, segment%count, workspace(1), part)
+      call add_octaves(time_grid(looked_at, own%grid%step), workspace(2))
+      call add_octaves(every_nth(own%grid), workspace(3))
+    end if
     call finish_histories(part)
     block%rate = block%rate/own%unit_time
   contains
-    subroutine add_modes(first, last, response)
+    subroutine add_octaves(grid, workspace, sums)
+      !! What each octave comes to on a grid of times from the segment's first sample on.
+      type(time_grid), intent(in) :: grid
+      type(nonuniform_sum), intent(inout) :: workspace
+      type(response_type), intent(inout), optional :: sums   !! to which they are added
+      type(sampling_type) :: seen
+      type(response_type) :: octave
+      integer :: b
+      seen = own
+      seen%grid = grid
+      do b = 1, 2
+        if (ends(b) == ends(b + 1)) return
+        if (monitor%stop_requested()) return
+        call start_histories(seen, octave)
+        call add_modes(ends(b) + 1, ends(b + 1), workspace, octave)
+        call find_largest(octave, merge(2, 1, samples(1) == 1), block%value(:, b), block%rate(:, b))
+        if (present(sums)) call add_sums(octave, sums)
+      end do
+    end subroutine add_octaves
+
+    subroutine add_modes(first, last, workspace, response)
       !! Some of the modes.
       integer, intent(in) :: first, last
+      type(nonuniform_sum), intent(inout) :: workspace
       type(response_type), intent(inout) :: response
       type(part_monitor) :: share
       real(dp) :: unit                                   ! m of displacements in V l²/h
       if (first > last) return
-      share = part_monitor(monitor, (first - 1.0_dp)/segment%count, (last - first + 1.0_dp)/segment%count)
+      share = part_monitor(monitor, 1.0_dp, 0.0_dp)      ! of few samples
+      if (response%sampling%grid%samples == own%grid%samples) &
+        share = part_monitor(monitor, (first - 1.0_dp)/segment%count, (last - first + 1.0_dp)/segment%count)
       unit = scene%impact%approach_velocity*motion%units%time%hi
       if (allocated(moved%rate)) then
         call add_motion(configuration%set, moved%rate*unit, share, response, displaced=moved%q*unit, workspace=workspace, &
@@ -192,29 +223,42 @@ contains
     end associate
   end subroutine move_to_sample
 
-  pure subroutine take_octave(octave, first, value, rate, part)
-    !! The largest values of an octave of modes at each point, and its sum with the others.
+  pure type(time_grid) function every_nth(grid) result(coarse)
+    !! So few samples of a grid as are looked at. Every 2ⁿ-th is among them: instants at which waves meet, which are simple parts of
+    !! the beam's time, come again among the multiples of such a step.
+    type(time_grid), intent(in) :: grid
+    integer :: stride
+    stride = 1
+    do while (grid%samples > looked_at*stride)
+      stride = 2*stride
+    end do
+    coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
+  end function every_nth
+
+  pure subroutine find_largest(octave, first, value, rate)
+    !! The largest values of an octave of modes at each point, if they are larger than those that are known.
     type(response_type), intent(in) :: octave
     integer, intent(in) :: first                         !! sample that is looked at: not that of the blow
-    real(dp), intent(out) :: value(:), rate(:)           !! (points)
-    type(response_type), intent(inout) :: part
+    real(dp), intent(inout) :: value(:), rate(:)         !! (points)
     integer :: n
     n = octave%finite_samples
-    value = max(0.0_dp, maxval(abs(octave%displacement(first:n, :)), 1))
-    rate = 0.0_dp
+    value = max(value, maxval(abs(octave%displacement(first:n, :)), 1))
+    if (allocated(octave%velocity)) rate = max(rate, maxval(abs(octave%velocity(first:n, :)), 1))
+  end subroutine find_largest
+
+  pure subroutine add_sums(octave, part)
+    !! An octave of modes to the others.
+    type(response_type), intent(in) :: octave
+    type(response_type), intent(inout) :: part
     part%displacement = part%displacement + octave%displacement
-    if (allocated(part%velocity)) then
-      rate = max(0.0_dp, maxval(abs(octave%velocity(first:n, :)), 1))
-      part%velocity = part%velocity + octave%velocity
-    end if
+    if (allocated(part%velocity)) part%velocity = part%velocity + octave%velocity
     part%sum_error = max(part%sum_error, octave%sum_error)
     part%transformed = part%transformed + octave%transformed
     part%mode_seconds = part%mode_seconds + octave%mode_seconds
-    if (n < part%finite_samples) then
-      part%finite_samples = n
-      part%failing_mode = octave%failing_mode
-    end if
-  end subroutine take_octave
+    if (octave%finite_samples >= part%finite_samples) return
+    part%finite_samples = octave%finite_samples
+    part%failing_mode = octave%failing_mode
+  end subroutine add_sums
 
   subroutine take_samples(part, samples, whole)
     !! Histories of some of the samples into those of all; where they are all, they are not copied.

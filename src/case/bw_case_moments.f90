@@ -24,7 +24,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     class(monitor_type), intent(inout), target :: monitor   !! the moments mean nothing where it asks to stop
-    type(nonuniform_sum), intent(inout) :: workspace
+    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
     type(case_histories) :: found

@@ -36,8 +36,7 @@ contains
     type(initial_state_cache), intent(inout) :: cache
     type(case_mode_cache), intent(inout), optional :: modes_cache   !! absent: no modes are shared
     type(segment_type) :: segment
-    if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes
-    if (allocated(motion%survey)) deallocate (motion%survey)
+    if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes, whose survey serves on
     motion%reached = 0.0_dp
     motion%initial = initial_state()
     motion%timeline = timeline_type()

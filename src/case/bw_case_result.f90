@@ -43,7 +43,8 @@ module bw_case_result
     type(timeline_type) :: timeline
     type(mode_survey), allocatable :: survey(:)     !! of the modes of each segment, where a tolerance says how many are summed
     real(dp) :: peak = 0.0_dp                       !! with a tolerance: the largest displacement, as few modes show it, V l²/h
-    real(dp) :: severity = 1.0_dp                   !! part of a tolerance that counts are chosen by
+    real(dp) :: aim = 0.8_dp                        !! part of a tolerance by which counts are chosen: blocks may come to more of their
+      !! amplitudes than random phases do
     real(dp) :: seen_peak = 0.0_dp                  !! the largest displacement of a sum of fewer modes; 0: there was none
     real(dp), allocatable :: seen_part(:, :)        !! of the sum of its amplitudes that a block of its came to, (points, segments)
     real(dp) :: reached = 0.0_dp                    !! the error of the displacement over its peak that is expected of them

@@ -1,5 +1,6 @@
 module bw_case_tolerance
-  !! What a tolerance asks of a scene, before it is run: how many modes are summed, and whether it can be had at all.
+  !! What a tolerance asks of a scene, before it is run: how many modes are summed, and whether it can be had at all. A run goes on
+  !! from the motion that this leaves.
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
   use bw_case_motion, only: follow_motion, start_motion
@@ -30,20 +31,34 @@ contains
     integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
-    type(case_motion) :: motion
+    type(case_motion), allocatable :: motion
+    call plan_motion(scene, monitor, motion, count, error)
+    if (present(reached)) reached = motion%reached
+  end subroutine plan_case
+
+  subroutine plan_motion(scene, monitor, motion, count, error)
+    !! `plan_case`, with the motion up to its histories.
+    !! **Errors**: as those of `plan_case`.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_motion), allocatable, intent(inout) :: motion   !! unallocated, or what another tolerance left
+    integer, intent(out) :: count
+    type(error_type), allocatable, intent(out) :: error
     type(search_failure), target :: failure
     type(initial_state_cache) :: cache
     character(:), allocatable :: place
     integer :: line
     count = 0
-    motion%units = units_of(scene%beam)
-    call find_modes(scene, motion%units, monitor, motion%modes)
-    if (monitor%stop_requested()) return
+    if (.not. allocated(motion)) then
+      allocate (motion)
+      motion%units = units_of(scene%beam)
+      call find_modes(scene, motion%units, monitor, motion%modes)
+      if (monitor%stop_requested()) return
+    end if
     call attend(motion%modes%configuration, failure, monitor)
     call start_motion(scene, motion, monitor, cache)
     if (monitor%stop_requested()) return
     call follow_motion(scene, motion, monitor)
-    if (present(reached)) reached = motion%reached
     if (monitor%stop_requested()) return
     if (failure%first == 0 .and. size(motion%timeline%segments) > 0) count = motion%timeline%segments(1)%count
     if (failure%first > 0 .or. motion%reached <= scene%modes%tolerance) return
@@ -51,9 +66,9 @@ contains
     place = scene%file
     if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
     call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion))
-  end subroutine plan_case
+  end subroutine plan_motion
 
-  subroutine settle_tolerance(scene, monitor, count, error)
+  subroutine settle_tolerance(scene, monitor, count, error, motion)
     !! Plan a scene before it is run. A default tolerance becomes the one that is used; in a sweep each case relaxes its own,
     !! and one that was asked for is tried at few of the corners: other cases may still not converge.
     !! **Errors**: `status_bad_input` where a tolerance that was asked for is out of reach, or none can be had.
@@ -61,13 +76,17 @@ contains
     class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
     integer, intent(out) :: count                  !! of modes to be summed by a single case; 0: not known
     type(error_type), allocatable, intent(out) :: error
+    type(case_motion), allocatable, intent(out), optional :: motion
+      !! of a single case, up to its histories; unallocated where none is planned
+    type(case_motion), allocatable :: planned
     type(scene_type) :: one
     integer(i8), allocatable :: corners(:)
     integer :: i, ignored
     count = 0
     if (.not. by_tolerance(scene%modes)) return
     if (size(scene%sweeps) == 0) then
-      call plan_relaxed(scene, monitor, count, error)
+      call plan_relaxed(scene, monitor, planned, count, error)
+      if (present(motion) .and. count > 0 .and. .not. allocated(error)) call move_alloc(planned, motion)
     else if (scene%modes%asked) then
       corners = few_corners(scene)
       do i = 1, size(corners)
@@ -81,22 +100,23 @@ contains
     end if
   end subroutine settle_tolerance
 
-  subroutine plan_relaxed(scene, monitor, count, error)
-    !! The same as `plan_case`, of a scene whose default tolerance becomes the one that is used where it is out of reach.
+  subroutine plan_relaxed(scene, monitor, motion, count, error)
+    !! The same as `plan_motion`, of a scene whose default tolerance becomes the one that is used where it is out of reach.
     !! **Errors**: as those of `plan_case`, of a tolerance that was asked for or where none can be had.
     type(scene_type), intent(inout) :: scene       !! as that of `plan_case`
     class(monitor_type), intent(inout), target :: monitor
+    type(case_motion), allocatable, intent(out) :: motion
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
-    real(dp) :: reached, relaxed
-    call plan_case(scene, monitor, count, error, reached)
+    real(dp) :: relaxed
+    call plan_motion(scene, monitor, motion, count, error)
     if (.not. allocated(error) .or. scene%modes%asked) return
-    relaxed = relaxed_tolerance(reached)
+    relaxed = relaxed_tolerance(motion%reached)
     if (is_missing(relaxed)) return
     deallocate (error)
     scene%modes%tolerance = relaxed
     call scene%groups(position_of(scene%groups, 'modes'))%settle('tolerance', relaxed, 0)
-    call plan_case(scene, monitor, count, error)
+    call plan_motion(scene, monitor, motion, count, error)
   end subroutine plan_relaxed
 
 end module bw_case_tolerance

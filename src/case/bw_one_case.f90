@@ -6,7 +6,7 @@ module bw_one_case
   use bw_beam_units, only: units_of
   use bw_case_drift, only: drift_errors
   use bw_case_errors, only: drop_errors, estimate_errors
-  use bw_case_histories, only: sum_histories
+  use bw_case_histories, only: sum_histories, sums_of_segment
   use bw_case_modes, only: case_mode_cache, find_modes
   use bw_case_moments, only: find_moments
   use bw_case_motion, only: follow_motion, start_motion
@@ -38,7 +38,7 @@ module bw_one_case
     !! a bounded amount of memory however many cases there are, and changes no bit of their results.
     type(case_mode_cache) :: modes
     type(initial_state_cache) :: initial
-    type(nonuniform_sum) :: sum          !! kernel, plan and grids of the last transform
+    type(nonuniform_sum) :: sums(sums_of_segment)   !! kernels, plans and grids of the last transforms
     type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
     type(record_cache) :: record         !! the last record
   end type case_cache
@@ -47,7 +47,7 @@ module bw_one_case
 
 contains
 
-  subroutine run_case(scene, layout, watch, monitor, cache, result, whole)
+  subroutine run_case(scene, layout, watch, monitor, cache, result, whole, planned)
     !! Run a case whose histories are read, or one that is simulated. A tolerance that was not asked for and is out of reach
     !! relaxes to what can be had.
     type(scene_type), intent(in) :: scene            !! without sweeps
@@ -57,11 +57,13 @@ contains
     type(case_cache), intent(inout), target :: cache !! what other cases have found
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    type(case_motion), allocatable, intent(inout), optional :: planned
+      !! of this scene, up to its histories (bw_case_tolerance); used up. Unallocated: not yet
     type(scene_type) :: relaxed
     if (allocated(scene%record)) then
       call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
     else
-      call simulate_case(scene, layout, watch, monitor, cache, result, whole)
+      call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
       if (.not. whole .or. scene%modes%asked .or. result%reached <= scene%modes%tolerance) return
       relaxed = scene
       relaxed%modes%tolerance = relaxed_tolerance(result%reached)
@@ -69,7 +71,7 @@ contains
     end if
   end subroutine run_case
 
-  subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole)
+  subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
     !! The way the data goes.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -78,7 +80,8 @@ contains
     type(case_cache), intent(inout), target :: cache !! what other cases have found
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
-    type(case_motion) :: motion
+    type(case_motion), allocatable, intent(inout), optional :: planned   !! as that of `run_case`
+    type(case_motion), allocatable :: motion
     type(case_histories) :: histories
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
@@ -86,36 +89,46 @@ contains
     type(part_monitor) :: part                       ! for a stage
     type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
-    integer :: try
+    integer :: first_try, try
     call watch%start()
     share = case_shares(scene)
-    motion%units = units_of(scene%beam)
     whole = .false.
 
-    part = stage_part(monitor, share, modes_share)
-    call find_modes(scene, motion%units, part, motion%modes, cache%modes)
-    if (monitor%stop_requested()) return
+    first_try = 1
+    if (present(planned)) then
+      if (allocated(planned)) first_try = 0
+      call move_alloc(planned, motion)
+    end if
+    if (.not. allocated(motion)) then
+      allocate (motion)
+      motion%units = units_of(scene%beam)
+      part = stage_part(monitor, share, modes_share)
+      call find_modes(scene, motion%units, part, motion%modes, cache%modes)
+      if (monitor%stop_requested()) return
+    end if
     call attend(motion%modes%configuration, failure, monitor)
     call watch%lap(stage_modes)
 
-    do try = 1, tries
-      part = stage_part(monitor, share, events_share)
-      call start_motion(scene, motion, part, cache%initial, cache%modes)
-      if (monitor%stop_requested()) return
-      part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)       ! how long later events take is not known
-      call follow_motion(scene, motion, part, cache%modes)
-      if (monitor%stop_requested()) return
-      if (allocated(scene%impact)) call watch%lap(stage_events)
+    do try = first_try, tries
+      if (try > 0) then
+        part = stage_part(monitor, share, events_share)
+        call start_motion(scene, motion, part, cache%initial, cache%modes)
+        if (monitor%stop_requested()) return
+        part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)       ! how long later events take is not known
+        call follow_motion(scene, motion, part, cache%modes)
+        if (monitor%stop_requested()) return
+        if (allocated(scene%impact)) call watch%lap(stage_events)
+      end if
 
       part = stage_part(monitor, share, histories_share)
-      call sum_histories(scene, motion, deflections, part, cache%sum, histories)
+      call sum_histories(scene, motion, deflections, part, cache%sums, histories)
       if (monitor%stop_requested()) return
       call estimate_errors(scene, motion, histories, part, errors)
       if (monitor%stop_requested()) return
       if (.not. takes_more_modes(scene, motion, histories, errors)) exit
     end do
     if (allocated(histories%response)) then
-      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sum, histories, errors)
+      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sums, histories, errors)
       if (monitor%stop_requested()) return
       call drop_errors(motion, errors)
     end if
@@ -204,14 +217,14 @@ contains
     type(case_motion), intent(inout) :: motion
     type(case_histories), intent(in) :: histories
     type(history_errors), intent(inout) :: errors
-    real(dp), parameter :: aim = 0.9_dp             ! tuned: of the severity before it
+    real(dp), parameter :: known = 0.95_dp, less = 0.9_dp    ! aims: once it is seen what blocks come to, and over the last
     real(dp) :: allowed
     more = .false.
     if (.not. errors%missed .or. is_relaxed(scene%modes)) return
     allowed = scene%modes%tolerance*largest_magnitude(histories%response%displacement)
     more = maxval(drift_errors(scene, motion, deflections, .false.)) < 0.5_dp*allowed .and. allowed > 0.0_dp
     if (.not. more) return
-    motion%severity = aim*motion%severity
+    motion%aim = merge(less*motion%aim, known, allocated(motion%seen_part))
     motion%seen_peak = allowed/scene%modes%tolerance/(abs(scene%impact%approach_velocity)*motion%units%time%hi)
     call move_alloc(errors%part, motion%seen_part)
   end function takes_more_modes

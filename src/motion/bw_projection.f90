@@ -10,18 +10,19 @@ module bw_projection
   !! body is in the overlaps, but not in that bound, where it is smaller by 1/β_N².
   !!
   !! Units of bw_segment.
-  use bw_double_double, only: accurate_sum, dd
+  use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_modal_flow, only: left_beyond
   use bw_mode_set, only: configuration_type, first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
   use bw_segment, only: beam_energy, energy_type, lack_type, move, move_with_energy, segment_type, state_energy
+  use bw_turn, only: phase_angles
   implicit none (type, external)
   private
   public :: project
 
-  integer, parameter :: near(2) = [4, 1024]     !! times the modes after, and modes at least, whose overlaps are taken one by one
+  integer, parameter :: nearest(2) = [4, 1024]  !! times the modes after, and modes at least, whose overlaps are taken one by one
   integer, parameter :: chunk = 256             !! modes held at a time beyond these
 
   type, public :: place_type
@@ -37,18 +38,25 @@ module bw_projection
     real(dp) :: left = 1.0_dp                   !! that damping leaves of amplitudes of modes beyond them
   end type place_type
 
+  type :: far_modes
+    !! Those whose overlaps are not taken one by one.
+    integer :: first = 1, last = 0              !! that are known
+    real(dp), allocatable :: of(:, :)           !! numbers of each mode, from the first, and room for more, (modes, kinds)
+  end type far_modes
+
+  ! Kinds of numbers of far modes: β², Φ²/M at the body, the energy at the start and what damping leaves of it, what they move the
+  ! body by then and with which velocity, the amplitude of that, and what damping leaves of amplitudes beyond.
+  integer, parameter :: square = 1, mobility = 2, energy = 3, kept = 4, moved = 5, rate_moved = 6, reach = 7, left = 8, kinds = 8
+
   type, public :: projection_type
     class(mode_set), allocatable :: before      !! the first modes before
     real(dp), allocatable :: q(:), rate(:)      !! their state then, as it is summed
     real(dp), allocatable :: q_after(:), rate_after(:)   !! of the modes after
     type(lack_type) :: lack
     type(place_type) :: place
+    type(far_modes), private :: far             !! known from a projection of the same motion with fewer modes
   end type projection_type
 
-  type :: far_sums
-    !! Of modes whose overlaps are not taken one by one: ΣΦq and ΣΦq̇, and the same over β².
-    real(dp) :: q(2) = 0.0_dp, rate(2) = 0.0_dp
-  end type far_sums
 
 contains
 
@@ -60,10 +68,11 @@ contains
     real(dp), intent(in) :: longest              !! the record, for which phases are to be right, l²/h
     integer, intent(in) :: wanted                !! N at least, where the segment has no state of its own and there are so many
     class(mode_set), intent(in) :: after         !! modes of the beam without the body
-    type(projection_type), intent(out) :: projection
+    type(projection_type), intent(inout) :: projection   !! new, or that of the same motion onto fewer modes or from fewer
     class(monitor_type), intent(inout), optional :: monitor   !! the projection means nothing where it asks to stop
     real(dp), allocatable :: q(:), rate(:)       ! of the continuum's modes
-    type(far_sums) :: far
+    real(dp) :: near(2)                          ! what the first modes move the body by, and with which velocity
+    integer :: n
     associate (p => projection, source => configuration%source)
       call take_start(segment, configuration, longest, wanted, after%count, p, q, rate, monitor)
       if (stops(monitor)) return
@@ -76,12 +85,16 @@ contains
         p%lack%q = after%overlap_of_beam(p%before, q - p%q, monitor)/after%modal_mass
         p%lack%rate = after%overlap_of_beam(p%before, rate - p%rate, monitor)/after%modal_mass
       end if
-      if (.not. allocated(segment%rate)) then
-        call add_far(source, segment%force, time, longest, min(wanted, source%highest), p%place, far, monitor)
-        if (stops(monitor)) return
-        associate (elastic => after%beta_squared%hi + spin(source), blow => source%gamma*after%struck)
-          p%q_after = p%q_after - blow*(far%q(1) + elastic*far%q(2))
-          p%rate_after = p%rate_after - blow*(far%rate(1) + elastic*far%rate(2))
+      n = p%place%count
+      near = [p%place%displacement, p%place%velocity]
+      if (.not. allocated(segment%rate)) &
+        call add_far(source, segment%force, time, longest, min(wanted, source%highest), p%place, p%far, monitor)
+      if (stops(monitor)) return
+      if (p%place%count > n) then
+        associate (elastic => after%beta_squared%hi + spin(source), blow => source%gamma*after%struck, &
+                   of => p%far%of(n + 1:p%place%count, :))
+          p%q_after = p%q_after - blow*(p%place%displacement - near(1) + elastic*sum(of(:, moved)/of(:, square)))
+          p%rate_after = p%rate_after - blow*(p%place%velocity - near(2) + elastic*sum(of(:, rate_moved)/of(:, square)))
         end associate
       end if
       p%q_after = p%q_after/after%modal_mass
@@ -117,7 +130,7 @@ contains
         p%q = 0.0_dp*p%rate
         if (allocated(segment%q)) p%q = segment%q
       else
-        n = max(near(1)*modes_after, near(2))
+        n = max(nearest(1)*modes_after, nearest(2))
         if (source%pieces%captured%inertia%hi > 0.0_dp) n = max(n, wanted)
         n = min(n, source%highest)
         call source%find(first_numbers(n), p%before, source%stretch*longest, monitor)
@@ -209,35 +222,85 @@ contains
     real(dp), intent(in) :: longest
     integer, intent(in) :: last
     type(place_type), intent(inout) :: place
-    type(far_sums), intent(inout) :: far
+    type(far_modes), intent(inout) :: far        !! those that an earlier call found
     class(monitor_type), intent(inout), optional :: monitor
-    class(mode_set), allocatable :: modes
-    real(dp), allocatable :: q(:), rate(:), terms(:), reach(:)
     integer :: first, n
     if (place%count >= last) return
-    allocate (terms(place%count + 1:last), reach(place%count + 1:last))
-    do first = place%count + 1, last, chunk
+    call make_room(far, place%count + 1, last)
+    do first = far%last + 1, last, chunk
       if (stops(monitor)) return
       n = min(chunk, last - first + 1)
-      call source%find(first - 1 + first_numbers(n), modes, min(1.0_dp, source%stretch)*longest)
-      rate = force*modes%struck/modes%modal_mass
-      q = 0.0_dp*rate
-      place%mobility = place%mobility - accurate_sum(modes%struck**2/modes%modal_mass)
-      place%missing_energy = place%missing_energy - beam_energy(modes, q, rate)
-      call move(modes, time, q, rate)
-      terms(first:first + n - 1) = modes%struck*rate
-      reach(first:first + n - 1) = amplitudes(modes, q, rate)
-      place%left = left_of(modes, time)
-      if (allocated(modes%damping)) place%energy = place%energy + beam_energy(modes, q, rate)
-      place%square = modes%beta_squared(n)%hi
-      place%displacement = place%displacement + accurate_sum(modes%struck*q)
-      place%velocity = place%velocity + accurate_sum(modes%struck*rate)
-      far%q = far%q + [accurate_sum(modes%struck*q), accurate_sum(modes%struck*q/modes%beta_squared%hi)]
-      far%rate = far%rate + [accurate_sum(modes%struck*rate), accurate_sum(modes%struck*rate/modes%beta_squared%hi)]
+      call find_far(source, force, time, min(1.0_dp, source%stretch)*longest, first - 1 + first_numbers(n), &
+                    far%of(first:first + n - 1, :))
+      far%last = first + n - 1
     end do
+    associate (of => far%of(place%count + 1:last, :))
+      place%mobility = place%mobility - accurate_sum(of(:, mobility))
+      place%missing_energy = place%missing_energy - accurate_sum(of(:, energy))
+      place%energy = place%energy + sum(of(:, kept))
+      place%displacement = place%displacement + accurate_sum(of(:, moved))
+      place%velocity = place%velocity + accurate_sum(of(:, rate_moved))
+      if (size(of, 1) >= 4) call take_part(of(:, rate_moved), of(:, reach), place)
+    end associate
+    place%left = far%of(last, left)
+    place%square = far%of(last, square)
     place%count = last
-    if (size(terms) >= 4) call take_part(terms, reach, place)
   end subroutine add_far
+
+  pure subroutine make_room(far, first, last)
+    !! For modes up to number `last`; those before the first are of no use any more.
+    type(far_modes), intent(inout) :: far
+    integer, intent(in) :: first, last
+    real(dp), allocatable :: of(:, :)
+    integer :: known(2)
+    if (.not. allocated(far%of)) far%last = first - 1
+    if (far%last >= last) return
+    allocate (of(first:last, kinds))
+    known = [max(first, far%first), far%last]
+    if (allocated(far%of)) of(known(1):known(2), :) = far%of(known(1):known(2), :)
+    far%first = first
+    far%last = max(far%last, first - 1)
+    call move_alloc(of, far%of)
+  end subroutine make_room
+
+  subroutine find_far(source, force, time, longest, number, of)
+    !! Modes of these numbers at that time.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force, longest
+    type(dd), intent(in) :: time
+    integer, intent(in) :: number(:)
+    real(dp), intent(out) :: of(:, :)            !! (modes, kinds)
+    class(mode_set), allocatable :: modes
+    real(dp), dimension(size(number)) :: angle, drive, mass, q, rate
+    real(dp) :: none(size(number), 0)
+    type(dd) :: beta(size(number))
+    if (allocated(source%damping)) then
+      call source%find(number, modes, longest)
+      mass = modes%modal_mass
+      drive = modes%struck/mass
+      rate = force*drive
+      q = 0.0_dp*rate
+      of(:, square) = modes%beta_squared%hi
+      of(:, energy) = 0.5_dp*mass*rate**2
+      call move(modes, time, q, rate)
+      of(:, kept) = 0.5_dp*mass*(rate**2 + of(:, square)*q**2)
+      of(:, reach) = amplitudes(modes, q, rate)
+      of(:, left) = left_of(modes, time)
+    else                                         ! all of them turn
+      call source%terms(number, [real(dp) ::], longest, beta, drive, none, mass)
+      angle = phase_angles(beta*(time/(dd_pi*2.0_dp)), 1)
+      q = force*drive*sin(angle)/beta%hi
+      rate = force*drive*cos(angle)
+      of(:, square) = beta%hi**2
+      of(:, energy) = 0.5_dp*mass*(force*drive)**2
+      of(:, kept) = 0.0_dp                       ! the energy is that of the start
+      of(:, reach) = abs(mass*force)*drive**2
+      of(:, left) = 1.0_dp
+    end if
+    of(:, mobility) = mass*drive**2
+    of(:, moved) = mass*drive*q
+    of(:, rate_moved) = mass*drive*rate
+  end subroutine find_far
 
   pure subroutine find_doubt(source, after, place, lack)
     !! How far the modes after may be off by what those beyond all that are looked at would hand on: not known where none of these

@@ -78,12 +78,24 @@ contains
       if (present(error) .and. peak(p) == 0.0_dp) cells = '|0'
       if (present(error) .and. peak(p) > 0.0_dp) then
         cells = '|'//fixed(peak(p))//'|'//shortest(error(p), 2)//'|'//shortest(100.0_dp*part(p), 2)//' %'
-        if (present(bound)) cells = cells//'|'//short(bound(p))
+        if (present(bound)) cells = cells//'|'//bound_words(bound(p))
       end if
       call table%put_row(lines, head//'|'//shortest(points(p), 6)//cells)
       head = ''
     end do
   end subroutine report_quantity
+
+  pure function bound_words(bound) result(words)
+    !! To two digits that are not below it.
+    real(dp), intent(in) :: bound
+    character(:), allocatable :: words
+    real(dp) :: shown
+    words = '-'
+    if (is_missing(bound)) return
+    words = shortest(bound, 2)
+    read (words, *) shown
+    if (shown < bound) words = shortest(bound + 0.5_dp*10.0_dp**(floor(log10(bound)) - 1), 2)
+  end function bound_words
 
   subroutine report_measured(result, lines)
     !! Waves found in the histories, with the bounds of their errors.

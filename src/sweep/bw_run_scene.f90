@@ -1,7 +1,7 @@
 module bw_run_scene
   !! A scene from what is there already to its finished file. A scene without sweeps has one case; the cases of sweeps are
   !! `bw_run_sweep`'s.
-  use bw_case_result, only: case_done, case_result
+  use bw_case_result, only: case_done, case_motion, case_result
   use bw_case_tolerance, only: settle_tolerance
   use bw_error, only: error_type, fail, status_bad_file
   use bw_existing_result, only: existing_result, look_at_existing
@@ -49,6 +49,7 @@ contains
     real(dp) :: nothing(0)
     logical :: is_sweep
     integer(i4), allocatable :: go(:)           ! its size: 1 where there is work to do
+    type(case_motion), allocatable :: planned
     work%scene = scene
     work%layout = layout_of(scene)
     is_sweep = work%layout%cases > 0
@@ -70,29 +71,30 @@ contains
       return
     end if
     allocate (go(0))
-    if (group%leads()) call look_first(work, progress, outcome, go, error)
+    if (group%leads()) call look_first(work, progress, outcome, go, planned, error)
     if (is_sweep) call group%share(go)
     if (size(go) == 0) return
     if (is_sweep) then
       call run_sweep(work, group, progress, outcome, error, supplement)
     else
-      call run_single(work, record, progress, outcome, error, supplement)
+      call run_single(work, record, planned, progress, outcome, error, supplement)
     end if
   end subroutine run_scene
 
-  subroutine look_first(work, monitor, outcome, go, error)
+  subroutine look_first(work, monitor, outcome, go, planned, error)
     !! Find out whether there is something to do, and room to do it; then take the lock of the work, and the place of other work.
     type(unfinished_work), intent(inout) :: work
     class(monitor_type), intent(inout) :: monitor
     type(outcome_type), intent(inout) :: outcome
     integer(i4), allocatable, intent(inout) :: go(:)
+    type(case_motion), allocatable, intent(out) :: planned    !! of a single case, if its tolerance asks for that
     type(error_type), allocatable, intent(out) :: error
     type(existing_result) :: existing
     type(error_type), allocatable :: refused
     integer :: ignored
     call look()
     if (.not. existing%is_there .and. .not. (allocated(error) .and. work%scene%modes%asked)) then
-      call settle_tolerance(work%scene, monitor, ignored, refused)
+      call settle_tolerance(work%scene, monitor, ignored, refused, planned)
       if (is_relaxed(work%scene%modes)) then
         call work%draft%plan(work%scene, work%layout)
         call look()                               ! the result that is there may be of this scene after all
@@ -136,10 +138,11 @@ contains
                              bytes_text(bytes))
   end subroutine ask_for_memory
 
-  subroutine run_single(work, record, progress, outcome, error, supplement)
+  subroutine run_single(work, record, planned, progress, outcome, error, supplement)
     !! Run the only case. After an error, or when it is stopped, nothing is left of it.
     type(unfinished_work), intent(inout) :: work          !! locked
     type(record_type), intent(inout) :: record            !! the scene's, used up; without samples where it has none
+    type(case_motion), allocatable, intent(inout) :: planned   !! up to its histories, used up; unallocated: not yet
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
@@ -158,7 +161,7 @@ contains
     if (.not. allocated(error)) then
       call progress%begin(work%scene%name, 1_i8, 0_i8)
       if (allocated(work%scene%record)) call keep_record(work%scene, record, cache%record)
-      call run_case(work%scene, work%layout, watch, progress, cache, result, whole)
+      call run_case(work%scene, work%layout, watch, progress, cache, result, whole, planned)
       if (allocated(result%error)) call move_alloc(result%error, error)
     end if
     if (whole .and. .not. allocated(error)) then

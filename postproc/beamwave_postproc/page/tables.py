@@ -92,7 +92,7 @@ def _events(case: xr.Dataset) -> Table | None:
 
 
 def _histories(case: xr.Dataset) -> Table | None:
-    """Peak and estimated error of each history at each point."""
+    """Peak and estimated error of each history at each point, and what is proved of it."""
     rows = []
     for name in ("displacement", "velocity", "bending_moment"):
         for point in range(case.sizes.get("point", 0) if name in case else 0):
@@ -108,9 +108,10 @@ def _histories(case: xr.Dataset) -> Table | None:
                     _unit(case, name),
                     number_text(error, 2),
                     share,
+                    number_text(float(case[f"{name}_bound"][point]), 2, up=True) if f"{name}_bound" in case else "–",
                 ]
             )
-    columns = ["history", "at ξ", "largest", "unit", "estimated error", "error over the largest"]
+    columns = ["history", "at ξ", "largest", "unit", "estimated error", "error over the largest", "surely below"]
     return Table("Histories", columns, rows[:MAX_ROWS], f"{MAX_ROWS} of {len(rows)}" if len(rows) > MAX_ROWS else "")
 
 

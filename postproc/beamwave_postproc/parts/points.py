@@ -62,16 +62,17 @@ def point_label(ds: xr.Dataset, name: str, point: int, prefix: str = "") -> str:
 
 
 def error_note(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[int]) -> str:
-    """The largest estimated error, over the peak at its point, and where that is; empty without estimates.
+    """The largest estimated error, over the peak at its point, where that is, and its proved bound there, if there is one.
 
-    Where it exceeds the peak `error_warning` tells it.
+    Empty without estimates; where one exceeds the peak `error_warning` tells it.
     """
-    worst, where = _worst_error(cases, name, points)
+    worst, where, bound = _worst_error(cases, name, points)
     if not 0.0 < worst <= 1.0:
         return ""
     place = rf"at $\xi$ = {float(ds['point_position'][where]):.4g}"
     single = len(cases) == 1 and len(points) == 1
-    return f"estimated error {percent(worst)} of the peak {place}" + ("" if single else ", the largest here")
+    proved = f", surely below {percent(bound, up=True)}" if np.isfinite(bound) else ""
+    return f"estimated error {percent(worst)} of the peak {place}{proved}" + ("" if single else ", the largest here")
 
 
 def error_warning(cases: Sequence[xr.Dataset], name: str, points: Sequence[int] | None = None) -> str:
@@ -79,7 +80,7 @@ def error_warning(cases: Sequence[xr.Dataset], name: str, points: Sequence[int] 
 
     Without `points` all of them count.
     """
-    worst, where = _worst_error(cases, name, range(cases[0].sizes.get("point", 0)) if points is None else points)
+    worst, where, _ = _worst_error(cases, name, range(cases[0].sizes.get("point", 0)) if points is None else points)
     if worst <= 1.0:
         return ""
     place = rf"at $\xi$ = {float(cases[0]['point_position'][where]):.4g}"
@@ -87,20 +88,24 @@ def error_warning(cases: Sequence[xr.Dataset], name: str, points: Sequence[int] 
     return f"Warning: the {words} may be nothing but error, which is estimated at {percent(worst)} of its peak {place}"
 
 
-def _worst_error(cases: Sequence[xr.Dataset], name: str, points: Sequence[int]) -> tuple[float, int]:
-    """The largest estimated error over the peak at its point, and which point that is; 0 without estimates."""
-    worst, where = 0.0, 0
+def _worst_error(cases: Sequence[xr.Dataset], name: str, points: Sequence[int]) -> tuple[float, int, float]:
+    """The largest estimated error over the peak at its point, which point that is, and the bound there over the same peak.
+
+    Without estimates the error is 0, without a bound that is NaN.
+    """
+    worst, where, bound = 0.0, 0, np.nan
     for case in cases:
         if f"{name}_error" not in case:
-            return 0.0, 0
+            return 0.0, 0, np.nan
         for point in points:
             peak = np.nanmax(np.abs(case[name][point].values), initial=0.0)
             error = float(case[f"{name}_error"][point])
             if peak > 0.0 and np.isfinite(error) and error / peak > worst:
                 worst, where = error / peak, point
-    return worst, where
+                bound = float(case[f"{name}_bound"][point]) / peak if f"{name}_bound" in case else np.nan
+    return worst, where, bound
 
 
-def percent(share: float) -> str:
-    """A share to two digits, in per cent unless it is very small."""
-    return f"{number_text(100.0 * share, 2)} %" if share >= 1e-4 else number_text(share, 2)
+def percent(share: float, *, up: bool = False) -> str:
+    """A share to two digits, in per cent unless it is very small; a bound is rounded up."""
+    return f"{number_text(100.0 * share, 2, up=up)} %" if share >= 1e-4 else number_text(share, 2, up=up)

@@ -82,7 +82,7 @@ def _restored(ds: xr.Dataset, dim: str) -> xr.Dataset:
     coordinate = COORDINATES[dim]
     if dim in ds.dims or coordinate not in ds or ds[coordinate].ndim:
         return ds
-    names = [name for holder in HOLDERS[dim] for name in (holder, f"{holder}_error") if name in ds]
+    names = [name for holder in HOLDERS[dim] for name in (holder, f"{holder}_error", f"{holder}_bound") if name in ds]
     value, attributes = ds[coordinate].values, ds[coordinate].attrs
     ds = ds.drop_vars(coordinate)
     axis = {name: int("case" in ds[name].dims) for name in names}

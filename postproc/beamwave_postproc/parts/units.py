@@ -55,11 +55,16 @@ def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
     return "", 1.0
 
 
-def number_text(number: float, digits: int = 4) -> str:
-    """A number to so many digits, as the program's report has it: 9e-5, not 9e-05; a dash for what does not exist."""
+def number_text(number: float, digits: int = 4, *, up: bool = False) -> str:
+    """A number to so many digits, as the program's report has it: 9e-5, not 9e-05; a dash for what does not exist.
+
+    With `up` a positive number is rounded up, as a bound must be.
+    """
     if not np.isfinite(number):
         return "–"
     rounded = float(f"{number:.{digits}g}")
+    if up and rounded < number:
+        rounded = float(f"{rounded + 10.0 ** (np.floor(np.log10(number)) - digits + 1):.{digits}g}")
     text = f"{rounded:.15g}" if abs(rounded) < LONG else f"{rounded:.{digits}g}"
     return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", text)
 

@@ -83,6 +83,18 @@ def test_the_worst_point_is_named_with_its_error(full_result):
     assert "2e-7 of the peak at ξ = 1" in notes and "largest" not in notes
 
 
+def test_the_bound_of_the_error_stands_beside_it_and_is_rounded_up(full_result):
+    with open_result(full_result) as ds:
+        peaks = np.abs(ds["displacement"]).max("time").values
+        errors, bounds = ("point", peaks * [0.013, 2e-7]), ("point", peaks * [0.0412, 3.01e-6])
+        told = displacement(ds.assign(displacement_error=errors, displacement_bound=bounds))
+        alone = displacement(ds.assign(displacement_error=errors, displacement_bound=bounds), 1.0)
+    notes = " ".join(text.get_text() for text in told.texts).replace("\n", " ")
+    assert "estimated error 1.3 % of the peak at ξ = 0.5, surely below 4.2 %, the largest here" in notes
+    notes = " ".join(text.get_text() for text in alone.texts).replace("\n", " ")
+    assert "2e-7 of the peak at ξ = 1, surely below 3.1e-6" in notes
+
+
 def test_a_history_that_may_be_nothing_but_error_carries_a_warning(full_result):
     with open_result(full_result) as ds:
         peaks = np.abs(ds["displacement"]).max("time").values
