@@ -136,3 +136,39 @@ def test_a_labview_measurement_that_is_cut_off_is_refused(tmp_path):
     for cut in (40, 150):
         with pytest.raises(NotARecord):
             read(tmp_path / "a.lvm", labview("No")[:cut])
+
+
+def dated(first, last, count=COUNT):
+    """A record across midnight, a sample in a second."""
+    half = count // 2
+    return "t,acc\n" + rows(
+        lambda n, y: f"{first} 23:59:{60 - half + n:02d},{y}" if n < half else f"{last} 00:00:{n - half:02d},{y}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "order"),
+    [
+        ("31/01/2024", "01/02/2024", None),
+        ("01/31/2024", "02/01/2024", None),
+        ("1.2.2024", "2.2.2024", None),
+        ("01-02-24", "02-02-24", "day"),
+        ("02/01/2024", "02/02/2024", "month"),
+        ("2024-01-31", "2024-02-01", None),
+    ],
+)
+def test_a_record_past_midnight_goes_on_by_seconds(tmp_path, first, last, order):
+    (channel,) = read(tmp_path / "record.csv", dated(first, last), Wanted(date_order=order))
+    np.testing.assert_allclose(channel.times, np.arange(COUNT))
+
+
+def test_dates_that_may_be_read_either_way_are_refused(tmp_path):
+    with pytest.raises(NotARecord, match="02/02/2024, whose day or month may be first; accepted: --date-order day or"):
+        read(tmp_path / "record.csv", dated("01/02/2024", "02/02/2024"))
+    with pytest.raises(NotARecord, match="cannot be told"):
+        read(tmp_path / "record.csv", dated("31/01/2024", "01/02/2024"), Wanted(date_order="month"))
+
+
+def test_a_single_date_need_not_be_told(tmp_path):
+    (channel,) = read(tmp_path / "record.csv", "t,acc\n" + rows(lambda n, y: f"01/02/2024 12:00:{n:02d},{y}"))
+    np.testing.assert_allclose(channel.times, np.arange(COUNT))

@@ -36,7 +36,7 @@ class Channel:
 
 @dataclass
 class Wanted:
-    """What the caller says that a file may not: names of arrays, and the sampling rate in Hz."""
+    """What the caller says that a file may not: names of arrays, the sampling rate in Hz, the order of dates."""
 
     sample_rate: float | None = None
     time: str | None = None  # the array of times, or the number of a column or a cell, from 1
@@ -44,6 +44,7 @@ class Wanted:
         default_factory=list
     )  # the arrays of histories; none: all that are as long as the time
     time_scale: float = 1.0  # s over the file's unit of time
+    date_order: str | None = None  # day or month, whichever is first in dates whose year is last
 
 
 def needed(module: str, files: str) -> ModuleType:

@@ -33,6 +33,11 @@ def parser() -> argparse.ArgumentParser:
         "--time-scale", metavar="S", type=float, default=1.0, help="seconds in the file's unit of time: 1e-3 for ms"
     )
     words.add_argument(
+        "--date-order",
+        choices=["day", "month"],
+        help="which is first in dates such as 01/02/2024, where no number above 12 tells",
+    )
+    words.add_argument(
         "--variable", metavar="NAME", action="append", default=[], help="array of histories (default: all); repeatable"
     )
     words.add_argument("--points", metavar="XI", nargs="+", type=float, help="place of each sensor, x/l")
@@ -85,7 +90,8 @@ def _problem(given: argparse.Namespace) -> str:
 
 def _convert(source: Path, directory: Path, given: argparse.Namespace, tool: Tool) -> None:
     """Make the records of one file in `directory`."""
-    channels = read_channels(source, Wanted(given.sample_rate, given.time, given.variable, given.time_scale))
+    wanted = Wanted(given.sample_rate, given.time, given.variable, given.time_scale, given.date_order)
+    channels = read_channels(source, wanted)
     groups = grouped(channels)
     for record in {channel.record for channel in channels}:
         _complete([channel for channel in channels if channel.record == record], given)

@@ -31,6 +31,7 @@ SECONDS = {
 }
 UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\]|/(?P<slash>[^/\s]+))$")
 CLOCK = re.compile(r"\d[\d.,:/ TZ+-]*([:/-]|\.\d+\.)\d[\d.,:/ TZ+-]*")  # 12:00:00.25, 1.2.2024, 2024-02-01T12:00Z
+DATE = re.compile(r"(\d{1,2})([-/.])(\d{1,2})\2(\d{4}|\d{2})(?!\d)")  # whose year is last
 FORTRAN = re.compile(r"[-+.\d]+[dD][-+]?\d+")  # 1.5D+03
 END_OF_HEADER = "***End_of_Header***"
 
@@ -233,14 +234,42 @@ def _times(table: Table, clock: int, numbers: np.ndarray | None, wanted: Wanted)
         scale = wanted.time_scale if wanted.time_scale != 1.0 else SECONDS.get(table.units[clock].lower(), 1.0)
         return numbers * scale
     cells = [row[clock].replace(",", ".") for row in table.rows]
+    dates = [DATE.match(cell) for cell in cells]
+    year_is_last = all(dates)
+    if year_is_last:
+        cells = _year_first(cells, dates, f"column {clock + 1}", wanted.date_order)
     try:
-        stamps = pd.to_datetime(pd.Series(cells), format=None if "-" in cells[0] or "/" in cells[0] else "mixed")
+        form = None if not year_is_last and ("-" in cells[0] or "/" in cells[0]) else "mixed"
+        stamps = pd.to_datetime(pd.Series(cells), format=form)
     except (ValueError, OverflowError) as failure:
         raise NotARecord(f"column {clock + 1} holds dates or clocks that cannot be told: {cells[0]!r}") from failure
     seconds = (stamps - stamps.iloc[0]).dt.total_seconds().to_numpy(dtype=float, copy=True)
     if ":" in cells[0] and not re.search(r"\d[-/]\d", cells[0]):
         seconds += 86400.0 * np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43200.0)
     return seconds
+
+
+def _year_first(cells: list[str], dates: list[re.Match[str]], column: str, order: str | None) -> list[str]:
+    """Dates as ISO writes them, from those whose year is last.
+
+    Points stand behind days, as in 1.2.2024; else a number above 12 in any cell tells where the days are. Where there
+    is none, the caller says it; raises `NotARecord` if the dates change and nothing tells.
+    """
+    first, second = ({int(date[group]) for date in dates} for group in (1, 3))
+    if order is None and dates[0][2] == ".":
+        order = "day"
+    if order is None and max(first | second) > 12:
+        order = "day" if max(first) > 12 else "month"
+    if order is None and len(first) * len(second) > 1:
+        raise NotARecord(
+            f"{column} holds dates such as {dates[-1][0]}, whose day or month may be first; "
+            "accepted: --date-order day or month"
+        )
+    day, month = (1, 3) if order == "day" else (3, 1)
+    return [
+        f"{'20' if len(date[4]) == 2 else ''}{date[4]}-{date[month]:0>2}-{date[day]:0>2}{cell[date.end() :]}"
+        for cell, date in zip(cells, dates, strict=True)
+    ]
 
 
 # LabVIEW

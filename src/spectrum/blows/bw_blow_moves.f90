@@ -5,14 +5,14 @@ module bw_blow_moves
   !! products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those of n + 1, so that all n cost no
   !! more than a few transforms.
   use bw_kinds, only: dp
-  use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
+  use bw_line, only: bend_of, course_type, find_wave, life_of, limited, line_type
   use bw_model, only: find_left, model_type
   use bw_noise, only: mixed, white_amplitude, whiten
   use bw_price, only: chi_squared
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: add_missing_blows, move_blows
+  public :: add_missing_blows, drop_blow, move_blows
 
   integer, parameter :: most_lines = 8           !! the strongest, which tell where a blow is
   integer, parameter :: most_blows = 32
@@ -201,7 +201,7 @@ contains
     amplitude = 0
     if (b < 2) return
     m = model%stretches(1, b) - model%stretches(1, b - 1)
-    amplitude = line%amplitude(:, b)*exp(line%pole*m + bend_of(line, m))
+    amplitude = line%amplitude(:, b)*limited(line%pole*m + bend_of(line, m))
   end function continued
 
   pure function strongest(model, b) result(poles)
@@ -280,10 +280,15 @@ contains
   end function inverse_triangle
 
   pure subroutine drop_blow(model, b)
-    !! Join a stretch with the one before.
+    !! Join a stretch with the one before, whose lines go on unless it is empty.
     type(model_type), intent(inout) :: model
     integer, intent(in) :: b
     integer :: k, i, others(ubound(model%stretches, 2))
+    if (model%stretches(2, b - 1) < model%stretches(1, b - 1)) then
+      do k = 1, size(model%lines)
+        model%lines(k)%amplitude(:, b) = model%lines(k)%amplitude(:, b + 1)
+      end do
+    end if
     others = [(i, i=0, b - 1), (i, i=b + 1, ubound(model%stretches, 2))]
     model%stretches(2, b - 1) = model%stretches(2, b)
     call choose(model, others)
@@ -314,7 +319,7 @@ contains
     model%stretches(2, b - 1) = first - 1
     do k = 1, size(model%lines)
       associate (line => model%lines(k))
-        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*exp(min(30.0_dp, real(line%pole*m, dp)) + (0, 1)*aimag(line%pole*m))
+        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*limited(line%pole*m)
       end associate
     end do
   end subroutine shift_blow
@@ -330,7 +335,7 @@ contains
     do k = 1, size(model%lines)
       associate (line => model%lines(k))
         line%amplitude = line%amplitude(:, [(i, i=1, b + 1), b + 1, (i, i=b + 2, size(line%amplitude, 2))])
-        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*exp(line%pole*m + bend_of(line, m))
+        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*limited(line%pole*m + bend_of(line, m))
       end associate
     end do
     call choose(model, [(i, i=0, b), b, (i, i=b + 1, ubound(model%stretches, 2))])

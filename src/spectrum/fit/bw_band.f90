@@ -10,7 +10,7 @@ module bw_band
   use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pi, pole_at, psi, psi_bend, psi_by_rate, psi_slope
   implicit none (type, external)
   private
-  public :: band_around, fill_rows, holds, line_columns, still_columns
+  public :: band_around, enough_for, fill_rows, holds, line_columns, still_columns
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 1024         !! tuned: sums that tell enough of a broad line
@@ -53,7 +53,7 @@ contains
     complex(dp) :: ends
     integer :: used(0:ubound(stretches, 2)), blocks, b, k, n
     used = max(0, stretches(2, :) - stretches(1, :) + 1)
-    if (.not. any(lines%steady) .or. used(0) < 4*size(lines) + 16) used(0) = 0   ! too few samples for amplitudes of their own
+    if (.not. any(lines%steady) .or. used(0) < enough_for(size(lines))) used(0) = 0
     longest = maxval(used)
     if (present(place)) longest = maxval([(place(stretches(2, b)) - place(stretches(1, b)) + 1, b=1, ubound(used, 1))])
     band%longest = longest
@@ -71,7 +71,7 @@ contains
       end associate
     end do
     if (.not. present(place)) then
-      where (used > 0) used = max(min(used, 4*size(lines) + 16), min(used, ceiling(lives)))
+      where (used > 0) used = max(min(used, enough_for(size(lines))), min(used, ceiling(lives)))
     end if
     n = maxval(used)
     width = (highest - lowest)*n/(4*pi) + min(widest, 1.0_dp)*n/pi + 1
@@ -108,6 +108,12 @@ contains
     pole = pole_at(line, m)
     holds = band%length == 1 .or. abs(pole%im - band%centre) + abs(pole%re) < seen*pi/band%length
   end function holds
+
+  pure integer function enough_for(lines)
+    !! Samples that tell amplitudes of so many lines.
+    integer, intent(in) :: lines
+    enough_for = 4*lines + 16
+  end function enough_for
 
   pure integer function sums_for(width)
     !! How many sums a band needs of so many bins to either side of its middle.

@@ -14,7 +14,7 @@ module bw_band_fit
   private
   public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
 
-  real(dp), parameter :: converged = 1.0e-3_dp   !! tuned: fall of the squares that a step promises, of the noise's variance
+  real(dp), parameter, public :: converged = 1.0e-3_dp   !! tuned: fall of the squares that a step promises, of the noise's variance
   real(dp), parameter :: most_growth = 2         !! logarithm over a stretch: what decays freely does not grow
   integer, parameter :: most_halvings = 4
   real(dp), parameter :: longest = 0.7_dp        !! tuned: step of a pole, of its width
@@ -310,11 +310,11 @@ contains
     end do
   end function moved_lines
 
-  pure function amplitudes_of(reduced, k, stretches) result(amplitude)
-    !! The amplitudes of line k in each stretch, (S, stretches from the one before any blow on).
+  pure function amplitudes_of(reduced, k, stretches, sensors) result(amplitude)
+    !! The amplitudes of line k in each stretch, (S, stretches from the one before any blow on); 0 in those that tell nothing.
     type(reduced_type), intent(in) :: reduced(:)
-    integer, intent(in) :: k, stretches
-    complex(dp) :: amplitude(size(reduced(1)%rotated, 2), stretches)
+    integer, intent(in) :: k, stretches, sensors
+    complex(dp) :: amplitude(sensors, stretches)
     integer :: p
     amplitude = 0
     do p = 1, size(reduced)

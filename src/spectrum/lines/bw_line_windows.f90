@@ -5,7 +5,7 @@ module bw_line_windows
   use bw_kinds, only: dp
   use bw_line, only: line_type, pi, pole_at
   use bw_line_errors, only: amplitude_noise, line_errors, line_errors_of, pole_deviation
-  use bw_model, only: add_line, model_type, rows_of_stretches, white_lines
+  use bw_model, only: add_lines, model_type, rows_of_stretches, white_lines
   use bw_price, only: line_price
   implicit none (type, external)
   private
@@ -38,8 +38,8 @@ contains
     of_white = white_lines(model, lines)
     do k = 1, size(lines)
       of_white(k)%amplitude = of_white(k)%amplitude(:, [b, b + 1])
-      call add_line(whole, of_white(k), 1.0_dp, white, place)
     end do
+    call add_lines(whole, of_white, 1.0_dp, white, place)
     do i = 1, size(window_start)
       own = whole
       own(:, 1) = [1 + int(window_start(i)*n), int(window_end(i)*n)]

@@ -6,7 +6,7 @@ module bw_record_lines
   use bw_kinds, only: dp
   use bw_line_windows, only: window_start
   use bw_missing, only: missing
-  use bw_model, only: add_line
+  use bw_model, only: add_lines
   use bw_noise, only: gain_of
   use bw_polar_intervals, only: length_error, phase_error
   use bw_quantile, only: normal_quantile
@@ -176,15 +176,13 @@ contains
     integer, intent(in) :: s
     real(dp), allocatable :: history(:)
     real(dp), allocatable :: motion(:, :)
-    integer :: k, b, n, own
+    integer :: b, n, own
     allocate (history(samples%count), source=found%distinct%constant(s))
     own = found%distinct%place(s)
     if (own == 0) return
     allocate (motion(samples%count, size(found%distinct%kept)), source=0.0_dp)
     associate (model => found%model)
-      do k = 1, size(model%lines)
-        call add_line(model%stretches, model%lines(k), 1.0_dp, motion, model%place)
-      end do
+      call add_lines(model%stretches, model%lines, 1.0_dp, motion, model%place)
       do b = 0, ubound(model%stretches, 2)
         do n = model%stretches(1, b), model%stretches(2, b)
           motion(n, own) = motion(n, own) + model%still(1, own, b) &

@@ -34,20 +34,25 @@ contains
     real(dp), intent(in) :: price                 !! of a coefficient
     type(autoregression), intent(out) :: noise
     real(dp), allocatable :: ahead(:), behind(:)  !! prediction errors of x_n from what follows, and of x_(n+p) from what is before
-    real(dp) :: reflection(highest), products, squares, variance, cost, logarithms, total, level
+    real(dp) :: reflection(highest), variance, cost, logarithms, total, level
+    real(dp) :: sums(3)                           !! Σ a², Σ ab and Σ b² of errors ahead and behind that the next order pairs
     integer, allocatable :: runs(:, :)            !! that are longer than the order
-    integer :: p, r, n, count, best, rows
+    integer :: p, r, count, best, rows
     runs = valid
     count = max(1, sum(runs(2, :) - runs(1, :) + 1))
     rows = count
     ahead = x
-    variance = max(sum_of_squares()/count, tiny(1.0_dp))
+    behind = x
+    sums = 0
+    do r = 1, size(runs, 2)
+      call add_stage(0.0_dp, ahead(runs(1, r):runs(2, r)), behind(runs(1, r):runs(2, r)), sums)
+    end do
+    variance = max((sums(1) + sum(x(runs(2, :))**2))/count, tiny(1.0_dp))
     noise%variance = variance
     noise%cost = count*log(variance)
     logarithms = 0
     total = 0
     best = 0
-    behind = x
     do p = 1, highest
       if (p - best > patience) exit
       runs = runs(:, pack([(r, r=1, size(runs, 2))], runs(2, :) - runs(1, :) + 1 >= p))  ! as many have a sample number p
@@ -55,28 +60,18 @@ contains
       logarithms = logarithms + size(runs, 2)*log(variance)
       total = total + sum(ahead(runs(2, :) - p + 1)**2)/variance
       rows = rows - size(runs, 2)
-      products = 0
-      squares = 0
-      do r = 1, size(runs, 2)
-        associate (a => ahead(runs(1, r):runs(2, r) - p), b => behind(runs(1, r) + 1:runs(2, r) - p + 1))
-          products = products + product_of(a, b)
-          squares = squares + product_of(a, a) + product_of(b, b)
-        end associate
-      end do
-      if (.not. squares > 0) exit
-      reflection(p) = -2*products/squares
-      do r = 1, size(runs, 2)
-        do n = runs(1, r), runs(2, r) - p         ! behind(n) is then that of x_(n+p)
-          associate (a => ahead(n), b => behind(n + 1))
-            behind(n) = b + reflection(p)*a
-            ahead(n) = a + reflection(p)*b
-          end associate
-        end do
+      if (.not. sums(1) + sums(3) > 0) exit
+      reflection(p) = -2*sums(2)/(sums(1) + sums(3))
+      sums = 0
+      do r = 1, size(runs, 2)                     ! behind(n) is then that of x_(n+p)
+        call add_stage(reflection(p), ahead(runs(1, r):runs(2, r) - p), behind(runs(1, r):runs(2, r) - p + 1), sums)
       end do
       variance = variance*max(1 - reflection(p)**2, least_part)
-      runs(2, :) = runs(2, :) - p
-      level = (total + sum_of_squares()/variance)/count
-      runs(2, :) = runs(2, :) + p
+      level = sums(1)
+      do r = 1, size(runs, 2)
+        if (runs(2, r) - p >= runs(1, r)) level = level + ahead(runs(2, r) - p)**2
+      end do
+      level = (total + level/variance)/count
       cost = logarithms + rows*log(variance) + count*log(level) + p*price
       if (cost >= noise%cost) cycle
       best = p
@@ -84,28 +79,41 @@ contains
       noise%variance = variance*level
     end do
     allocate (noise%predictor(0:best), source=predictor_of(reflection(:best)))
-
-  contains
-
-    pure real(dp) function sum_of_squares()
-      !! Of the prediction errors of all runs.
-      integer :: i
-      sum_of_squares = sum([(product_of(ahead(runs(1, i):runs(2, i)), ahead(runs(1, i):runs(2, i))), i=1, size(runs, 2))])
-    end function sum_of_squares
-
   end subroutine burg
 
-  pure real(dp) function product_of(a, b) result(total)
-    !! Σ ab, in eight sums side by side, which a processor adds at once.
-    real(dp), intent(in), contiguous :: a(:), b(:)
-    real(dp) :: part(8)
-    integer :: n
+  pure subroutine add_stage(reflection, ahead, behind, sums)
+    !! Predict from one sample more, and add the products of errors that the stage after it pairs: Σ a², Σ ab and Σ b² of a_n and b_(n+1).
+    real(dp), intent(in) :: reflection
+    real(dp), intent(inout), contiguous :: ahead(:)
+    real(dp), intent(inout), contiguous :: behind(:)     !! (as many) before a first stage, or one more
+    real(dp), intent(inout) :: sums(3)
+    integer, parameter :: lanes = 8               !! sums side by side, which a processor adds at once
+    integer, parameter :: at_once = 128*lanes     !! rows that its cache holds
+    real(dp) :: part(lanes, 3), old, a(lanes), b(lanes)
+    integer :: first, last, n, next, by
+    by = size(behind) - size(ahead)
     part = 0
-    do n = 1, size(a) - 7, 8
-      part = part + a(n:n + 7)*b(n:n + 7)
+    next = 1
+    do first = 1, size(ahead), at_once
+      last = min(size(ahead), first + at_once - 1)
+      do n = first, last
+        old = behind(n + by)
+        behind(n) = old + reflection*ahead(n)
+        ahead(n) = ahead(n) + reflection*old
+      end do
+      do next = next, last - lanes, lanes
+        a = ahead(next:next + lanes - 1)
+        b = behind(next + 1:next + lanes)
+        part(:, 1) = part(:, 1) + a*a
+        part(:, 2) = part(:, 2) + a*b
+        part(:, 3) = part(:, 3) + b*b
+      end do
     end do
-    total = sum(part) + dot_product(a(n:), b(n:))
-  end function product_of
+    do n = next, size(ahead) - 1
+      part(1, :) = part(1, :) + [ahead(n)**2, ahead(n)*behind(n + 1), behind(n + 1)**2]
+    end do
+    sums = sums + sum(part, dim=1)
+  end subroutine add_stage
 
   pure function predictor_of(reflection) result(h)
     !! The predictor h of given reflection coefficients, (0:p).
@@ -126,7 +134,7 @@ contains
     type(real_fourier), intent(inout) :: fourier
     type(autoregression), intent(out) :: noise
     real(dp), allocatable :: power(:), level(:), window(:)
-    real(dp) :: lag(0:robust_order), reflection(robust_order), h(0:robust_order), variance, cost, least
+    real(dp) :: lag(0:robust_order), reflection(robust_order), h(0:robust_order), variance, cost, least, turn
     integer :: n, p, k, best, half
     n = size(x)
     window = [(sin(acos(-1.0_dp)*k/n)**2, k=0, n - 1)]
@@ -136,12 +144,14 @@ contains
     power = abs(fourier%spectrum)**2/sum(window**2)
     half = max(12, nint(1.5_dp*sqrt(real(n, dp))))  ! tuned: bins, more than lines fill
     level = running_median(power(min(3, size(power)):), half)/log(2.0_dp)
-    do p = 0, robust_order                        ! the level's transform: correlations
-      lag(p) = 0
-      do k = 1, size(level)
-        lag(p) = lag(p) + level(k)*cos(acos(-1.0_dp)*p*(k - 0.5_dp)/size(level))
+    lag = 0                                       ! correlations: the level times cos pθ, which follows from its last two values
+    do k = 1, size(level)
+      turn = cos(acos(-1.0_dp)*(k - 0.5_dp)/size(level))
+      h(:1) = level(k)*[1.0_dp, turn]
+      do p = 2, robust_order
+        h(p) = 2*turn*h(p - 1) - h(p - 2)
       end do
-      lag(p) = lag(p)/size(level)
+      lag = lag + h/size(level)
     end do
     variance = max(lag(0), tiny(1.0_dp))
     least = n*log(variance)

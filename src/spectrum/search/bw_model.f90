@@ -3,20 +3,20 @@ module bw_model
   use bw_autoregression, only: autoregression, burg, robust_levels
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
-  use bw_lapack, only: dgemm, dsyev
+  use bw_lapack, only: ddot, dgemm, dsyev
   use bw_line, only: find_wave, life_of, line_type, pi
   use bw_noise, only: amplitude_of, gain_of, noise_type, white_amplitude, whiten
   use bw_samples, only: place_of, samples_type, valid_runs
   use bw_uneven_noise, only: find_levels
   implicit none (type, external)
   private
-  public :: add_line, colour_at, cost_of, exchange_lines, find_left, renew, rows_of_stretches, steps_between, white_lines
+  public :: add_lines, colour_at, exchange_lines, find_left, renew, rows_of_stretches, steps_between, white_lines
 
   real(dp), parameter :: gone = 40               !! e-folds after which a line is not computed any more
-  integer, parameter :: highest_order = 64       !! tuned: of a noise's autoregression
+  integer, parameter, public :: highest_order = 64       !! tuned: of a noise's autoregression
   integer, parameter :: samples_per_order = 10   !! tuned: fewer do not tell of so high an order
   real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own: a copy that was rounded tells no more
-  integer, parameter :: chunk = 2048             !! rows that are mixed at once
+  integer, parameter :: chunk = 2048             !! rows that are handled at once
 
   type, public :: model_type
     integer, allocatable :: stretches(:, :)      !! first and last sample: before any blow, and after each, (2, 0:B)
@@ -40,16 +40,6 @@ contains
     rows(2, :) = rows(2, :) - model%noise%lost
   end function rows_of_stretches
 
-  pure real(dp) function cost_of(model) result(cost)
-    !! −2 ln L of what is left but for what the noise's own level costs.
-    type(model_type), intent(in) :: model
-    integer :: s
-    cost = 0
-    do s = 1, size(model%white, 2)
-      cost = cost + dot_product(model%white(:, s), model%white(:, s))
-    end do
-  end function cost_of
-
   pure function white_lines(model, lines) result(white)
     !! The lines with the amplitudes that they have in the white components.
     type(model_type), intent(in) :: model
@@ -62,19 +52,18 @@ contains
     end do
   end function white_lines
 
-  pure subroutine exchange_lines(model, old, new)
+  pure subroutine exchange_lines(model, old, new, fall)
     !! Put the white samples of some lines back, and take those of others off.
     type(model_type), intent(inout) :: model
     type(line_type), intent(in) :: old(:), new(:)   !! in the white components
-    integer :: k, rows(2, 0:ubound(model%stretches, 2))
-    rows = rows_of_stretches(model)
-    do k = 1, size(old)
-      call add_line(rows, old(k), 1.0_dp, model%white, model%place)
+    real(dp), intent(out) :: fall                !! of −2 ln L but for what the noise's own level costs
+    type(line_type) :: lines(size(old) + size(new))
+    integer :: k
+    lines = [old, new]
+    do k = size(old) + 1, size(lines)
+      lines(k)%amplitude = -lines(k)%amplitude
     end do
-    do k = 1, size(new)
-      call add_line(rows, new(k), -1.0_dp, model%white, model%place)
-    end do
-    model%white(model%gaps, :) = 0
+    call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place, model%gaps, fall)
   end subroutine exchange_lines
 
   pure real(dp) function steps_between(model, first, last)
@@ -96,55 +85,100 @@ contains
     end associate
   end function colour_at
 
-  pure subroutine add_line(rows, line, factor, values, place)
-    !! Add a line times a factor to values of all sensors.
+  pure subroutine add_lines(rows, lines, factor, values, place, gaps, fall)
+    !! Add lines times a factor to values of all sensors, part by part, as a processor's cache holds them.
     integer, intent(in) :: rows(:, 0:)           !! of the stretches
-    type(line_type), intent(in) :: line
+    type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: factor
-    real(dp), intent(inout) :: values(:, :)
+    real(dp), intent(inout), contiguous :: values(:, :)
     real(dp), intent(in), optional :: place(:)   !! times of uneven samples
-    complex(dp), allocatable :: wave(:)
-    integer :: b, n, first
-    do b = merge(0, 1, line%steady), ubound(rows, 2)
-      first = rows(1, b)
-      n = rows(2, b) - first + 1
-      if (n < 1) cycle
-      if (present(place)) then
-        allocate (wave(n))
-        call find_wave(line, place(first), place(first:first + n - 1), wave)
-      else
-        n = ceiling(life_of(line, gone, real(n, dp)))
-        allocate (wave(n))
-        call find_wave(line, 0.0_dp, wave=wave)
-      end if
-      call add_parts(wave%re, wave%im, factor*line%amplitude(:, b + 1), values(first:first + n - 1, :))
-      deallocate (wave)
+    integer, intent(in), optional :: gaps(:)     !! rows that stay 0, rising
+    real(dp), intent(out), optional :: fall      !! by which the sum of the squares falls
+    real(dp) :: waves(chunk, 2*size(lines)), amplitudes(2*size(lines), size(values, 2))
+    integer :: b, k, m, n, first, gap
+    if (present(fall)) fall = 0
+    gap = 1
+    do b = 0, ubound(rows, 2)
+      do first = rows(1, b), rows(2, b), chunk
+        n = min(chunk, rows(2, b) - first + 1)
+        m = 0
+        do k = 1, size(lines)
+          if (.not. is_there(lines(k), b, first)) cycle
+          call fill(lines(k), first - rows(1, b), first, waves(:n, m + 1:m + 2))
+          amplitudes(m + 1, :) = factor*lines(k)%amplitude(:, b + 1)%re
+          amplitudes(m + 2, :) = -factor*lines(k)%amplitude(:, b + 1)%im
+          m = m + 2
+        end do
+        if (m == 0) cycle
+        if (present(gaps)) then
+          do while (gap <= size(gaps))
+            if (gaps(gap) >= first + n) exit
+            if (gaps(gap) >= first) waves(gaps(gap) - first + 1, :m) = 0
+            gap = gap + 1
+          end do
+        end if
+        call add_part(size(values, 1), size(values, 2), first, n, waves, amplitudes, m, values, fall)
+      end do
     end do
-  end subroutine add_line
 
-  pure subroutine add_parts(re, im, amplitude, values)
-    !! Add a wave, times an amplitude at each sensor.
-    real(dp), contiguous, intent(in) :: re(:), im(:)
-    complex(dp), intent(in) :: amplitude(:)
-    real(dp), intent(inout) :: values(:, :)
-    integer :: s
-    do s = 1, size(values, 2)
-      values(:, s) = values(:, s) + amplitude(s)%re*re - amplitude(s)%im*im
-    end do
-  end subroutine add_parts
+  contains
+
+    pure logical function is_there(line, b, first)
+      !! Whether a line still moves in a part of a stretch.
+      type(line_type), intent(in) :: line
+      integer, intent(in) :: b, first
+      is_there = b > 0 .or. line%steady
+      if (is_there .and. .not. present(place)) &
+        & is_there = first - rows(1, b) < life_of(line, gone, real(rows(2, b) - rows(1, b) + 1, dp))
+    end function is_there
+
+    pure subroutine fill(line, from, first, wave)
+      !! Real and imaginary part of a line of amplitude 1.
+      type(line_type), intent(in) :: line
+      integer, intent(in) :: from, first
+      real(dp), intent(out) :: wave(:, :)
+      complex(dp) :: own(size(wave, 1))
+      if (present(place)) then
+        call find_wave(line, place(first - from), place(first:first + size(own) - 1), own)
+      else
+        call find_wave(line, real(from, dp), wave=own)
+      end if
+      wave(:, 1) = own%re
+      wave(:, 2) = own%im
+    end subroutine fill
+
+  end subroutine add_lines
+
+  pure subroutine add_part(count, sensors, first, rows, waves, amplitudes, used, values, fall)
+    !! Add the first waves, times their amplitudes, to so many rows of values.
+    integer, intent(in) :: count, sensors, first, rows, used
+    real(dp), intent(in) :: waves(:, :), amplitudes(:, :)
+    real(dp), intent(inout) :: values(count, sensors)
+    real(dp), intent(inout), optional :: fall    !! of the squares
+    if (present(fall)) fall = fall + squares()
+    call dgemm('N', 'N', rows, sensors, used, 1.0_dp, waves, size(waves, 1), amplitudes, size(amplitudes, 1), 1.0_dp, &
+      & values(first, 1), count)
+    if (present(fall)) fall = fall - squares()
+
+  contains
+
+    pure real(dp) function squares()
+      integer :: s
+      squares = sum([(ddot(rows, values(first, s), 1, values(first, s), 1), s=1, sensors)])
+    end function squares
+
+  end subroutine add_part
 
   pure subroutine find_left(samples, model, left)
     !! What the lines leave of the samples, offset and slope not taken off; 0 where a sample is not valid.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     real(dp), intent(out) :: left(:, :)
-    integer :: s, k
+    integer :: s
     do s = 1, size(left, 2)
       left(:, s) = samples%value(:samples%count, s)
     end do
-    do k = 1, size(model%lines)
-      call add_line(model%stretches, model%lines(k), -1.0_dp, left, model%place)
-    end do
+    call add_lines(model%stretches, model%lines, -1.0_dp, left, model%place)
     call clear_invalid(samples, left)
   end subroutine find_left
 

@@ -1,18 +1,20 @@
 module bw_refit
   !! Some lines of a model fitted again, others beside them kept; and taken up if that lowers the cost of the whole record.
   use bw_band, only: band_around, band_type, fill_rows, line_columns, still_columns
-  use bw_band_fit, only: amplitudes_of, fit_band, reduced_type, squares_left
+  use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_kinds, only: dp
   use bw_line, only: line_type, pi
-  use bw_model, only: cost_of, exchange_lines, model_type, rows_of_stretches, steps_between, white_lines
+  use bw_model, only: exchange_lines, model_type, rows_of_stretches, steps_between, white_lines
   use bw_noise, only: amplitude_of
   implicit none (type, external)
   private
-  public :: accept, cluster_of, near, overlaps, refit, refit_all, span_of_model
+  public :: accept, all_steps, at_rest, cluster_of, near, overlaps, refit, refit_all, span_of_model, trial_steps
 
   real(dp), parameter :: reach = 6               !! tuned: decays within which lines are fitted together
   real(dp), parameter :: bins_apart = 12         !! tuned: of 1/T, within which too
   integer, parameter :: most_sweeps = 6
+  integer, parameter :: trial_steps = 5, all_steps = 10   !! of a fit that is tried, and of one that is to be at its end
+  real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, after which they stay
   real(dp), parameter :: low = 24                !! periods of a line in the longest stretch, so that it is no offset
 
   type, public :: refit_type
@@ -88,7 +90,8 @@ contains
     call fit_band(band, with_still, most_steps, found%lines, found%reduced)
     found%gain = before - squares_left(found%reduced)
     do k = 1, size(start)
-      found%lines(k)%amplitude = amplitude_of(model%noise, found%lines(k)%pole, amplitudes_of(found%reduced, k, stretches))
+      found%lines(k)%amplitude = amplitude_of(model%noise, found%lines(k)%pole, &
+        & amplitudes_of(found%reduced, k, stretches, size(model%white, 2)))
       associate (line => found%lines(k), step => steps_between(model, model%stretches(1, 0), model%stretches(1, 1)) - 1)
         if (line%steady .and. all(band%part%stretch > 0)) line%amplitude(:, 1) = line%amplitude(:, 2)*exp(-line%pole*step)
       end associate
@@ -102,16 +105,14 @@ contains
     type(model_type), intent(inout) :: model
     real(dp), intent(out) :: gain
     type(line_type), allocatable :: white_old(:), white_new(:)
-    real(dp) :: before
+    real(dp) :: back
     white_old = white_lines(model, pack(model%lines, found%old))
     white_new = white_lines(model, found%lines)
-    before = cost_of(model)
-    call exchange_lines(model, white_old, white_new)
-    gain = before - cost_of(model)
+    call exchange_lines(model, white_old, white_new, gain)
     if (gain > need) then
       model%lines = [pack(model%lines, .not. found%old), found%lines]
     else
-      call exchange_lines(model, white_new, white_old)
+      call exchange_lines(model, white_new, white_old, back)
       gain = 0
     end if
   end subroutine accept
@@ -131,7 +132,8 @@ contains
       do while (.not. all(done))
         own = cluster_of(model, findloc(done, .false., dim=1))
         call refit(model, own, pack(model%lines, own), most_steps, found)
-        call accept(found, 0.0_dp, model, gain)
+        gain = 0
+        if (found%gain > converged) call accept(found, 0.0_dp, model, gain)
         done = done .or. own
         if (gain > 0) done = [pack(done, .not. own), pack(done, own)]
         total = total + gain

@@ -1,0 +1,178 @@
+module bw_line_drops
+  !! Lines that do not pay are dropped, the noise renewed on both sides of the comparison.
+  use bw_cost, only: cost_of_all, order_price, price_of_course, price_of_line
+  use bw_kinds, only: dp
+  use bw_line, only: life_of, line_type
+  use bw_model, only: highest_order, model_type, renew
+  use bw_noise, only: white_amplitude
+  use bw_order, only: ascending
+  use bw_refit, only: all_steps, at_rest, near, refit, refit_all, refit_type, trial_steps
+  use bw_samples, only: samples_type
+  implicit none (type, external)
+  private
+  public :: drop_lines, drop_weakest, energy_of, keep_or_clear
+
+  real(dp), parameter :: sure = 2                !! prices of a line, below which a bound of its worth has to be looked at closely
+
+  type, public :: outcome_type
+    !! How a search ended.
+    logical :: converged = .true.                !! no move lowers J any more
+    logical :: driven = .false.                  !! noise alone explains the motion better than all lines that were found
+    complex(dp), allocatable :: poles(:)         !! of lines that were dropped again, or that noise alone explains
+    real(dp), allocatable :: gains(:)            !! squares over the noise's variance, that they took off
+  end type outcome_type
+
+contains
+
+  subroutine keep_or_clear(samples, false_alarm, alone, model, outcome)
+    !! Drop all lines unless they explain the record better than noise alone, be it of any colour: the motion is driven.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    real(dp), intent(in) :: alone                !! J of noise alone
+    type(model_type), intent(inout) :: model
+    type(outcome_type), intent(inout) :: outcome
+    integer :: k
+    if (size(model%lines) == 0) return
+    if (cost_of_all(samples, false_alarm, model) < alone) return
+    outcome%driven = .true.
+    outcome%poles = [outcome%poles, model%lines%pole]
+    outcome%gains = [outcome%gains, [(energy_of(model, model%lines(k)), k=1, size(model%lines))]]
+    model%lines = model%lines(:0)
+    call renew(samples, order_price(samples), .false., model)
+  end subroutine keep_or_clear
+
+  subroutine drop_lines(samples, false_alarm, model, dropped, outcome)
+    !! Drop lines that do not pay against the best coloured noise, one after the other.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: dropped
+    type(outcome_type), intent(inout) :: outcome
+    type :: line_list
+      type(line_type), allocatable :: lines(:)
+    end type line_list
+    type(line_list), allocatable :: without(:)
+    type(line_type), allocatable :: all_of(:)
+    real(dp), allocatable :: cost(:)
+    real(dp) :: with_all
+    integer :: k, n
+    call drop_weakest(samples, false_alarm, model, dropped)
+    do while (size(model%lines) > 0)
+      all_of = model%lines
+      n = size(all_of)
+      with_all = model%noise%cost
+      allocate (without(2*n), cost(2*n))
+      do k = 1, n
+        if (toll_of(model, all_of(k)) < sure*price_of_line(samples, false_alarm, model)) &
+          & without(k)%lines = lines_without(model, k, .false.)
+        if (size(all_of(k)%courses) > 0) without(n + k)%lines = lines_without(model, k, .true.)
+      end do
+      cost = huge(1.0_dp)
+      do k = 1, 2*n
+        if (.not. allocated(without(k)%lines)) cycle
+        model%lines = without(k)%lines
+        call renew(samples, order_price(samples), .false., model)
+        cost(k) = model%noise%cost &
+          & - merge(price_of_line(samples, false_alarm, model), price_of_course(false_alarm), k <= n)
+      end do
+      k = minloc(cost, dim=1)
+      model%lines = all_of
+      if (cost(k) < with_all) model%lines = without(k)%lines
+      if (cost(k) < with_all .and. k <= n) then
+        outcome%poles = [outcome%poles, all_of(k)%pole]
+        outcome%gains = [outcome%gains, energy_of(model, all_of(k))]
+      end if
+      call renew(samples, order_price(samples), .false., model)
+      if (.not. cost(k) < with_all) exit
+      dropped = dropped + 1
+      deallocate (without, cost)
+    end do
+  end subroutine drop_lines
+
+  subroutine drop_weakest(samples, false_alarm, model, dropped)
+    !! Drop as many of the weakest lines, others as they are, as makes J least.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: dropped
+    type(line_type) :: by_energy(size(model%lines))
+    real(dp) :: energy(size(model%lines)), least, cost
+    integer :: k, n
+    n = size(model%lines)
+    dropped = 0
+    do k = 1, n
+      energy(k) = energy_of(model, model%lines(k))
+    end do
+    by_energy = model%lines(ascending(energy))
+    least = model%noise%cost + n*price_of_line(samples, false_alarm, model)
+    do k = 1, n
+      model%lines = by_energy(k + 1:)
+      call renew(samples, order_price(samples), .false., model)
+      if (model%noise%cost >= least) exit        ! nor do fewer lines make the noise cheaper
+      cost = model%noise%cost + (n - k)*price_of_line(samples, false_alarm, model)
+      if (cost >= least) cycle
+      least = cost
+      dropped = k
+    end do
+    model%lines = by_energy(dropped + 1:)
+    call renew(samples, order_price(samples), .false., model)
+    if (dropped > 0) call refit_all(all_steps, at_rest, model)
+    if (dropped > 0) call renew(samples, order_price(samples), .false., model)
+  end subroutine drop_weakest
+
+  pure real(dp) function energy_of(model, line) result(energy)
+    !! About the squares of a line's white samples.
+    type(model_type), intent(in) :: model
+    type(line_type), intent(in) :: line
+    complex(dp) :: white(size(line%amplitude, 1), size(line%amplitude, 2))
+    integer :: b
+    white = white_amplitude(model%noise, line)
+    energy = 0
+    do b = 0, ubound(model%stretches, 2)
+      associate (n => real(model%stretches(2, b) - model%stretches(1, b) + 1, dp))
+        energy = energy + sum(abs(white(:, b + 1))**2)*life_of(line, 1.0_dp, max(n, 0.0_dp))
+      end associate
+    end do
+  end function energy_of
+
+  pure real(dp) function toll_of(model, line) result(toll)
+    !! The least that J rises by when noise alone has to explain a line: a prediction from p samples errs by 1 + ρ/(1 + ρp/2) of the
+    !! noise's variance where a line has ρ times the power of white noise.
+    type(model_type), intent(in) :: model
+    type(line_type), intent(in) :: line
+    complex(dp) :: white(size(line%amplitude, 1), size(line%amplitude, 2))
+    real(dp) :: power(size(white, 1))
+    integer :: b
+    white = white_amplitude(model%noise, line)
+    toll = 0
+    do b = 0, ubound(model%stretches, 2)
+      associate (n => real(model%stretches(2, b) - model%stretches(1, b) + 1, dp))
+        power = abs(white(:, b + 1))**2/(2*exp(2.0_dp))    ! at the end of its first decay time
+        toll = toll + sum(log(1 + power/(1 + power*highest_order/2)))*life_of(line, 1.0_dp, max(n, 0.0_dp))
+      end associate
+    end do
+  end function toll_of
+
+  function lines_without(model, k, course_alone) result(lines)
+    !! All lines without one, or without its last course, those that overlap with it fitted again.
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: k
+    logical, intent(in) :: course_alone
+    type(line_type), allocatable :: lines(:)
+    logical :: own(size(model%lines)), others(size(model%lines))
+    type(refit_type) :: found
+    own = near(model, model%lines(k)%pole)
+    own(k) = .true.
+    others = .true.
+    others(k) = course_alone
+    lines = model%lines
+    if (course_alone) lines(k)%courses = lines(k)%courses(:size(lines(k)%courses) - 1)
+    if (any(own .and. others)) then
+      call refit(model, own, pack(lines, own .and. others), trial_steps, found)
+      lines = [pack(model%lines, .not. own), found%lines]
+    else
+      lines = pack(lines, others)
+    end if
+  end function lines_without
+
+end module bw_line_drops

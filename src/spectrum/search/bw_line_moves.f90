@@ -1,0 +1,261 @@
+module bw_line_moves
+  !! Moves that describe a record with other lines: a line where a bank of decays shows one, a course of a line, one line instead of two,
+  !! a tone that does not decay.
+  use bw_band, only: enough_for
+  use bw_blow_moves, only: add_missing_blows
+  use bw_cost, only: order_price, price_of_course, price_of_line, price_of_tone
+  use bw_decay_bank, only: candidate_type, find_candidates
+  use bw_kinds, only: dp
+  use bw_line, only: course_type, line_type, pi
+  use bw_line_drops, only: energy_of
+  use bw_model, only: colour_at, model_type, renew
+  use bw_monitor, only: monitor_type, stops
+  use bw_order, only: ascending
+  use bw_price, only: chi_squared
+  use bw_refit, only: accept, all_steps, at_rest, near, overlaps, refit, refit_all, refit_type, span_of_model, trial_steps
+  use bw_samples, only: samples_type
+  implicit none (type, external)
+  private
+  public :: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, most_additions, most_lines
+
+  integer, parameter :: most_lines = 60
+  integer, parameter :: most_additions = 12       !! rounds in which lines are added, since a blow may come and go
+  integer, parameter :: first_steps = 8           !! of a new line's fit
+  real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of what its drift leaves
+  integer, parameter :: first_window = 64         !! part of the longest stretch in which a drifting line is looked at first
+  real(dp), parameter :: promised = 0.5_dp        !! tuned: part of what a candidate seems to gain, that it gains beside those before
+
+contains
+
+  subroutine add_lines(samples, false_alarm, model, added, monitor)
+    !! Add lines and courses while they pay at the present noise, which is renewed after each round.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: added
+    class(monitor_type), intent(inout), optional :: monitor
+    integer :: accepted, round
+    added = 0
+    do round = 1, most_additions
+      call add_round(samples, false_alarm, model, accepted)
+      if (accepted == 0) exit
+      if (stops(monitor)) exit
+      added = added + accepted
+      call refit_all(trial_steps, at_rest, model)
+      call renew(samples, order_price(samples), .false., model)
+    end do
+  end subroutine add_lines
+
+  subroutine add_round(samples, false_alarm, model, accepted)
+    !! Add lines and courses that do not overlap where the bank of decays shows that some are missing.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: accepted
+    type(candidate_type), allocatable :: candidates(:)
+    complex(dp), allocatable :: moved(:)
+    type(refit_type) :: found
+    real(dp) :: need, price, gain
+    integer :: i
+    accepted = 0
+    moved = [complex(dp) ::]
+    need = price_of_line(samples, false_alarm, model)
+    call find_candidates(model, need, most_lines, candidates)
+    do i = 1, size(candidates)
+      if (any(overlaps(moved, candidates(i)%pole, span_of_model(model)))) cycle  ! first let these come to rest
+      if (size(model%lines) >= most_lines) return
+      call propose(need, price_of_course(false_alarm), candidates(i), model, found, price)
+      price = price*colour_at(model, candidates(i)%pole%im)
+      if (i == 1 .and. any(found%old)) then      ! the same residual may come from a blow
+        call add_missing_blows(samples, false_alarm, found%gain, 1, model, accepted)
+        if (accepted > 0) return
+      end if
+      if (accepted > 0 .and. found%gain < promised*candidates(i)%gain) cycle  ! it was the skirt of another
+      gain = 0
+      if (found%gain > price) call accept(found, price, model, gain)
+      if (.not. gain > 0) cycle
+      accepted = accepted + 1
+      moved = [moved, candidates(i)%pole, model%lines(size(model%lines))%pole]
+    end do
+  end subroutine add_round
+
+  subroutine propose(need, need_of_course, candidate, model, found, price)
+    !! Fit a line at a candidate's place, or a course of the line beside it, whichever J prefers.
+    real(dp), intent(in) :: need, need_of_course !! prices of a line and of a course
+    type(candidate_type), intent(in) :: candidate
+    type(model_type), intent(in) :: model
+    type(refit_type), intent(out) :: found
+    real(dp), intent(out) :: price               !! of what is proposed
+    type(refit_type) :: bent
+    type(line_type) :: line
+    logical, allocatable :: own(:)
+    integer :: host
+    line%pole = candidate%pole
+    allocate (line%courses(0))
+    own = near(model, line%pole)
+    call refit(model, own, [pack(model%lines, own), line], first_steps, found)
+    price = need
+    if (.not. any(own)) return
+    host = minloc(abs(model%lines%pole%im - line%pole%im), dim=1, mask=own)
+    if (.not. beside(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
+    call add_course(model, own, pack(model%lines, own), count(own(:host)), bent)
+    if (.not. bent%gain - need_of_course > found%gain - need) return
+    found = bent
+    price = need_of_course
+  end subroutine propose
+
+  pure logical function beside(line, other, span)
+    !! Whether one line may be what the other's drift leaves: it is in its place, and of its shape.
+    type(line_type), intent(in) :: line, other
+    real(dp), intent(in) :: span                 !! samples
+    real(dp) :: product, lengths
+    integer :: b
+    product = 0
+    lengths = 0
+    do b = 1, size(line%amplitude, 2)
+      product = product + abs(dot_product(line%amplitude(:, b), other%amplitude(:, b)))
+      lengths = lengths + norm2(abs(line%amplitude(:, b)))*norm2(abs(other%amplitude(:, b)))
+    end do
+    beside = product > same_shape*lengths .and. &
+      & abs(line%pole%im - other%pole%im) < 3*(abs(line%pole%re) + abs(other%pole%re)) + 2*pi*4/span
+  end function beside
+
+  subroutine add_course(model, own, start, host, best)
+    !! Fit the best further course of a line, over its rates. The line is followed from the blow on, over longer and longer parts of the
+    !! record, so that its phase is never far from that of the fit.
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: own(:)                !! lines that are replaced
+    type(line_type), intent(in) :: start(:)      !! by these
+    integer, intent(in) :: host                  !! which of these gets the course
+    type(refit_type), intent(out) :: best
+    real(dp) :: span
+    integer :: c
+    span = span_of_model(model)
+    c = size(start(host)%courses) + 1
+    best%gain = -huge(1.0_dp)
+    call try(2/span)
+    call try(2*abs(start(host)%pole%re) + 1/span)
+
+  contains
+
+    subroutine try(rate)
+      !! Follow the line with a course of this rate, which is free in the end.
+      real(dp), intent(in) :: rate
+      type(line_type), allocatable :: lines(:)
+      type(refit_type) :: found
+      integer :: window
+      lines = start
+      window = nint(span)/first_window
+      do while (2*window < span)
+        call refit(model, own, lines, trial_steps, found, window)
+        lines = found%lines
+        if (size(lines(host)%courses) < c) lines(host)%courses = [lines(host)%courses, course_type(rate, (0.0_dp, 0.0_dp), .true.)]
+        window = 2*window
+      end do
+      call refit(model, own, lines, trial_steps, found)
+      lines = found%lines
+      lines(host)%courses(c)%held = .false.
+      call refit(model, own, lines, all_steps, found)
+      if (found%gain > best%gain) best = found
+    end subroutine try
+
+  end subroutine add_course
+
+  subroutine add_drifts(false_alarm, model, added)
+    !! Let frequency and decay of lines change evenly where that pays; what a faster change leaves, the bank of decays shows.
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: added
+    logical :: done(size(model%lines)), own(size(model%lines))
+    type(line_type), allocatable :: start(:)
+    type(refit_type) :: found
+    real(dp) :: gain
+    integer :: k, host
+    added = 0
+    done = [(model%lines(k)%steady .or. size(model%lines(k)%courses) > 0, k=1, size(done))]
+    do while (.not. all(done))
+      k = findloc(done, .false., dim=1)
+      done(k) = .true.
+      own = near(model, model%lines(k)%pole)
+      host = count(own(:k))
+      start = pack(model%lines, own)
+      start(host)%courses = [course_type(0.0_dp, (0.0_dp, 0.0_dp), .true.)]
+      call refit(model, own, start, first_steps, found)
+      call accept(found, chi_squared(false_alarm, 2), model, gain)
+      if (.not. abs(gain) > 0) cycle
+      added = added + 1
+      done = [pack(done, .not. own), pack(done, own)]  ! places have changed
+    end do
+  end subroutine add_drifts
+
+  subroutine judge_steady(samples, false_alarm, model, changed)
+    !! Take lines for tones that do not decay, and were there before the first blow, or for modes, whichever has the lower J.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: changed              !! lines
+    type(refit_type) :: found
+    type(line_type), allocatable :: start(:)
+    logical :: own(size(model%lines))
+    real(dp) :: gain
+    integer :: k
+    changed = 0
+    if (model%stretches(2, 0) - model%stretches(1, 0) + 1 < enough_for(1)) return   ! nothing tells what was before
+    k = 0
+    do while (k < size(model%lines))
+      k = k + 1
+      if (.not. may_be_tone(model, model%lines(k))) cycle
+      own = near(model, model%lines(k)%pole)
+      start = pack(model%lines, own)
+      start(count(own(:k)))%steady = .true.
+      start(count(own(:k)))%pole%re = 0
+      call refit(model, own, start, trial_steps, found)
+      call accept(found, price_of_tone(samples, false_alarm), model, gain)
+      if (.not. abs(gain) > 0) cycle
+      changed = changed + 1
+      k = k - count(own(:k))                     ! places have changed
+    end do
+  end subroutine judge_steady
+
+  pure logical function may_be_tone(model, line)
+    !! Whether a line hardly decays.
+    type(model_type), intent(in) :: model
+    type(line_type), intent(in) :: line
+    may_be_tone = .not. line%steady .and. size(line%courses) == 0 .and. abs(line%pole%re)*span_of_model(model) <= 1
+  end function may_be_tone
+
+  subroutine merge_lines(samples, false_alarm, model, merged)
+    !! Replace lines beside a stronger one by a course of that one, where J falls.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: merged
+    type(refit_type) :: found
+    type(line_type), allocatable :: start(:)
+    logical, allocatable :: own(:), kept(:)
+    real(dp) :: energy(size(model%lines)), gain, price
+    integer :: order(size(model%lines)), i, k, host
+    merged = 0
+    energy = [(energy_of(model, model%lines(k)), k=1, size(energy))]
+    order = ascending(energy)
+    price = price_of_line(samples, false_alarm, model)
+    do i = 1, size(order)
+      k = order(i)                               ! the weakest first
+      own = near(model, model%lines(k)%pole)
+      own(k) = .false.
+      if (.not. any(own .and. energy > energy(k))) cycle
+      host = minloc(abs(model%lines%pole%im - model%lines(k)%pole%im), dim=1, mask=own .and. energy > energy(k))
+      if (.not. beside(model%lines(host), model%lines(k), span_of_model(model))) cycle
+      kept = own
+      own(k) = .true.
+      start = pack(model%lines, kept)
+      call add_course(model, own, start, count(kept(:host)), found)
+      call accept(found, price_of_course(false_alarm) - price, model, gain)
+      if (abs(gain) > 0) then
+        merged = merged + 1
+        return                                   ! places have changed
+      end if
+    end do
+  end subroutine merge_lines
+
+end module bw_line_moves
