@@ -38,15 +38,16 @@ contains
   elemental real(dp) function working_rates(self, elastic) result(c)
     !! c of a mode.
     class(damping_law), intent(in) :: self
-    real(dp), intent(in) :: elastic       !! λ = K/M ≥ 0, in (h/l²)²
-    c = real(self%mass, dp) + 2.0_dp*real(self%ratio, dp)*sqrt(elastic) + real(self%stiffness, dp)*elastic
+    real(dp), intent(in) :: elastic       !! λ = K/M, in (h/l²)²; what rounding leaves below 0 is 0
+    c = real(self%mass, dp) + 2.0_dp*real(self%ratio, dp)*sqrt(max(0.0_dp, elastic)) &
+      + real(self%stiffness, dp)*max(0.0_dp, elastic)
   end function working_rates
 
   elemental real(qp) function extended_rates(self, elastic) result(c)
     !! The same in binary128.
     class(damping_law), intent(in) :: self
-    real(qp), intent(in) :: elastic       !! λ = K/M ≥ 0, in (h/l²)²
-    c = self%mass + 2.0_qp*self%ratio*sqrt(elastic) + self%stiffness*elastic
+    real(qp), intent(in) :: elastic
+    c = self%mass + 2.0_qp*self%ratio*sqrt(max(0.0_qp, elastic)) + self%stiffness*max(0.0_qp, elastic)
   end function extended_rates
 
   elemental type(dd) function quarter_squares(self, elastic) result(square)
@@ -55,6 +56,8 @@ contains
     class(damping_law), intent(in) :: self
     type(dd), intent(in) :: elastic       !! λ, in (h/l²)²
     type(dd) :: half
+    square = dd(0.25_dp*real(self%mass, dp)**2, 0.0_dp)
+    if (elastic%hi < 0.0_dp) return
     if (self%ratio > 0.0_qp) then
       square = to_dd(real(self%ratio, dp))*real(self%ratio, dp)*elastic
     else

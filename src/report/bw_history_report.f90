@@ -2,7 +2,7 @@ module bw_history_report
   !! The printed report of histories: the largest value at each point, how far it may be off, and the waves that were measured.
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, short, table_of, text_table
+  use bw_columns, only: fixed, table_of, text_table
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_response, only: response_type
