@@ -132,12 +132,15 @@ contains
     if (count > most) call lines%append_line('   ...  '//text_of(count)//' in the file')
   end subroutine note_rest
 
-  pure function short(value) result(text)
-    !! Two digits of an error; a dash where there is none.
+  pure function short(value, digits) result(text)
+    !! Few digits of a number; a dash where there is none.
     real(dp), intent(in) :: value
+    integer, intent(in), optional :: digits       !! absent: two, as of an error
     character(:), allocatable :: text
     text = '-'
-    if (.not. is_missing(value)) text = shortest(value, 2)
+    if (is_missing(value)) return
+    text = shortest(value, 2)
+    if (present(digits)) text = shortest(value, digits)
   end function short
 
   pure function pair_cells(value, error) result(cells)

@@ -2,18 +2,15 @@ module bw_price_report
   !! The printed list of what accuracy costs.
   use bw_kinds, only: dp
   use bw_absent_effects, only: absent_words
-  use bw_columns, only: right
+  use bw_columns, only: right, short, table_of, text_table
   use bw_missing, only: is_missing
   use bw_price_list, only: beyond_model, by_counts, by_tolerances, digit_noise, method_words, price_digits, &
     price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
-  use bw_stopwatch, only: processor_name, stage_words
+  use bw_stopwatch, only: processor_name
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: price_report
-
-  character(*), parameter :: heading = &
-    '                 modes  summed by  true error  estimate  ratio        ms    +/-  modes  events  response      next digit'
 
 contains
 
@@ -41,7 +38,7 @@ contains
     call lines%append_line('  Errors are the largest of the displacement over its peak, '//shortest(list%peak, 4)//' m, against a')
     call lines%append_line('  converged run of '//text_of(list%converged_count)//' modes, tolerance '// &
                            shortest(list%converged_tolerance, 2)//', whose own error is estimated at '// &
-                           small(list%converged_error)//';')
+                           short(list%converged_error)//';')
     call lines%append_line('  what is below that stands as <')
   end subroutine report_converged
 
@@ -72,42 +69,45 @@ contains
     character(*), intent(in) :: title
     type(text_builder), intent(inout) :: lines
     real(dp), dimension(size(list%rungs)) :: seconds, growth, noise
+    type(text_table) :: table
     integer :: i
     if (.not. any(list%rungs%ladder == ladder)) return
     call price_digits(list%rungs, seconds, growth)
     noise = digit_noise(list%rungs)
     call lines%append_line('')
     call lines%append_line('  '//title)
-    if (ladder == by_tolerances) call lines%append_line(heading)
+    table = table_of('|modes|summed by|true error|estimate|ratio|ms|+/-|modes|events|response|next digit', '', &
+                     [11, 11, 11, 12, 10, 7, 10, 7, 7, 8, 10, 18])
+    if (ladder == by_tolerances) call table%put_head(lines)
     do i = 1, size(list%rungs)
       if (list%rungs(i)%ladder /= ladder) cycle
-      call lines%append_line(rung_line(list, list%rungs(i))//next_text(seconds(i), growth(i), noise(i)))
+      call put_rung(list, list%rungs(i), table, next_text(seconds(i), growth(i), noise(i)), lines)
     end do
   end subroutine report_ladder
 
-  function rung_line(list, rung) result(text)
-    !! The line of a rung, but for what the next digit costs.
+  subroutine put_rung(list, rung, table, next, lines)
+    !! The line of a rung.
     type(price_list), intent(in) :: list
     type(rung_type), intent(in) :: rung
-    character(:), allocatable :: text
+    type(text_table), intent(in) :: table
+    character(*), intent(in) :: next               !! what the next digit costs
+    type(text_builder), intent(inout) :: lines
+    character(:), allocatable :: cells
     integer :: i
-    if (rung%ladder == by_counts) then
-      text = right(text_of(rung%mode_count), 11)
-    else
-      text = right(shortest(rung%tolerance, 2), 11)
-    end if
+    cells = shortest(rung%tolerance, 2)
+    if (rung%ladder == by_counts) cells = text_of(rung%mode_count)
     if (is_missing(rung%seconds)) then
-      text = text//'  '//reason(list, rung)
+      call table%put_row(lines, cells, '  '//reason(list, rung)//next)
       return
     end if
-    text = text//right(text_of(rung%mode_count), 11)//right(trim(method_words(rung%method)), 11)// &
-      right(error_text(rung%error, list%converged_error), 12)//right(small(rung%estimate), 10)// &
-      right(ratio_text(rung, list%converged_error), 7)//right(milliseconds(rung%seconds), 10)// &
-      right(milliseconds(0.5_dp*(rung%upper - rung%lower)), 7)
+    cells = cells//'|'//text_of(rung%mode_count)//'|'//trim(method_words(rung%method))//'|'// &
+      error_text(rung%error, list%converged_error)//'|'//short(rung%estimate)//'|'//ratio_text(rung, list%converged_error)//'|'// &
+      milliseconds(rung%seconds)//'|'//milliseconds(0.5_dp*(rung%upper - rung%lower))
     do i = 1, priced_stages
-      text = text//right(percent(rung%stages(i)/sum(rung%stages)), len_trim(stage_words(i)) + 2)
+      cells = cells//'|'//percent(rung%stages(i)/sum(rung%stages))
     end do
-  end function rung_line
+    call table%put_row(lines, cells, next)
+  end subroutine put_rung
 
   pure function reason(list, rung) result(text)
     !! The words that stand in the place of a rung's numbers where it was not run.
@@ -176,9 +176,9 @@ contains
     real(dp), intent(in) :: error, least
     character(:), allocatable :: text
     if (.not. is_missing(error) .and. error <= least .and. least > 0.0_dp) then
-      text = '<'//small(least)
+      text = '<'//short(least)
     else
-      text = small(error)
+      text = short(error)
     end if
   end function error_text
 
@@ -191,14 +191,6 @@ contains
     if (is_missing(rung%estimate) .or. is_missing(rung%error)) return
     if (rung%error > least) text = shortest(rung%estimate/rung%error, 2)
   end function ratio_text
-
-  pure function small(value) result(text)
-    !! A small number with two digits; a dash for one that does not exist.
-    real(dp), intent(in) :: value
-    character(:), allocatable :: text
-    text = '-'
-    if (.not. is_missing(value)) text = shortest(value, 2)
-  end function small
 
   pure function milliseconds(seconds) result(text)
     !! Seconds as milliseconds with three digits.

@@ -1,7 +1,7 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_absent_mends, only: helpful, mend_type
-  use bw_columns, only: right, table_of, text_table, to_its_error
+  use bw_columns, only: right, short, table_of, text_table, to_its_error
   use bw_fit_problem, only: value_at
   use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification
@@ -47,18 +47,10 @@ contains
         cells = cells//'|'//to_its_error(compared%frequency(k)/two_pi, measured%error(k)/two_pi)//'|'// &
           shortest(100*(measured%angular_frequency(k)/compared%frequency(k) - 1), 3)
       end if
-      call table%put_row(lines, cells//'|'//three_digits(compared%frequency_misfit(k))//'|'// &
-                         three_digits(compared%decay_misfit(k)), remark)
+      call table%put_row(lines, cells//'|'//short(compared%frequency_misfit(k), 3)//'|'// &
+                         short(compared%decay_misfit(k), 3), remark)
     end do
   end subroutine report_comparison
-
-  pure function three_digits(value) result(text)
-    !! A dash for what does not exist.
-    real(dp), intent(in) :: value
-    character(:), allocatable :: text
-    text = '-'
-    if (.not. is_missing(value)) text = shortest(value, 3)
-  end function three_digits
 
   function explained_text(misfit) result(text)
     !! Whether noise explains what the modes leave of the lines.
@@ -96,27 +88,29 @@ contains
     type(identification), intent(in) :: found
     real(dp), intent(in) :: confidence
     type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
+    character(:), allocatable :: remark
     real(dp) :: width
     integer :: i
     call lines%append_line('')
     call lines%append_line('  Identified; intervals of '//shortest(100*confidence, 6)//' % by profile likelihood')
-    call lines%append_line('  unknown                               value          from            to   unit')
+    table = table_of('  unknown|value|from|to|unit', '', [-30, 15, 14, 14, 0])
+    call table%put_head(lines)
+    remark = ''
     do i = 1, size(found%values)
       associate (unknown => found%unknowns(i), interval => found%belief%intervals(i))
-        call lines%append('  '//unknown%parameter//repeat(' ', max(1, 28 - len(unknown%parameter))))
         width = value_at(unknown, interval%high) - value_at(unknown, interval%low)
-        call lines%append(right(to_width(found%values(i), width), 15))
-        call lines%append(right(to_width(found%low(i), width), 14))
-        call lines%append(right(to_width(found%high(i), width), 14))
-        if (unknown%unit /= '1' .or. interval%low_open .or. interval%high_open) call lines%append('   ')
-        if (unknown%unit /= '1') call lines%append(unknown%unit)
+        remark = ''
+        if (unknown%unit /= '1' .or. interval%low_open .or. interval%high_open) remark = '   '
+        if (unknown%unit /= '1') remark = remark//unknown%unit
         if (is_missing(found%low(i)) .or. is_missing(found%high(i))) then
-          call lines%append('; at the end of its range')
+          remark = remark//'; at the end of its range'
         else
-          if (interval%low_open) call lines%append('; from: the end of its range')
-          if (interval%high_open) call lines%append('; to: the end of its range')
+          if (interval%low_open) remark = remark//'; from: the end of its range'
+          if (interval%high_open) remark = remark//'; to: the end of its range'
         end if
-        call lines%append_line('')
+        call table%put_row(lines, '  '//unknown%parameter//'|'//to_width(found%values(i), width)//'|'// &
+                           to_width(found%low(i), width)//'|'//to_width(found%high(i), width), remark)
       end associate
     end do
     call report_correlations(found, lines)
