@@ -3,12 +3,14 @@ module bw_varying_beam
   !!
   !! Along a piece every property is a polynomial in x, from 0 at its inner end to 1 at its outer end, over the value that the piece
   !! of `piece_beam` has. The tension is T(ξ) = Ω²[∫ρA(R + ξ)dξ + Σm_b(R + ξ_b)] over all that lies beyond ξ.
-  use bw_double_double, only: to_quad
+  use bw_double_double, only: dd, to_dd, to_quad, operator(/), operator(*)
   use bw_kinds, only: dp, qp
-  use bw_piece_beam, only: joint_position, piece_beam
+  use bw_piece_beam, only: beam_joint, joint_position, piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: tension_in_pieces, under_tension, value_of, without_tension
+  public :: softest, tension_in_pieces, under_tension, value_of, without_tension
+
+  integer, parameter, public :: soft_parts = 32   !! uniform ones that each piece of `softest` is cut into
 
   type, public :: piece_law
     !! Coefficients of 1, x, x², …; the first is 1 but for the tension.
@@ -27,6 +29,7 @@ module bw_varying_beam
     logical :: is_pulled = .false.                 !! by the tension of its rotation
     real(dp) :: hub_radius = 0.0_dp                !! R in l, where it is
   contains
+    procedure :: tapers
     procedure :: tension
     procedure, private :: same_beam
     generic :: operator(==) => same_beam
@@ -98,6 +101,18 @@ contains
     law%tension = real([beyond, -pull(1:)], dp)
   end subroutine pull_piece
 
+  pure logical function tapers(self)
+    !! A property of a section varies along a piece.
+    class(varying_beam), intent(in) :: self
+    integer :: i
+    tapers = .false.
+    do i = 1, size(self%law)
+      associate (law => self%law(i))
+        tapers = tapers .or. any([size(law%stiffness), size(law%mass), size(law%shear), size(law%rotary)] > 1)
+      end associate
+    end do
+  end function tapers
+
   pure function tension(self, i) result(t)
     !! T/Ω² as a polynomial in x over piece i, with the pull of the bodies beyond it.
     class(varying_beam), intent(in) :: self
@@ -130,6 +145,61 @@ contains
       value = polynomial(i) + x*value
     end do
   end function value_of
+
+  pure type(piece_beam) function softest(self) result(beam)
+    !! A beam of many uniform pieces that are nowhere stiffer or heavier, without tension: no point of this one gives more to a force
+    !! that grows as e^(st) than it does there. Every joint is that of so many pieces more.
+    class(varying_beam), intent(in) :: self
+    integer :: i, j
+    beam = self%beam
+    beam%piece = [(spread(self%beam%piece(i), 1, soft_parts), i=1, size(self%beam%piece))]
+    beam%joint = [(spread(beam_joint(), 1, soft_parts - 1), self%beam%joint(i), i=1, size(self%beam%piece))]
+    do i = 1, size(self%beam%piece)
+      do j = 1, soft_parts
+        call soften(self%law(i), [j - 1, j]/real(soft_parts, dp), beam%piece((i - 1)*soft_parts + j))
+      end do
+    end do
+  end function softest
+
+  pure subroutine soften(law, ends, piece)
+    !! Part of a piece, with the least of all that resists.
+    type(piece_law), intent(in) :: law
+    real(dp), intent(in) :: ends(2)                !! of the part, from 0 to 1 over the piece
+    type(uniform_piece), intent(inout) :: piece    !! then that part
+    piece%length = piece%length/to_dd(real(soft_parts, dp))
+    piece%stiffness = piece%stiffness*least_value(law%stiffness, ends)
+    piece%mass = piece%mass*least_value(law%mass, ends)
+    piece%compliance = piece%compliance/to_dd(least_value(law%shear, ends))
+    piece%rotary = piece%rotary*least_value(law%rotary, ends)
+  end subroutine soften
+
+  pure real(dp) function least_value(polynomial, ends) result(least)
+    !! A bound of a positive polynomial from below, between two places: the least of its coefficients in Bernstein's form there.
+    real(dp), intent(in) :: polynomial(0:), ends(2)
+    real(dp) :: coefficient(0:size(polynomial) - 1), own(0:size(polynomial) - 1)
+    integer :: i, j, n
+    n = size(polynomial) - 1
+    own = polynomial                               ! of powers of x − a, by Horner's scheme
+    do i = 0, n - 1
+      do j = n - 1, i, -1
+        own(j) = own(j) + ends(1)*own(j + 1)
+      end do
+    end do
+    own = own*[((ends(2) - ends(1))**i, i=0, n)]
+    do i = 0, n
+      coefficient(i) = sum([(own(j)*binomial(i, j)/binomial(n, j), j=0, i)])
+    end do
+    least = max(tiny(least)*1.0e20_dp, minval(coefficient))
+  end function least_value
+
+  pure real(dp) function binomial(n, k)
+    integer, intent(in) :: n, k
+    integer :: i
+    binomial = 1.0_dp
+    do i = 1, k
+      binomial = binomial*(n - k + i)/i
+    end do
+  end function binomial
 
   pure logical function same_beam(self, other) result(same)
     !! To the bit, so that their modes are the same.

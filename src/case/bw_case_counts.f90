@@ -2,7 +2,7 @@ module bw_case_counts
   !! How many modes a tolerance takes, before any history is summed: of the first segment, and of later ones. A survey of the modes
   !! tells what those beyond any number may add; a preview of a few shows the peak that the tolerance is a part of.
   use bw_case_modes, only: case_mode_cache, extend_source, first_modes
-  use bw_case_notes, only: most_modes, most_released
+  use bw_case_notes, only: most_modes, most_of, most_released
   use bw_case_result, only: case_motion
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_kinds, only: dp
@@ -106,7 +106,7 @@ contains
     integer, intent(in) :: samples               !! of the segment
     class(monitor_type), intent(inout), target :: monitor
     type(time_grid) :: grid
-    type(projection_type) :: projection
+    type(projection_type), allocatable :: projection
     type(segment_type) :: next
     type(configuration_type) :: few
     type(change_type), allocatable :: changes(:)
@@ -132,6 +132,8 @@ contains
         associate (after => motion%modes%configuration(changes(i)%configuration)%source)
           call after%find(first_numbers(min(first_modes, after%highest)), few%set, grid%samples*grid%step%hi)
         end associate
+        if (allocated(projection)) deallocate (projection)
+        allocate (projection)
         call project(segment, moving, changes(i)%time, grid%samples*grid%step%hi, 0, few%set, projection, monitor)
         if (monitor%stop_requested()) return
         next = segment_type(changes(i)%configuration, changes(i)%time, q=projection%q_after, rate=projection%rate_after)
@@ -194,6 +196,21 @@ contains
     if (allocated(motion%seen_part)) part = max(part, motion%seen_part(:, i))
   end function part_planned
 
+  pure real(dp) function agreement(survey, source, samples) result(times)
+    !! How many times what random phases do the last modes of a survey may come to. Beyond the lowest cutoff of a beam with shear waves
+    !! hardly disperse, and phases agree: a block there comes to as large a part of its amplitudes as one at the cutoff.
+    type(mode_survey), intent(in) :: survey
+    class(mode_source), intent(in) :: source
+    integer, intent(in) :: samples
+    real(dp) :: cutoff                             ! 1/β² there
+    integer :: b
+    cutoff = maxval(source%pieces%beam%piece%compliance%hi*source%pieces%beam%piece%rotary%hi)
+    times = 1.0_dp
+    if (cutoff*survey%bin(survey%bins)%square <= 1.0_dp) return
+    b = findloc(cutoff*survey%bin(:survey%bins)%square > 1.0_dp, .true., dim=1)
+    times = maxval(part_shown(survey, survey%bin(b)%last, samples)/part_shown(survey, survey%bin(survey%bins)%last, samples))
+  end function agreement
+
   subroutine settle_first(scene, motion, segment, samples, monitor, cache)
     !! The least count within the tolerance, of as many modes as it takes.
     type(scene_type), intent(in) :: scene
@@ -204,6 +221,7 @@ contains
     type(case_mode_cache), intent(inout), optional :: cache
     real(dp) :: allowed
     real(dp), dimension(2) :: errors, before, power       ! the estimate, and the bound's part: each falls in its own way
+    real(dp) :: agree, fall(2)
     integer :: count, last, last_before, most
     logical :: extended
     allowed = motion%aim*scene%modes%tolerance*motion%peak
@@ -220,11 +238,15 @@ contains
         if (survey%count() >= min(most, source%highest)) then
           call extend_source(scene, motion%units, segment%configuration == together, monitor, source, extended, cache)
           if (.not. extended) exit
-        else if (last >= seen_part_of_most*min(most, source%quickly) .and. &
-                 any(expected(max(power, steepest(source))) > allowed)) then
-          segment%count = last                     ! no need to find millions of modes that are not enough
-          motion%reached = maxval(expected(power))/motion%peak
-          return
+        else if (last >= seen_part_of_most*min(most, source%quickly)) then
+          agree = agreement(survey, source, samples - 1)
+          fall = max(power, steepest(source))
+          if (agree > 1.0_dp) fall = steepest(source, agreeing=.true.)
+          if (any(expected(fall) > allowed)) then  ! no need to find millions of modes that are not enough
+            segment%count = last
+            motion%reached = maxval(expected(min(power, fall)))/motion%peak
+            return
+          end if
         end if
         last_before = last
         before = errors
@@ -250,7 +272,7 @@ contains
       !! Errors of as many modes as there may be, where they fall as that power of their number.
       real(dp), intent(in) :: power(2)
       real(dp) :: least(2)
-      least = errors*(real(last, dp)/most)**power
+      least = errors*[agree, 1.0_dp]*(real(last, dp)/most)**power
     end function expected
     real(dp) function times()
       !! As many modes as there are, that are enough.
@@ -290,22 +312,15 @@ contains
     end function over_allowed
   end subroutine settle_first
 
-  pure integer function most_of(scene, source) result(most)
-    !! Modes that a tolerance may take: one that was not asked for, those that are found quickly.
-    type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source
-    most = most_modes
-    if (.not. scene%modes%asked) most = min(most, source%quickly)
-  end function most_of
-
-  pure function steepest(source) result(power)
+  pure function steepest(source, agreeing) result(power)
     !! Powers of the number of modes by which the estimate and the bound fall in the end: amplitudes fall as k⁻³, with shear as k⁻²;
-    !! they add up in the bound, and at random in the estimate.
+    !! they add up in the bound, and in the estimate where phases agree; else at random.
     class(mode_source), intent(in) :: source
+    logical, intent(in), optional :: agreeing      !! phases do
     real(dp) :: power(2)
     power = 2.0_dp
     if (any(source%pieces%beam%piece%compliance%hi > 0.0_dp)) power = 1.0_dp
-    power(1) = power(1) + 0.5_dp
+    if (.not. present(agreeing)) power(1) = power(1) + 0.5_dp
   end function steepest
 
   pure integer function next_count(last, times, most) result(count)
@@ -353,7 +368,7 @@ contains
           if (extended) most_handed = min(most_modes, before%source%highest)
         end if
         if (doubt > 1.0_dp .and. projection%place%count < most_handed) then
-          handed = int(min(real(most_handed, dp), max(2.0_dp, min(64.0_dp, 1.2_dp*doubt))*projection%place%count))
+          handed = int(min(real(most_handed, dp), max(1.25_dp, min(64.0_dp, doubt**(2.0_dp/3.0_dp)))*projection%place%count))
           cycle
         end if
         if (first > grid%samples .or. allowed == 0.0_dp .or. error <= 1.0_dp) exit
@@ -391,8 +406,8 @@ contains
       type(tail_type) :: tail
       associate (survey => motion%survey(2), source => motion%modes%configuration(next%configuration)%source)
         call find_tail(survey, source%pieces%beam, source%damping, next%energy, count, tail)
-        error_with = max(maxval(displacement_error(tail, part_planned(motion, 2, count, samples)))/(1.0_dp - doubt_share), &
-                         maxval(tail%bound)/(0.5_dp*bound_times))/allowed
+        error_with = maxval(displacement_error(tail, part_planned(motion, 2, count, samples)))/(1.0_dp - doubt_share)
+        error_with = max(error_with, maxval(tail%bound)/(0.5_dp*bound_times))/allowed
       end associate
     end function error_with
     subroutine cut_to_least()

@@ -1,8 +1,8 @@
 module bw_case_histories
   !! The histories of a case, segment by segment: of the modes that a scene counts, or of as many as its tolerance takes. The last two
-  !! octaves of a segment's modes tell what those that are left out may add. They are summed apart, at all samples where that costs
-  !! no more than the sum of all; of a long record, which is summed by the transform, at samples that are evenly spaced and at as many
-  !! after the first, where waves have not spread yet.
+  !! octaves of a segment's modes tell what those that are left out may add. They are summed apart, at all samples of a short record,
+  !! whose sum is then that of its parts; of a long one at samples that are evenly spaced and at as many after the first, where waves
+  !! have not spread yet.
   use bw_case_counts, only: samples_of_segment
   use bw_case_notes, only: note_failure, out_of_reach
   use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
@@ -11,13 +11,11 @@ module bw_case_histories
   use bw_mode_set, only: configuration_type, deflections, first_failure
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
-  use bw_response, only: fill_unknown, finish_histories, histories_of, response_type, sampling_type, start_histories, &
-    sum_tolerance
+  use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
   use bw_scene, only: scene_type
   use bw_segment, only: leaves_range, move, segment_type
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
-  use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_text, only: append, shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation_error, only: block_ends, fewest
@@ -25,6 +23,7 @@ module bw_case_histories
   private
   public :: sum_histories, sums_of_segment
 
+  integer, parameter :: long = 2**14        !! tuned: samples up to which parts cost hardly more than their sum at once
   integer, parameter :: looked_at = 1024    !! samples of a long record, and as many after its first, at which octaves are summed apart
   integer, parameter :: sums_of_segment = 3 !! of all samples, of those after the first, and of those evenly spaced
 
@@ -135,7 +134,6 @@ contains
     type(block_type), intent(out) :: block
     type(sampling_type) :: own
     type(segment_type) :: moved
-    type(sum_choice) :: choice
     integer :: ends(3)
     own = sampling
     own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
@@ -145,8 +143,7 @@ contains
     allocate (block%value(size(own%points), 2), block%rate(size(own%points), 2), source=0.0_dp)
     ends = block_ends(segment%count)
     if (segment%count < fewest .or. (allocated(segment%rate) .and. .not. allocated(segment%lack))) ends = segment%count
-    choice = chosen_sum(segment%count, own%grid%samples, histories_of(part), sum_tolerance)
-    if (own%grid%samples <= 2*looked_at .or. allocated(scene%damping) .or. .not. choice%transform) then   ! parts cost no more
+    if (own%grid%samples <= long) then
       call add_modes(1, ends(1), workspace(1), part)
       call add_octaves(own%grid, workspace(1), part)
     else

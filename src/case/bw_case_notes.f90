@@ -6,8 +6,8 @@ module bw_case_notes
   use bw_damping_par, only: by_ratio
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_mode_set, only: mode_set, search_failure
-  use bw_modes_par, only: by_tolerance, default_tolerance, is_relaxed, relaxed_tolerance
+  use bw_mode_set, only: mode_set, mode_source, search_failure
+  use bw_modes_par, only: default_tolerance, is_relaxed, relaxed_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
   use bw_recontact, only: contacts_type
@@ -21,7 +21,7 @@ module bw_case_notes
   private
   public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
   public :: note_added_energy, note_contacts, note_no_change, note_relaxed, note_release, note_rounding
-  public :: out_of_reach, why_untrusted
+  public :: most_of, out_of_reach, why_untrusted
 
   integer, parameter, public :: most_modes = 10000000      !! that a tolerance may take
   integer, parameter, public :: most_released = 10000
@@ -158,7 +158,7 @@ contains
     text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
     if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with the potential of the centrifugal force)'
     if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
-    if (.not. (is_missing(joules(4)) .or. by_tolerance(scene%modes))) then
+    if (.not. (is_missing(joules(4)) .or. allocated(motion%survey))) then
       text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
     end if
     call remark(motion%notes, text)
@@ -224,15 +224,23 @@ contains
     reason = 'some of its numbers are left out'
   end function why_untrusted
 
+  pure integer function most_of(scene, source) result(most)
+    !! Modes that a tolerance may take: one that was not asked for, those that are found quickly.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source
+    most = most_modes
+    if (.not. scene%modes%asked) most = min(most, source%quickly)
+  end function most_of
+
   pure function out_of_reach(scene, motion) result(text)
     !! What to tell of a tolerance that the plan does not keep.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     character(:), allocatable :: text
-    associate (highest => motion%modes%configuration(together)%source%highest)
+    associate (source => motion%modes%configuration(together)%source)
       text = repeat('the default ', merge(0, 1, scene%modes%asked))//shortest(scene%modes%tolerance, 6)// &
-        ' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
-      if (comes_back(scene)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
+        ' cannot be reached with '//text_of(min(most_of(scene, source), source%highest))//' modes'
+      if (comes_back(scene)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
     end associate
     if (.not. is_missing(relaxed_tolerance(motion%reached))) then
       text = text//'; accepted: '//shortest(1.05_dp*motion%reached, 2)//' or more, or before and after, which count modes'

@@ -20,7 +20,8 @@ module bw_one_case
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_mode_set, only: attend, deflections, search_failure
-  use bw_modes_par, only: by_tolerance, is_relaxed, relaxed_tolerance
+  use bw_missing, only: is_missing
+  use bw_modes_par, only: is_relaxed, relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_record_case, only: record_cache, run_record_case
@@ -67,7 +68,7 @@ contains
       if (.not. whole .or. scene%modes%asked .or. result%reached <= scene%modes%tolerance) return
       relaxed = scene
       relaxed%modes%tolerance = relaxed_tolerance(result%reached)
-      if (by_tolerance(relaxed%modes)) call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
+      if (.not. is_missing(relaxed%modes%tolerance)) call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
     end if
   end subroutine run_case
 

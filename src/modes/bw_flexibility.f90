@@ -8,8 +8,8 @@ module bw_flexibility
   !! waves that decay from where they start, so that neither differences of nearly equal numbers appear nor exponentials that
   !! grow. Without dimensions, as the beam.
   !!
-  !! **Limit**: pieces are uniform. Of a beam that tapers the flexibility is at most that of uniform pieces which are nowhere stiffer
-  !! or heavier, so that a bound follows from these; it is not made here.
+  !! **Limit**: pieces are uniform. Of a beam that tapers the flexibility is at most that of many uniform pieces which are nowhere
+  !! stiffer or heavier (`softest` of bw_varying_beam), so that a bound follows from these.
   use bw_kinds, only: dp
   use bw_lapack, only: zgesv
   use bw_piece_beam, only: beam_joint, beam_root, piece_beam, uniform_piece

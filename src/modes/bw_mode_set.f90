@@ -30,7 +30,6 @@ module bw_mode_set
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
-    real(dp) :: agree_from = huge(1.0_dp)         !! as that of a source
     real(dp) :: struck_at = 1.0_dp                !! ξ₀
     logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
     integer :: root_power = 2                     !! of ξ, as which shapes rise at the root: 2 clamped, 1 hinged, 0 where it moves
@@ -81,11 +80,6 @@ module bw_mode_set
     integer :: highest = 0                        !! the highest mode number that can be found
     integer :: quickly = huge(1)                  !! as many as can be found in about a second
     real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
-    real(dp) :: decay = 0.0_dp
-      !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
-    logical :: quadratic = .false.                !! phases of far modes are π²k²τ and terms linear in k (bw_coherence)
-    real(dp) :: agree_from = huge(1.0_dp)
-      !! πk from which phases may agree at samples that nothing tells beforehand; 0: those of bending waves, rarely (bw_coherence)
     real(dp) :: struck_at = 1.0_dp                !! as those of a set
     logical :: uniform = .true.
     integer :: root_power = 2

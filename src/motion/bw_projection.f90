@@ -55,6 +55,8 @@ module bw_projection
     type(lack_type) :: lack
     type(place_type) :: place
     type(far_modes), private :: far             !! known from a projection of the same motion with fewer modes
+    real(dp), allocatable, private :: near_q(:), near_rate(:)   !! what is handed on by those taken one by one, (modes after)
+    type(place_type), private :: near_place     !! what these move the body by
   end type projection_type
 
 
@@ -71,30 +73,35 @@ contains
     type(projection_type), intent(inout) :: projection   !! new, or that of the same motion onto fewer modes or from fewer
     class(monitor_type), intent(inout), optional :: monitor   !! the projection means nothing where it asks to stop
     real(dp), allocatable :: q(:), rate(:)       ! of the continuum's modes
-    real(dp) :: near(2)                          ! what the first modes move the body by, and with which velocity
     integer :: n
     associate (p => projection, source => configuration%source)
-      call take_start(segment, configuration, longest, wanted, after%count, p, q, rate, monitor)
-      if (stops(monitor)) return
-      call take_place(p%before, q, rate, time, segment%energy, source, p%place)
-      call move(p%before, time, p%q, p%rate)
-      call move(p%before, time, q, rate)
-      p%q_after = after%overlap_of_beam(p%before, p%q, monitor)
-      p%rate_after = after%overlap_of_beam(p%before, p%rate, monitor)
-      if (allocated(segment%lack)) then
-        p%lack%q = after%overlap_of_beam(p%before, q - p%q, monitor)/after%modal_mass
-        p%lack%rate = after%overlap_of_beam(p%before, rate - p%rate, monitor)/after%modal_mass
+      if (.not. is_near_known(p, segment, source, after)) then
+        call take_start(segment, configuration, longest, wanted, after%count, p, q, rate, monitor)
+        if (stops(monitor)) return
+        call take_place(p%before, q, rate, time, segment%energy, source, p%near_place)
+        call move(p%before, time, p%q, p%rate)
+        call move(p%before, time, q, rate)
+        p%near_q = after%overlap_of_beam(p%before, p%q, monitor)
+        p%near_rate = after%overlap_of_beam(p%before, p%rate, monitor)
+        if (allocated(segment%lack)) then
+          p%lack%q = after%overlap_of_beam(p%before, q - p%q, monitor)/after%modal_mass
+          p%lack%rate = after%overlap_of_beam(p%before, rate - p%rate, monitor)/after%modal_mass
+        end if
       end if
+      p%place = p%near_place
+      p%q_after = p%near_q
+      p%rate_after = p%near_rate
       n = p%place%count
-      near = [p%place%displacement, p%place%velocity]
       if (.not. allocated(segment%rate)) &
         call add_far(source, segment%force, time, longest, min(wanted, source%highest), p%place, p%far, monitor)
       if (stops(monitor)) return
       if (p%place%count > n) then
         associate (elastic => after%beta_squared%hi + spin(source), blow => source%gamma*after%struck, &
                    of => p%far%of(n + 1:p%place%count, :))
-          p%q_after = p%q_after - blow*(p%place%displacement - near(1) + elastic*sum(of(:, moved)/of(:, square)))
-          p%rate_after = p%rate_after - blow*(p%place%velocity - near(2) + elastic*sum(of(:, rate_moved)/of(:, square)))
+          p%q_after = p%q_after &
+            - blow*(p%place%displacement - p%near_place%displacement + elastic*sum(of(:, moved)/of(:, square)))
+          p%rate_after = p%rate_after &
+            - blow*(p%place%velocity - p%near_place%velocity + elastic*sum(of(:, rate_moved)/of(:, square)))
         end associate
       end if
       p%q_after = p%q_after/after%modal_mass
@@ -105,6 +112,16 @@ contains
       call find_doubt(source, after, p%place, p%lack)
     end associate
   end subroutine project
+
+  pure logical function is_near_known(p, segment, source, after) result(known)
+    !! Of modes whose overlaps are taken one by one nothing has changed since the last projection of a motion.
+    type(projection_type), intent(in) :: p
+    type(segment_type), intent(in) :: segment
+    class(mode_source), intent(in) :: source
+    class(mode_set), intent(in) :: after
+    known = allocated(p%near_q) .and. .not. allocated(segment%rate) .and. source%pieces%captured%inertia%hi <= 0.0_dp
+    if (known) known = size(p%near_q) == after%count
+  end function is_near_known
 
   pure real(dp) function spin(source)
     !! ω² where it acts on translations.

@@ -45,3 +45,22 @@ def test_rounding_is_counted_where_every_sample_is_near_a_zero_of_the_first_mode
         found = tails.compare(here, tails.Scene(groups, motion), {"tolerance": 1e-3})
         assert found is not None
         assert min(found[2] + found[3]) >= 1, f"seed {SEED}: {gamma}, {found}"
+
+
+@pytest.mark.parametrize("step", [4 / np.pi / 64, 4 / np.pi / 2**14, 3 / np.pi / 1024, 1e-6, 0.0123])
+@pytest.mark.parametrize("point", [0.999, 0.5])
+def test_a_few_samples_of_a_long_record_tell_what_is_left_out_at_all(here, step, point):
+    """Waves meet at multiples of the step, or have not spread yet at the first samples, or do neither."""
+    samples = 2**15
+    duration = samples * step / float(tails.H)
+    groups = {"beam": tails.PAPER_BEAM, "impact": {"mass_ratio": 0.2}, "capture": {},
+              "response": {"duration": duration, "samples": samples, "points": [point, 1.0]}}
+    here.scene("few", {**groups, "modes": {"tolerance": 1e-4}})
+    here.scene("many", {**groups, "modes": {"tolerance": 1e-8}})
+    few, many = here.run("few"), here.run("many")
+    error = np.abs(few["displacement"] - many["displacement"]).max(axis=1)
+    peak = np.abs(many["displacement"]).max(axis=1)
+    assert error.max() <= 1e-4 * peak.max()
+    seen = error > 1e-12 * peak
+    assert (few["displacement_error"] >= error - many["displacement_error"])[seen].all()
+    assert (few["displacement_bound"] >= few["displacement_error"]).all()

@@ -45,7 +45,6 @@ contains
     source%gamma = gamma%hi
     source%mass_ratio = gamma
     source%highest = highest_mode
-    source%quadratic = .true.
     source%pieces%captured%mass = gamma
     source%pieces%beam%piece = [uniform_piece()]
     source%pieces%beam%joint = [source%pieces%captured]

@@ -9,7 +9,7 @@ module bw_strain_source
   use bw_scene_pieces, only: struck_beam
   use bw_strain_modes, only: strain_modes
   use bw_strain_set, only: strain_set
-  use bw_varying_beam, only: varying_beam
+  use bw_varying_beam, only: soft_parts, softest, varying_beam
   implicit none (type, external)
   private
   public :: strain_source_of
@@ -53,10 +53,10 @@ contains
       source%gamma = problem%captured%mass%hi
       source%struck_at = problem%position
       source%pieces = struck_beam(given%beam, problem%struck, problem%position, problem%captured)
+      if (given%tapers()) &
+        source%pieces = struck_beam(softest(given), soft_parts*problem%struck, problem%position, problem%captured)
       source%uniform = problem%uniform
       source%root_power = root_power(given%beam%root)
-      source%decay = decay_of(source, any(given%beam%piece%compliance%hi > 0.0_dp), &
-                              given%beam%spin_squared%hi*(given%law(1)%tension(1) + given%law(1)%pull))
       call strain_modes(given, count, problem%struck, set, monitor)
       set%gamma = source%gamma
       set%struck_at = source%struck_at
@@ -66,18 +66,6 @@ contains
       set%body_pull = given%beam%spin_squared%hi*source%gamma*(problem%position + given%hub_radius)
     end associate
   end subroutine strain_source_of
-
-  pure real(dp) function decay_of(source, shears, pull) result(decay)
-    !! The n of |Φ_k(ξ₀)Φ_k(ξ)|/(M_kβ_k) ∝ k⁻ⁿ beyond the highest mode: 3 where the captured mass holds the beam, α being above
-    !! 1/γ; 2 where the mass is light, or waves are those of shear or of a string.
-    class(mode_source), intent(in) :: source
-    logical, intent(in) :: shears
-    real(dp), intent(in) :: pull                   !! the largest tension, at the root
-    real(dp) :: alpha
-    alpha = source%highest*acos(-1.0_dp)
-    decay = 3.0_dp
-    if (alpha*source%gamma < 1.0_dp .or. shears .or. alpha**2 < pull) decay = 2.0_dp
-  end function decay_of
 
   subroutine find_among_solved(self, number, modes, longest, monitor)
     !! Find the modes of these numbers among those that were solved for. `longest` has no use here: β² has the digits that it

@@ -8,7 +8,7 @@ module bw_piece_source
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source, take_terms, terms_of_set
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_beam, only: modes_at_rest, piece_beam, root_power, uniform_piece
+  use bw_piece_beam, only: modes_at_rest, piece_beam, root_power
   use bw_piece_critical, only: critical_speed_of, without_inertia
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
@@ -42,35 +42,11 @@ contains
     source%critical_speed = critical_speed_of(pieces%beam)
     source%grows_at_any_speed = modes_at_rest(without_inertia(pieces%beam)) > 0 .and. &
       (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
-    source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
     source%struck_at = pieces%position
     source%root_power = root_power(pieces%beam%root)
     source%uniform = size(pieces%beam%piece) == 1 .and. source%root_power == 2 &
       .and. .not. any([pieces%beam%joint%stiffness%hi, pieces%beam%joint%turning_stiffness%hi] > 0.0_dp)
-    source%quadratic = source%decay > 2.0_dp .and. is_even(pieces%beam%piece)
-    if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
   end function source_of_pieces
-
-  pure logical function is_even(piece)
-    !! One section and one material, wherever it is cut: waves run alike all along.
-    type(uniform_piece), intent(in) :: piece(:)
-    is_even = all(piece%stiffness%hi == piece(1)%stiffness%hi .and. piece%mass%hi == piece(1)%mass%hi)
-  end function is_even
-
-  pure real(dp) function lowest_cutoff(beam) result(alpha)
-    !! About the wave number of bending at the lowest cutoff of a piece, sR = 1; 0 where nothing has one.
-    type(piece_beam), intent(in) :: beam
-    real(dp) :: square                                 ! β² there
-    integer :: i
-    alpha = 0.0_dp
-    if (any(beam%piece%compliance%hi*beam%piece%rotary%hi <= 0.0_dp)) return
-    square = 1.0_dp/maxval(beam%piece%compliance%hi*beam%piece%rotary%hi)
-    do i = 1, size(beam%piece)
-      associate (piece => beam%piece(i))
-        alpha = alpha + sqrt(sqrt(square*piece%mass%hi/piece%stiffness%hi))*piece%length%hi
-      end associate
-    end do
-  end function lowest_cutoff
 
   subroutine find_of_pieces(self, number, modes, longest, monitor)
     class(piece_source), intent(in) :: self
@@ -89,7 +65,6 @@ contains
     found%body_inertia = self%pieces%captured%inertia%hi
     found%critical_speed = self%critical_speed
     found%grows_at_any_speed = self%grows_at_any_speed
-    found%agree_from = self%agree_from
     found%struck_at = self%struck_at
     found%uniform = self%uniform
     found%root_power = self%root_power

@@ -12,8 +12,9 @@ module bw_truncation_error
   !! 1/β ≤ ½Σ_j 2ʲβ_n/(β² + 4ʲβ_n²), j ≥ −2, for β ≥ β_n, these are flexibilities at imaginary frequencies again.
   !!
   !! **Estimate.** All modes that are left out seldom add up to the bound: phases are as good as random, or agree at some samples as
-  !! far as those of the modes before do. So the last two octaves of the sum are summed apart, and the largest part of the sum of its
-  !! amplitudes that one of them comes to at a sample is taken of the bound. Of velocities and curvatures amplitudes have no sum, and
+  !! far as those of the modes before do. So the last two octaves of the sum are summed apart. Which part of the sum of its
+  !! amplitudes each comes to at a sample, and how that falls from octave to octave, tells what all further octaves come to of the
+  !! bound. Of velocities and curvatures amplitudes have no sum, and
   !! what is taken is a multiple of their mean square's root, that of the energy E_n in modes of which the flexibility tells the
   !! shapes.
   use bw_damping, only: damping_law
@@ -29,8 +30,9 @@ module bw_truncation_error
   private
   public :: block_ends, displacement_error, find_tail, part_shown, rate_error, spread_of_samples, times_shown
 
-  real(dp), parameter, public :: likely = 2.2_dp   !! tuned: 10⁴ sums asked for up to this times the part that blocks show
+  real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums asked for up to this times the part that blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same of velocities, in root mean squares
+  real(dp), parameter :: least_fall = 0.5_dp       !! of sums of amplitudes, from octave to octave, in the end: with shear
   real(dp), parameter :: steady = 1.5_dp           !! tuned: the same of octaves that fall on as the last two do
   integer, parameter :: counted = 5                !! octaves of them: velocities may have no bound, and no sum is larger
   real(dp), parameter :: schwarz = 1.35_dp         !! of the sum of amplitudes, where modes are alike: √(4/3)·π/√8, and a little
@@ -245,23 +247,38 @@ contains
   end function rate_error
 
   pure function part_shown(survey, count, samples, largest) result(part)
-    !! The largest part of the sum of its amplitudes that a block of modes comes to at a sample, or would if its phases were random,
-    !! (points). Few modes tell nothing of others.
+    !! The part of the sum of their amplitudes that the modes beyond the first `count` come to at a sample, as blocks before them show
+    !! it, (points). With random phases every octave comes to √½ of the part of the one before; as far as blocks come to more than
+    !! random phases do by chance, phases agree, and the part falls less. Few modes tell nothing of others.
     type(mode_survey), intent(in) :: survey
     integer, intent(in) :: count                   !! of the modes that are summed
     integer, intent(in) :: samples                 !! at which the motion is seen
-    real(dp), intent(in), optional :: largest(:, :)   !! that each block comes to, (points, 2); absent: not known yet
-    real(dp) :: part(size(survey%points)), reach(size(survey%points), 2), square(size(survey%points))
-    integer :: ends(3)
+    real(dp), intent(in), optional :: largest(:, :)   !! that each block comes to, (points, 2); absent: phases are taken as random
+    real(dp) :: part(size(survey%points))
+    real(dp), dimension(size(survey%points), 2) :: random, reach, shown
+    real(dp), dimension(size(survey%points)) :: fall, less
+    real(dp), parameter :: by_chance = 3.0_dp      ! the largest of many exceeds its mean by so much in one of twenty
+    real(dp) :: chance
+    integer :: b, ends(3)
     part = 1.0_dp
     if (count < fewest) return
     ends = block_bins(survey, count)
-    reach(:, 1) = sum(survey%at(:, ends(1) + 1:ends(2))%reach, 2)
-    reach(:, 2) = sum(survey%at(:, ends(2) + 1:ends(3))%reach, 2)
-    square = sum(survey%at(:, ends(2) + 1:ends(3))%square, 2)
-    part = part_of(spread_of_samples(samples_alive(survey, ends(3), samples))*sqrt(0.5_dp*square), reach(:, 2))
-    if (.not. present(largest)) return
-    part = max(part, part_of(largest(:, 2), reach(:, 2)), part_of(largest(:, 1), reach(:, 1))/sqrt(2.0_dp))
+    do b = 1, 2
+      associate (at => survey%at(:, ends(b) + 1:ends(b + 1)))
+        reach(:, b) = sum(at%reach, 2)
+        random(:, b) = part_of(spread_of_samples(samples_alive(survey, ends(b + 1), samples))*sqrt(0.5_dp*sum(at%square, 2)), &
+                               reach(:, b))
+      end associate
+    end do
+    shown = random
+    if (present(largest)) shown = part_of(largest, reach)
+    fall = sqrt(0.5_dp)
+    chance = 1.0_dp + by_chance/spread_of_samples(samples)**2
+    where (random(:, 1) > 0.0_dp .and. random(:, 2) > 0.0_dp) &
+      fall = min(1.0_dp, sqrt(0.5_dp)*max(1.0_dp, maxval(shown/max(random, tiny(fall)), 2)/chance))
+    less = min(least_fall, part_of(reach(:, 2), reach(:, 1)))    ! sums of amplitudes, from octave to octave
+    part = max(random(:, 2), shown(:, 2), fall*shown(:, 1))
+    part = min(1.0_dp, part*fall*(1.0_dp - less)/(1.0_dp - less*fall))
   end function part_shown
 
   pure function times_shown(survey, count, samples, largest) result(times)
@@ -308,12 +325,12 @@ contains
   end function samples_alive
 
   pure function block_bins(survey, count) result(bins)
-    !! The last bins of the blocks.
+    !! The last bins of the blocks, or those in which they end.
     type(mode_survey), intent(in) :: survey
     integer, intent(in) :: count
     integer :: bins(3), ends(3), i
     ends = block_ends(count)
-    bins = [(survey%bin_of(ends(i)), i=1, 3)]
+    bins = [(findloc(survey%bin(:survey%bins)%last >= ends(i), .true., dim=1), i=1, 3)]
   end function block_bins
 
   elemental real(dp) function part_of(value, whole) result(part)
@@ -331,9 +348,11 @@ contains
   end function times_of
 
   elemental real(dp) function spread_of_samples(samples) result(spread)
-    !! The largest of N numbers that are distributed as Gauss' are, over their root mean square.
+    !! The largest of N sums of modes with random phases, over their root mean square. Few are distributed as Gauss' numbers are; of
+    !! quadratic phases larger ones are as rare as R⁻⁶ (J. Marklof, Limit theorems for theta sums, 1999).
     integer, intent(in) :: samples
-    spread = sqrt(2.0_dp*log(2.0_dp*max(1, samples)))
+    real(dp), parameter :: of_quadratic = 1.25_dp  ! tuned: the largest of 10³ to 10⁵ sums of 200 to 1000 modes
+    spread = max(sqrt(2.0_dp*log(2.0_dp*max(1, samples))), of_quadratic*max(1, samples)**(1.0_dp/6.0_dp))
   end function spread_of_samples
 
 end module bw_truncation_error
