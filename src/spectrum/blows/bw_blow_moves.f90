@@ -62,11 +62,13 @@ contains
     call find_left(samples, model, left)
     b = 1
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
-      white = white_values(samples, model, left, b, model%stretches(1, b))
-      gain = gains_of(strongest(model, b), white + brought(model, b, 0, size(white, 1)))
-      b = b + 1
-      if (.not. gain(1) < price_of_blow(samples, false_alarm, model)) cycle
-      b = b - 1
+      if (model%stretches(2, b) >= model%stretches(1, b)) then   ! else the next blow was moved to the same sample
+        white = white_values(samples, model, left, b, model%stretches(1, b))
+        gain = gains_of(strongest(model, b), white + brought(model, b, 0, size(white, 1)))
+        b = b + 1
+        if (.not. gain(1) < price_of_blow(samples, false_alarm, model)) cycle
+        b = b - 1
+      end if
       call drop_blow(model, b)
       call find_left(samples, model, left)
       dropped = dropped + 1

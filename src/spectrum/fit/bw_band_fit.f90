@@ -1,15 +1,10 @@
 module bw_band_fit
-  !! Lines that share a band, fitted to all sensors and stretches at once by least squares: variable projection (Golub and Pereyra,
-  !! 1973).
-  !!
-  !! Given poles and courses, everything else is linear. One triangle R of [columns of amplitudes, columns of slopes] and the rotated
-  !! record hold the fit of a stretch: what is left, the Gauss–Newton step, and the covariance, since all sensors share the columns.
-  !! Stretches share nothing but the exponents, so that their slopes stand below each other.
+  !! Lines that share a band, fitted to all sensors and stretches at once by least squares. Stretches share nothing but the exponents,
+  !! so that the slopes of their projections stand below each other.
   use bw_band, only: band_type, holds, line_columns, still_columns
   use bw_kinds, only: dp
-  use bw_lapack, only: dgelsy
   use bw_line, only: line_type, pi, pole_at, psi, psi_slope
-  use bw_triangle, only: dependent, length_of, scaled, solved, triangulate
+  use bw_line_projection, only: find_step, project, projected_type
   implicit none (type, external)
   private
   public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
@@ -19,15 +14,9 @@ module bw_band_fit
   integer, parameter :: most_halvings = 4
   real(dp), parameter :: longest = 0.7_dp        !! tuned: step of a pole, of its width
 
-  type, public :: reduced_type
+  type, extends(projected_type), public :: reduced_type
     !! The fit of one stretch.
     integer :: stretch = 0
-    integer :: linear = 0                        !! columns of amplitudes, offset and slope
-    real(dp), allocatable :: triangle(:, :)      !! R, of columns of length 1
-    real(dp), allocatable :: length(:)           !! of the columns
-    real(dp), allocatable :: rotated(:, :)       !! Qᵀ times the record, (rows of R, S)
-    real(dp), allocatable :: linear_part(:, :)   !! (linear, S)
-    real(dp), allocatable :: left(:)             !! squares, (S)
   end type reduced_type
 
 contains
@@ -87,10 +76,7 @@ contains
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: k
     integer :: i
-    place = 1
-    do i = 1, k - 1
-      place = place + 2 + 3*size(lines(i)%courses)
-    end do
+    place = 2*k - 1 + 3*sum([(size(lines(i)%courses), i=1, k - 1)])
   end function unknown_place
 
   pure integer function slope_place(lines, k) result(place)
@@ -98,10 +84,7 @@ contains
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: k
     integer :: i
-    place = 1
-    do i = 1, k - 1
-      place = place + 2 + 4*size(lines(i)%courses)
-    end do
+    place = 2*k - 1 + 4*sum([(size(lines(i)%courses), i=1, k - 1)])
   end function slope_place
 
   pure function free_of(lines) result(free)
@@ -131,7 +114,6 @@ contains
     do p = 1, size(band%part)
       associate (part => band%part(p), own => reduced(p))
         own%stretch = part%stretch
-        own%linear = n
         allocate (matrix(size(part%root), n + slope_place(lines, size(lines) + 1) - 1))
         do k = 1, size(lines)
           slopes = 1 + 2*size(lines(k)%courses)
@@ -145,34 +127,11 @@ contains
           deallocate (columns)
         end do
         if (with_still) matrix(:, n - 1:n) = still_columns(band, part)
-        own%length = [(length_of(matrix(:, k)), k=1, size(matrix, 2))]
-        where (own%length <= 0) own%length = 1
-        do k = 1, size(matrix, 2)
-          matrix(:, k) = matrix(:, k)/own%length(k)
-        end do
-        call triangulate(matrix, part%rows, own%triangle, own%rotated, own%left)
-        call solve_linear(own)
+        call project(matrix, part%rows, n, own)
         deallocate (matrix)
       end associate
     end do
   end function reduce
-
-  pure subroutine solve_linear(own)
-    !! Find amplitudes, offset and slope, and what they leave.
-    type(reduced_type), intent(inout) :: own
-    integer :: k, rows
-    rows = min(own%linear, size(own%triangle, 1))
-    allocate (own%linear_part(own%linear, size(own%rotated, 2)), source=0.0_dp)
-    own%linear_part(:rows, :) = solved(own%triangle(:rows, :rows), own%rotated(:rows, :))
-    own%left = own%left + sum(own%rotated(rows + 1:, :)**2, dim=1)
-    do k = 1, rows                               ! where the triangle does not determine a number, something stays
-      if (abs(own%triangle(k, k)) > dependent) cycle
-      own%left = own%left + (own%rotated(k, :) - matmul(own%triangle(k, k:rows), own%linear_part(k:rows, :)))**2
-    end do
-    do k = 1, own%linear
-      own%linear_part(k, :) = own%linear_part(k, :)/own%length(k)
-    end do
-  end subroutine solve_linear
 
   pure function slopes_of(reduced, lines) result(matrix)
     !! The slopes of all rows by the unknowns that are free, amplitudes, offset and slope eliminated, (rows, unknowns).
@@ -234,33 +193,14 @@ contains
     type(reduced_type), intent(in) :: reduced(:)
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(out) :: step(:), gain
-    real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
-    integer, allocatable :: pivot(:)
-    integer :: rank, info, p, s, row, n
-    step = 0
-    gain = 0
+    real(dp), allocatable :: matrix(:, :), right(:)
+    logical, allocatable :: free(:)
+    integer :: p, s
     matrix = slopes_of(reduced, lines)
-    if (size(matrix) == 0) return
-    length = scaled(matrix)
-    allocate (right(max(size(matrix, 1), size(matrix, 2)), 1), work(64*(sum(shape(matrix)) + 1)))
-    right = 0
-    row = 0
-    do p = 1, size(reduced)
-      associate (own => reduced(p))
-        n = size(own%triangle, 1) - own%linear
-        if (n <= 0) cycle
-        do s = 1, size(own%rotated, 2)
-          right(row + 1:row + n, 1) = own%rotated(own%linear + 1:, s)
-          row = row + n
-        end do
-      end associate
-    end do
-    allocate (pivot(size(matrix, 2)), source=0)
-    factors = matrix
-    call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
-      & work, size(work), info)
-    gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
-    step = unpack(right(:size(matrix, 2), 1)/length, free_of(lines), 0.0_dp)
+    free = free_of(lines)
+    right = [((reduced(p)%rotated(reduced(p)%linear + 1:, s), s=1, size(reduced(p)%rotated, 2)), p=1, size(reduced))]
+    call find_step(matrix, right, step(:count(free)), gain)
+    step = unpack(step(:count(free)), free, 0.0_dp)
   end subroutine step_of
 
   pure real(dp) function farthest(band, lines, step)

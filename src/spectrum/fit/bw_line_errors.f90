@@ -4,6 +4,7 @@ module bw_line_errors
   use bw_band_fit, only: free_of, reduced_type, slope_place, slopes_of, unknown_place
   use bw_kinds, only: dp
   use bw_line, only: line_type, psi_by_rate, psi_slope
+  use bw_line_projection, only: deviation_of
   use bw_triangle, only: eliminate, triangle_of
   implicit none (type, external)
   private
@@ -71,11 +72,7 @@ contains
     !! Of a sum of the unknowns in the lines' exponents with these factors.
     type(line_errors), intent(in) :: errors
     real(dp), intent(in) :: slope(:)             !! (unknowns)
-    real(dp) :: y(size(errors%length))
-    logical :: determined
-    call eliminate(errors%triangle, errors%length, pack(slope, free_of(errors%lines)), y, determined)
-    deviation = huge(1.0_dp)
-    if (determined) deviation = norm2(y)
+    deviation = deviation_of(errors%triangle, errors%length, pack(slope, free_of(errors%lines)))
   end function exponent_deviation
 
   pure real(dp) function amplitude_deviation(errors, part, k, direction) result(total)
@@ -135,16 +132,13 @@ contains
     !! part is the same but for what is within a period of the part's ends.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: part, k
-    real(dp), dimension(errors%reduced(part)%linear) :: gradient, y
-    logical :: determined
+    real(dp) :: gradient(errors%reduced(part)%linear)
     deviation = huge(1.0_dp)
     gradient = 0
     gradient(2*k - 1) = 1
-    associate (fit => errors%reduced(part))
-      if (size(fit%triangle, 1) < fit%linear) return
-      call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
+    associate (fit => errors%reduced(part), n => errors%reduced(part)%linear)
+      if (size(fit%triangle, 1) >= n) deviation = deviation_of(fit%triangle(:n, :n), fit%length(:n), gradient)
     end associate
-    if (determined) deviation = norm2(y)
   end function amplitude_noise
 
 end module bw_line_errors

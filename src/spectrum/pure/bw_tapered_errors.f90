@@ -1,6 +1,7 @@
 module bw_tapered_errors
   !! What noise does to the lines of a fit: standard deviations of decays, frequencies and amplitudes, all unknowns being free.
-    use bw_kinds, only: dp
+  use bw_kinds, only: dp
+  use bw_line_projection, only: deviation_of
   use bw_tapered_fit, only: reduced_type, slopes
   use bw_triangle, only: eliminate, triangle_of
   implicit none (type, external)
@@ -54,10 +55,7 @@ contains
     !! Of a sum of the coefficients in the lines' exponents with these factors.
     type(line_errors), intent(in) :: errors
     real(dp), intent(in) :: slope(:)           !! (slopes of the fit)
-    real(dp) :: y(size(errors%length))
-    logical :: determined
-    call eliminate(errors%triangle, errors%length, pack(slope, errors%reduced%free), y, determined)
-    position_deviation = merge(norm2(y), huge(1.0_dp), determined)
+    position_deviation = deviation_of(errors%triangle, errors%length, pack(slope, errors%reduced%free))
   end function position_deviation
 
   pure real(dp) function amplitude_deviation(errors, j, direction) result(total)

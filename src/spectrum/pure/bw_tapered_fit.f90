@@ -1,15 +1,9 @@
 module bw_tapered_fit
-  !! Lines that share bins of a tapered transform, fitted to all sensors at once by least squares: variable projection (Golub and
-  !! Pereyra, 1973).
-  !!
-  !! Given decays and frequencies, everything else is linear. One triangle R of [columns of amplitudes, columns of slopes] and
-  !! the rotated image hold the whole fit: the residual, the Gauss–Newton step, and the covariance, since all sensors share the
-  !! columns.
+  !! Lines that share bins of a tapered transform, fitted to all sensors at once by least squares.
   use bw_kinds, only: dp
   use bw_damped_line, only: damped_line, move_line
-  use bw_lapack, only: dgelsy
+  use bw_line_projection, only: find_step, project, projected_type
   use bw_tapered_line, only: parts, tapered_columns
-  use bw_triangle, only: dependent, length_of, scaled, solved, triangulate
   implicit none (type, external)
   private
   public :: fit_band, half_of, reduce, slopes, tapered_band
@@ -27,17 +21,11 @@ module bw_tapered_fit
     real(dp), allocatable :: rows(:, :)         !! the image, real parts above imaginary ones, (rows, S)
   end type band_type
 
-  type, public :: reduced_type
+  type, extends(projected_type), public :: reduced_type
     !! The triangle of a fit. Columns: two for each line, then two slopes of each line, by real and imaginary part of its exponent:
     !! −decay and 2π·frequency over half the record.
     integer :: lines = 0
-    integer :: linear = 0                       !! columns of amplitudes
     logical, allocatable :: free(:)             !! slopes that are unknowns: not those by what is held, (slopes)
-    real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
-    real(dp), allocatable :: length(:)          !! of the columns
-    real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the image, (columns, S)
-    real(dp), allocatable :: linear_part(:, :)  !! amplitudes, (linear, S)
-    real(dp), allocatable :: left(:)            !! squares of the residual, (S)
   end type reduced_type
 
   type, public :: fit_type
@@ -122,35 +110,17 @@ contains
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :)
     real(dp) :: columns(size(band%rows, 1), 2, 0:1)
-    integer :: k, n, c
+    integer :: k, c
     reduced%lines = size(lines)
-    reduced%linear = 2*size(lines)
-    n = 4*size(lines)
-    allocate (reduced%free(2*size(lines)), matrix(size(band%rows, 1), n))
+    allocate (reduced%free(2*size(lines)), matrix(size(band%rows, 1), 4*size(lines)))
     do k = 1, size(lines)
       reduced%free(2*k - 1:2*k) = .not. [lines(k)%steady, lines(k)%fixed]
       columns = tapered_columns(lines(k), band%count, band%bins(1), band%bins(2), 1)
-      c = reduced%linear + 2*k - 1
+      c = 2*size(lines) + 2*k - 1
       matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
       matrix(:, c:c + 1) = columns(:, :, 1)
     end do
-    reduced%length = [(length_of(matrix(:, k)), k=1, n)]
-    where (reduced%length <= 0) reduced%length = 1
-    do k = 1, n
-      matrix(:, k) = matrix(:, k)/reduced%length(k)
-    end do
-    call triangulate(matrix, band%rows, reduced%triangle, reduced%rotated, reduced%left)
-    associate (triangle => reduced%triangle(:reduced%linear, :reduced%linear))
-      reduced%linear_part = solved(triangle, reduced%rotated(:reduced%linear, :))
-      reduced%left = reduced%left + sum(reduced%rotated(reduced%linear + 1:, :)**2, dim=1)
-      do k = 1, reduced%linear                  ! where the triangle does not determine a number, something stays
-        if (abs(triangle(k, k)) > dependent) cycle
-        reduced%left = reduced%left + (reduced%rotated(k, :) - matmul(triangle(k, k:), reduced%linear_part(k:, :)))**2
-      end do
-    end associate
-    do k = 1, reduced%linear
-      reduced%linear_part(k, :) = reduced%linear_part(k, :)/reduced%length(k)
-    end do
+    call project(matrix, band%rows, 2*size(lines), reduced)
   end function reduce
 
   function slopes(reduced, weight) result(matrix)
@@ -196,23 +166,12 @@ contains
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
     real(dp), intent(out) :: step(:), gain
-    real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
-    integer, allocatable :: pivot(:)
-    integer :: rank, info, s, n
-    n = size(reduced%triangle, 1) - reduced%linear
-    matrix = slopes(reduced, weight)
-    length = scaled(matrix)
-    allocate (right(max(size(matrix, 1), size(matrix, 2)), 1), work(64*(sum(shape(matrix)) + 1)))
-    right = 0
-    do s = 1, size(weight)
-      right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
-    end do
-    allocate (pivot(size(matrix, 2)), source=0)
-    factors = matrix
-    call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
-      & work, size(work), info)
-    gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
-    step = unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp)
+    real(dp), allocatable :: right(:)
+    integer :: s, unknowns
+    unknowns = count(reduced%free)
+    right = [(reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s)), s=1, size(weight))]
+    call find_step(slopes(reduced, weight), right, step(:unknowns), gain)
+    step = unpack(step(:unknowns), reduced%free, 0.0_dp)
   end subroutine step_of
 
   function moved_lines(count, lines, step) result(moved)

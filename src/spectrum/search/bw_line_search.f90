@@ -10,6 +10,7 @@ module bw_line_search
   use bw_cost, only: cost_of_all, order_price, price_of_tone
   use bw_decay_bank, only: highest_decay
   use bw_kinds, only: dp
+  use bw_limited_range, only: allow_for_limits
   use bw_line, only: line_type
   use bw_line_drops, only: drop_lines, drop_weakest, keep_or_clear, outcome_type
   use bw_line_moves, only: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, &
@@ -39,7 +40,7 @@ contains
 
   subroutine find_lines(samples, false_alarm, model, outcome, monitor)
     !! Find the lines of a record.
-    type(samples_type), intent(in) :: samples
+    type(samples_type), intent(inout) :: samples   !! as they were in the end
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(out) :: model
     type(outcome_type), intent(out) :: outcome
@@ -87,6 +88,7 @@ contains
     call refit_all(all_steps, 0.0_dp, model)
     call renew(samples, order_price(samples), .false., model)
     call keep_or_clear(samples, false_alarm, alone, model, outcome)
+    call allow_for_limits(samples, model)
     outcome%converged = round <= most_rounds .and. size(model%lines) < most_lines
   end subroutine find_lines
 

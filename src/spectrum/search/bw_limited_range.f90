@@ -1,0 +1,104 @@
+module bw_limited_range
+  !! Sensors that clip: of the motion near the end of a sensor's range only those samples are left which noise pushed inwards.
+  !!
+  !! A sample of expectation μ that is kept below a limit L is on the average σφ(a)/Φ(a) less than μ, where a = (L − μ)/σ, φ is the
+  !! normal density and Φ its integral. With that added the normal equations of least squares are those of the likelihood of
+  !! truncated samples. Source: Amemiya, Econometrica 41 (1973) 997.
+  use bw_cost, only: order_price
+  use bw_kinds, only: dp
+  use bw_line, only: pi
+  use bw_model, only: find_left, model_type, renew
+  use bw_refit, only: all_steps, refit_all
+  use bw_samples, only: place_of, samples_type
+  implicit none (type, external)
+  private
+  public :: allow_for_limits
+
+  integer, parameter :: rounds = 3
+  real(dp), parameter :: far = sqrt(huge(1.0_dp))
+  real(dp), parameter :: reach = 6               !! deviations from a limit, within which it cuts off some noise
+
+contains
+
+  subroutine allow_for_limits(samples, model)
+    !! Fit the lines to what the samples would be on the average if none were cut off.
+    type(samples_type), intent(inout) :: samples   !! as they were in the end
+    type(model_type), intent(inout) :: model
+    real(dp) :: limits(2, size(samples%value, 2))
+    real(dp), allocatable :: recorded(:, :), left(:, :)
+    integer :: round
+    if (.not. allocated(samples%valid) .or. size(model%lines) == 0) return
+    limits = limits_of(samples)
+    if (all(abs(limits) >= far)) return
+    allocate (recorded, source=samples%value)
+    allocate (left(samples%count, size(limits, 2)))
+    do round = 1, rounds
+      call find_left(samples, model, left)
+      call take_still(samples, model, left)
+      call correct(limits, recorded, left, samples)
+      call renew(samples, order_price(samples), .false., model)
+      call refit_all(all_steps, 0.0_dp, model)
+    end do
+    call renew(samples, order_price(samples), .false., model)
+    call move_alloc(recorded, samples%value)
+  end subroutine allow_for_limits
+
+  pure function limits_of(samples) result(limits)
+    !! The lowest and the highest value that each sensor can tell; `far` away where it does not clip. All samples at a limit are left out.
+    type(samples_type), intent(in) :: samples
+    real(dp) :: limits(2, size(samples%value, 2)), ends(2)
+    integer :: s, n
+    limits(1, :) = -far
+    limits(2, :) = far
+    do s = 1, size(limits, 2)
+      associate (x => samples%value(:samples%count, s))
+        ends = [minval(x), maxval(x)]
+        if (.not. any([(samples%valid(n) .and. x(n) <= ends(1), n=1, size(x))])) limits(1, s) = ends(1)
+        if (.not. any([(samples%valid(n) .and. x(n) >= ends(2), n=1, size(x))])) limits(2, s) = ends(2)
+      end associate
+    end do
+  end function limits_of
+
+  pure subroutine take_still(samples, model, left)
+    !! Take offset and slope of each stretch off what the lines leave.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    real(dp), intent(inout) :: left(:, :)
+    integer :: s, b, n
+    do s = 1, size(left, 2)
+      do b = 0, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, b), still => model%still(:, s, b))
+          do n = first, model%stretches(2, b)
+            left(n, s) = left(n, s) - still(1) - still(2)*(place_of(samples, n) - place_of(samples, first))
+          end do
+        end associate
+      end do
+    end do
+  end subroutine take_still
+
+  pure subroutine correct(limits, recorded, left, samples)
+    !! Add to each sample what is cut off from the noise of such a motion.
+    real(dp), intent(in) :: limits(:, :), recorded(:, :)
+    real(dp), intent(in) :: left(:, :)           !! of the samples as they were corrected last
+    type(samples_type), intent(inout) :: samples
+    real(dp) :: deviation, motion
+    integer :: s, n
+    do s = 1, size(left, 2)
+      deviation = sqrt(sum(left(:, s)**2, mask=samples%valid)/max(1, count(samples%valid)))
+      do n = 1, size(left, 1)
+        if (.not. samples%valid(n)) cycle
+        motion = samples%value(n, s) - left(n, s)
+        samples%value(n, s) = recorded(n, s) + deviation*(cut_off((limits(2, s) - motion)/deviation) &
+          & - cut_off((motion - limits(1, s))/deviation))
+      end do
+    end do
+  end subroutine correct
+
+  elemental real(dp) function cut_off(a)
+    !! φ(a)/Φ(a).
+    real(dp), intent(in) :: a
+    cut_off = 0
+    if (a < reach) cut_off = sqrt(2/pi)/erfc_scaled(-max(a, -reach)/sqrt(2.0_dp))
+  end function cut_off
+
+end module bw_limited_range
