@@ -1,11 +1,11 @@
 module bw_quantile
   !! Quantiles of the normal and of Student's distribution, and how unlikely a sum of squares is.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: normal_quantile, squares_deviation, student_quantile
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: normal = huge(1)   !! degrees of freedom of a normal number
 
 contains

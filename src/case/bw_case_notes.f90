@@ -2,6 +2,7 @@ module bw_case_notes
   !! What there is to say of a case beside its numbers: warnings, and remarks, which give an account of what was done.
   use bw_beam_units, only: beam_units, in_joules
   use bw_case_result, only: case_done, case_ill_conditioned, case_motion
+  use bw_constants, only: pi
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_kinds, only: dp
@@ -26,7 +27,7 @@ module bw_case_notes
   integer, parameter, public :: most_modes = 10000000      !! that a tolerance may take
   integer, parameter, public :: most_released = 10000
     !! after a change, where each is handed what each before it had
-  real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    !! turns a minute in 1 rad/s
+  real(dp), parameter :: rpm = 30.0_dp/pi    !! turns a minute in 1 rad/s
   real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
 
 contains

@@ -4,6 +4,7 @@ module bw_case_units
   !! beam; masses over the beam's; and the part of the first period that a record shows.
   use bw_beam_par, only: beam_mass, beam_piece, pieces_of_beam
   use bw_beam_units, only: beam_units
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
   use bw_scene, only: scene_type
@@ -149,7 +150,7 @@ contains
     k = count(modes%rigid()) + 1
     if (k > modes%count) return
     if (modes%beta_squared(k)%hi <= 0.0_dp) return
-    period = 2.0_dp*acos(-1.0_dp)/sqrt(modes%beta_squared(k)%hi)*units%time%hi
+    period = two_pi/sqrt(modes%beta_squared(k)%hi)*units%time%hi
     if (duration < least_part*period) call append(notes, 'short record: '//shortest(duration, 3)//' s are '// &
       shortest(duration/period, 2)//' of the period of mode '//text_of(k)//', '//shortest(period, 3)// &
       ' s. Is duration in s, are lengths in m and youngs_modulus in Pa?')

@@ -6,6 +6,7 @@ module bw_case_validity
   use bw_case_result, only: case_motion, history_errors
   use bw_case_strains, only: centrifugal_strain, largest_bending, placed_strain
   use bw_case_units, only: note_units
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: scaled
@@ -136,7 +137,7 @@ contains
         bending = largest_bending(scene, modes, amplitude)
         bending%strain = scaled(scaled(bending%strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)
         call note_size(scene, peak, bending, notes)
-        above = sqrt(max(0.0_dp, square%hi))*step > acos(-1.0_dp)
+        above = sqrt(max(0.0_dp, square%hi))*step > pi
         fast = maxval(merge(amplitude, 0.0_dp, above))
         if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
           call note_aliasing(scene, modes, amplitude, above, notes)

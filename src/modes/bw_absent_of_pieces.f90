@@ -4,6 +4,7 @@ module bw_absent_of_pieces
   !! And what stretch by Coriolis forces adds to that mass, over it: 4Ω²∫S²/(EA), S the momentum of all beyond a place: N and what
   !! springs beyond hold, over Λ = β² + Ω².
   use bw_beam_units, only: beam_units, units_of
+  use bw_constants, only: pi
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
@@ -108,7 +109,7 @@ contains
       frequency = frequency_at(modes%modes%system%beam, modes%modes%lambda(k))
       held = 0.0_dp
       do i = size(full%piece), 1, -1
-        points = fewest + ceiling(of_half_wave*full%piece(i)%length%hi*modes%alpha(k)/acos(-1.0_dp))
+        points = fewest + ceiling(of_half_wave*full%piece(i)%length%hi*modes%alpha(k)/pi)
         call add_points(midpoints(points), full%piece(i), modes%modes%system%piece(i))
       end do
     end do

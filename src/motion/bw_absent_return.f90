@@ -3,6 +3,7 @@ module bw_absent_return
   !! the first modes in closed form, no solve and no search that proves anything.
   use bw_absent_effects, only: spin_squared
   use bw_beam_units, only: beam_units, units_of
+  use bw_constants, only: pi
   use bw_damping, only: damping_law, law_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -87,7 +88,6 @@ contains
   pure real(dp) function out_of_reach(gap) result(time)
     !! When the search may end: the mass has gone further than the tip swings, or the tip has swung twice, or crept back.
     type(gap_type), intent(in) :: gap
-    real(dp), parameter :: pi = acos(-1.0_dp)
     real(dp), parameter :: back = 700.0_dp         ! e^(−700) is nothing beside a mass that moves
     time = merge(back, 4.0_dp*pi, is_overdamped(gap%square(1), gap%damping(1)))/pace(gap%square(1), gap%damping(1))
     if (any(gap%square <= 0.0_dp)) return

@@ -3,6 +3,7 @@ module bw_history_report
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, table_of, text_table
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_response, only: response_type
@@ -101,7 +102,6 @@ contains
     !! Waves found in the histories, with the bounds of their errors.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
     real(dp), allocatable, dimension(:) :: frequency, bound, wavenumber, phase, group
     type(text_table) :: table
     integer :: shown

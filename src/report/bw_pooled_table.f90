@@ -1,6 +1,7 @@
 module bw_pooled_table
   !! The printed table of the lines that repeats of a record share.
   use bw_columns, only: note_rest, pair_cells, table_of, text_table
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, scaled
   use bw_random_effects, only: pooled_value
@@ -11,7 +12,6 @@ module bw_pooled_table
   public :: pooled_table
 
   integer, parameter :: shown = 40
-  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
 

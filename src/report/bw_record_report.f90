@@ -2,6 +2,7 @@ module bw_record_report
   !! The printed report of a record: its lines with their intervals, what else was looked at and why it is no line, and the noise.
   use bw_case_result, only: record_result
   use bw_columns, only: fixed, note_rest, pair_cells, short, table_of, text_table, to_its_error
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_missing, only: is_missing, scaled
@@ -15,7 +16,6 @@ module bw_record_report
   public :: report_record
 
   integer, parameter :: shown_lines = 40, shown_candidates = 10, shown_sensors = 16
-  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
 

@@ -1,6 +1,7 @@
 module bw_record_table
   !! The printed table of the cases of a record, repeats or parts of it: of a few cases all, of many the first and the last.
   use bw_columns, only: pair_cells, table_of, text_table
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_result_draft, only: result_draft
@@ -11,7 +12,6 @@ module bw_record_table
   public :: record_table
 
   integer, parameter :: shown = 10            !! first cases, and last ones
-  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
 

@@ -1,5 +1,6 @@
 module bw_repeat_cases
   !! The lines of all cases of a result whose cases are repeats of one record, pooled.
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_quantile, only: normal, student_quantile
@@ -11,7 +12,6 @@ module bw_repeat_cases
   public :: pooled_cases
 
   integer, parameter :: drifting = findloc(status_words == 'drifting', .true., dim=1) - 1      !! bit
-  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
 

@@ -1,6 +1,7 @@
 module bw_report
   !! The printed report of a case: the first modes with their wave velocities, the jump, the balance, the histories, and what to
   !! beware of.
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
@@ -17,7 +18,6 @@ module bw_report
   public :: case_report, notes_report
 
   integer, parameter :: shown_modes = 10, shown_events = 20
-  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
 

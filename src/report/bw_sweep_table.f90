@@ -3,6 +3,7 @@ module bw_sweep_table
   !! values that it was given.
   use bw_case_result, only: case_done
   use bw_columns, only: fixed, table_of, text_table
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing, missing, scaled
   use bw_record_table, only: record_table
@@ -154,7 +155,6 @@ contains
     type(result_draft), intent(inout) :: draft
     type(case_row), intent(in) :: row
     character(:), allocatable :: cells
-    real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
     real(dp), allocatable :: modes(:), phase_velocity(:), group_velocity(:)
     modes = draft%get('mode_count', row%case)
     phase_velocity = draft%get('phase_velocity', row%case)

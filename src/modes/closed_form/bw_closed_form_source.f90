@@ -1,6 +1,7 @@
 module bw_closed_form_source
   !! All modes of a uniform clamped beam with a tip mass by their numbers, in closed form: whole sets, and what sums over millions
   !! of them ask.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_set, find_cached_modes, find_modes
   use bw_double_double, only: dd, to_dd, operator(*)
@@ -122,7 +123,7 @@ contains
     real(dp), intent(in) :: xi(:)
     real(dp) :: alpha
     alpha = 0.5_dp/minval(xi, mask=xi > 0.0_dp)
-    k = int(min(real(highest_mode, dp), alpha/acos(-1.0_dp) + 2.0_dp))
+    k = int(min(real(highest_mode, dp), alpha/pi + 2.0_dp))
   end function modes_of_series
 
 end module bw_closed_form_source

@@ -13,6 +13,7 @@ module bw_far_field
   !! mode number.
   !!
   !! **Source**: Fong & Darve (2009), doi:10.1016/j.jcp.2009.08.031.
+  use bw_constants, only: pi
   use bw_frequency_equation, only: root_type
   use bw_kinds, only: dp, qp
   use bw_monitor, only: monitor_type, stops
@@ -20,7 +21,6 @@ module bw_far_field
   private
   public :: add_far_field, cells_to, first_in_cells
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: leaf = 64                   !! tuned: mode numbers of a cell of the lowest level
   integer, parameter :: nodes = 20                  !! (3 + √8)^(−20) is 5e-16
   integer, parameter :: between_questions = 64      !! cells, less than a ms

@@ -8,6 +8,7 @@ module bw_far_modes
   !! Φ(ξ) = √2 cos(αξ + π/4) − e^(−αξ) + ½Φ(1)e^(−α(1−ξ)).
   !!
   !! **Errors**: as those of bw_root_list and bw_shape. **Source**: Eqs 18–21 without their vanishing parts.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, rounder, sqrt, two_products, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
@@ -16,7 +17,6 @@ module bw_far_modes
   private
   public :: far_terms, far_roots, light_modes
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: nothing = 45.0_dp       !! e^(−45) is below rounding beside what it is added to
 
   type, public :: far_beam

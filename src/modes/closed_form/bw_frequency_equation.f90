@@ -18,6 +18,7 @@ module bw_frequency_equation
   !!
   !! **Errors**: α within 2 units in the last place for k ≤ 10⁸ and every finite γ ≥ 0. **Source**: Eqs 8 and 19,
   !! scaled by 1/cosh α.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, operator(*), operator(+)
   implicit none (type, external)
@@ -25,7 +26,6 @@ module bw_frequency_equation
   public :: solve_root, root_value, first_slope, light_equation, heavy_equation, is_light
   public :: alternating_series, growing_series
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: highest_mode = 100000000  !! the eighths of a turn of its root still fit an integer
   integer, parameter :: newton_steps = 30                 !! never needed: 3 to 5 are
 

@@ -10,6 +10,7 @@ module bw_overlap
   !! For i = k and a light mass the two roots agree to all digits, so their difference is solved for itself. Few modes are
   !! summed pair by pair. For many the pairs that lie apart are summed by cells (bw_far_field), in time proportional to the
   !! number of modes, and only neighbours pair by pair.
+  use bw_constants, only: pi
   use bw_double_double, only: add_exactly, dd
   use bw_far_field, only: add_far_field, cells_to, first_in_cells
   use bw_frequency_equation, only: alternating_series, root_type, root_value
@@ -22,7 +23,6 @@ module bw_overlap
   public :: overlap_with_tip_mass, overlap_without_mass, gap_sums
   public :: fourth_power_difference, pair_sums       ! for their own tests
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer(i8), parameter, public :: most_pairs = 4000000_i8
     !! tuned: so many take as long pair by pair as by cells, some ms
 

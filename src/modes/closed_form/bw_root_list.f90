@@ -1,6 +1,7 @@
 module bw_root_list
   !! Roots of the frequency equation for many modes at a time, in vector registers: beyond the first few modes its
   !! exponentials are below rounding (bw_far_modes).
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, operator(*), operator(+)
   use bw_far_modes, only: far_roots, light_modes
@@ -9,7 +10,6 @@ module bw_root_list
   private
   public :: solve_roots, root_values, near_modes
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: batch = 256  !! tuned: modes whose arrays stay in the fastest cache
   integer, parameter :: last_to_try = 300    ! at 240 all that exponentials have to lose has underflowed
 

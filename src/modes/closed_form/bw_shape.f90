@@ -8,6 +8,7 @@ module bw_shape
   !! **Errors**: Φ(ξ) and Φ''(ξ)/α² within 1e-14 absolutely, Φ(1), the modal mass and (1−σ)e^α within 1e-14 relatively, k to 10⁶ and
   !! beyond, every γ ≥ 0; where σ passes through 1 (for k = 1 at γ = 2.34) (1−σ)e^α is so absolutely only.
   !! **Source**: Eqs 7, 9, 18, 20, 21.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_double_double, only: dd, two_product
   use bw_frequency_equation, only: alternating_series, growing_series, is_light, root_type
@@ -16,7 +17,6 @@ module bw_shape
   private
   public :: shape_of, shapes_of, shape_value, shape_values, curvature_values
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form has lost a digit
   real(dp), parameter :: longest_decay = 400.0_dp  !! e^(−400) is nothing beside 1, and its square underflows
 

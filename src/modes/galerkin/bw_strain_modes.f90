@@ -8,6 +8,7 @@ module bw_strain_modes
   !! to the same number agree there are digits.
   !!
   !! **Errors**: β² + σ within 1e-13 relatively for 200 modes, Ω from 0 to 1000 and every slenderness (tests).
+  use bw_constants, only: pi
   use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-), operator(/)
   use bw_kinds, only: dp
   use bw_lapack, only: dpotrf, dsygv, dtrsm
@@ -68,7 +69,6 @@ contains
     type(mode_demand), intent(in) :: wanted
     integer :: functions(size(given%beam%piece))
     real(dp), dimension(size(functions)) :: waves, layers, pull
-    real(dp), parameter :: pi = acos(-1.0_dp)
     associate (piece => given%beam%piece)
       waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
       pull = given%beam%spin_squared%hi*pulls(given)

@@ -3,6 +3,7 @@ module bw_piece_dispersion
   !! how many half waves the beam holds, which is near the number of modes below.
   !!
   !! z = p² solves Bz² − (R + σB)z − mλ(1 − sR) = 0, which also gives dz/dβ².
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_double_double, only: to_dd
@@ -12,7 +13,6 @@ module bw_piece_dispersion
   private
   public :: next_half_wave, mean_waves
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 

@@ -6,6 +6,7 @@ module bw_tip_phase
   !! frequency, the faster the more such a motion weighs: dφ/dβ² = −∫ρAv² + ρIψ² dx − what the tip carries, of a motion with
   !! F² + D² = 1. In a beam that carries one wave from end to end they fall almost linearly, and one step finds the mode; where
   !! a mode hardly reaches the tip they tell nothing of it, and the search begins without.
+  use bw_constants, only: pi
   use bw_joint_elimination, only: joint_loads, solve
   use bw_kinds, only: dp
   use bw_mode_probe, only: improve_drive, keep_in_range, mode_probe, piece_system, weigh
@@ -13,7 +14,6 @@ module bw_tip_phase
   private
   public :: foresee
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 

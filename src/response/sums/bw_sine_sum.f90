@@ -10,6 +10,7 @@ module bw_sine_sum
   !!
   !! **Source**: Makhoul (1980), doi:10.1109/TASSP.1980.1163351.
   use, intrinsic :: iso_c_binding
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
@@ -18,7 +19,6 @@ module bw_sine_sum
 
   include 'fftw3.f03'
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: block = 128    !! tuned: what belongs to one block stays in the fastest cache
 
   type, public :: sine_sum_plan

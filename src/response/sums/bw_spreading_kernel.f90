@@ -10,12 +10,12 @@ module bw_spreading_kernel
   !! aliasing is ten times that on the finest grid.
   !! **Source**: Kaiser and Schafer (1980), doi:10.1109/TASSP.1980.1163349; for the use of it, Barnett, Magland and
   !! af Klinteberg (2019), doi:10.1137/18M120885X.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: degree_of, kernel_of, kernel_factors, transform_error
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: cells = 16       !! polynomials per spacing of the grid
   integer, parameter, public :: low_degree = 4   !! of each, for narrow kernels
   integer, parameter, public :: high_degree = 7  !! for the others

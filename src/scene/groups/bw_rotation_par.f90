@@ -1,5 +1,6 @@
 module bw_rotation_par
   !! `&rotation`: the beam's root turns at a constant rate.
+  use bw_constants, only: pi
   use bw_input_name, only: any_number, input_group, input_name, real_input, text_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -35,7 +36,7 @@ contains
     !! What a report calls it: `rotation 50 rad/s (477.5 rpm) in plane`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    ! turns a minute in 1 rad/s
+    real(dp), parameter :: rpm = 30.0_dp/pi    ! turns a minute in 1 rad/s
     text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s ('// &
                                                shortest(rpm*values%number('angular_velocity'), 4)//' rpm)')// &
       trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))

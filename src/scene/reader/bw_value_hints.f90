@@ -1,5 +1,6 @@
 module bw_value_hints
   !! What was likely meant by a value that is no number of the scene: a decimal comma, a unit behind the number, a power of ten.
+  use bw_constants, only: pi, two_pi
   use bw_kinds, only: dp
   use bw_scene_scalars, only: parse_real
   use bw_text, only: lower, shortest
@@ -19,8 +20,8 @@ module bw_value_hints
     unit_type('Pa', 1.0_dp, 'Pa'), unit_type('km', 1.0e3_dp, 'm'), unit_type('m', 1.0_dp, 'm'), &
     unit_type('cm', 1.0e-2_dp, 'm'), unit_type('mm', 1.0e-3_dp, 'm'), unit_type('s', 1.0_dp, 's'), &
     unit_type('ms', 1.0e-3_dp, 's'), unit_type('us', 1.0e-6_dp, 's'), unit_type('kg', 1.0_dp, 'kg'), &
-    unit_type('g', 1.0e-3_dp, 'kg'), unit_type('t', 1.0e3_dp, 'kg'), unit_type('rpm', acos(-1.0_dp)/30.0_dp, 'rad s-1'), &
-    unit_type('Hz', 2.0_dp*acos(-1.0_dp), 'rad s-1')]
+    unit_type('g', 1.0e-3_dp, 'kg'), unit_type('t', 1.0e3_dp, 'kg'), unit_type('rpm', pi/30.0_dp, 'rad s-1'), &
+    unit_type('Hz', two_pi, 'rad s-1')]
 
   character(*), parameter :: digits = '0123456789'
 

@@ -5,9 +5,10 @@ module bw_band
   !! of a line is known in closed form. The rows are real numbers whose noise is white of variance 1. A sum of n samples, turned by
   !! e^(−iθ), has a noise x + iy of E|x + iy|² = n and E(x + iy)² = p = Σ e^(−2iθ): turned by −½ arg p its parts are independent,
   !! with variances (n ± |p|)/2. Near 0 and half the sampling rate the rows are the samples themselves, or real sums of them.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
-  use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pi, pole_at, psi, psi_bend, psi_by_rate, psi_slope
+  use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pole_at, psi, psi_bend, psi_by_rate, psi_slope
   implicit none (type, external)
   private
   public :: band_around, enough_for, fill_rows, holds, line_columns, still_columns

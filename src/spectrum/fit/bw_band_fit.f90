@@ -2,8 +2,9 @@ module bw_band_fit
   !! Lines that share a band, fitted to all sensors and stretches at once by least squares. Stretches share nothing but the exponents,
   !! so that the slopes of their projections stand below each other.
   use bw_band, only: band_type, holds, line_columns, still_columns
+  use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: line_type, pi, pole_at, psi, psi_slope
+  use bw_line, only: line_type, pole_at, psi, psi_slope
   use bw_line_projection, only: find_step, project, projected_type
   implicit none (type, external)
   private

@@ -4,9 +4,10 @@ module bw_belief
   !!
   !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it, or reaches from the value at the blow to that
   !! at the end of a line's life where it drifts.
+  use bw_constants, only: pi
   use bw_found_lines, only: find_record_lines, found_lines
   use bw_kinds, only: dp
-  use bw_line, only: life_of, line_type, pi, pole_at
+  use bw_line, only: life_of, line_type, pole_at
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, drift_deviation, line_errors, line_errors_of, pole_deviation
   use bw_line_names, only: at_edge, believed_line, close_pair, drifting, harmonic, name_lines
   use bw_line_windows, only: windows_of

@@ -3,10 +3,11 @@ module bw_found_lines
   !!
   !! A record without noise, as a simulation's, has its lines from its transform to the last digit; what is left is rounding, and
   !! stands for the noise.
+  use bw_constants, only: pi
   use bw_damped_line, only: damped_line
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
-  use bw_line, only: line_type, pi
+  use bw_line, only: line_type
   use bw_line_search, only: find_lines, outcome_type
   use bw_model, only: find_left, model_type, renew
   use bw_monitor, only: monitor_type, stops

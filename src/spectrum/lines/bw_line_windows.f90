@@ -2,8 +2,9 @@ module bw_line_windows
   !! Lines in halves and quarters of the longest stretch after a blow: what each part says by itself of their frequencies and decays.
   use bw_band, only: band_around, band_type, fill_rows
   use bw_band_fit, only: fit_band, reduced_type
+  use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: line_type, pi, pole_at
+  use bw_line, only: line_type, pole_at
   use bw_line_errors, only: amplitude_noise, line_errors, line_errors_of, pole_deviation
   use bw_model, only: add_lines, model_type, rows_of_stretches, white_lines
   use bw_price, only: line_price

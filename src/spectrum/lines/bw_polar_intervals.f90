@@ -5,13 +5,13 @@ module bw_polar_intervals
   !! a length is at least √((x − qν)² − ν²), x being what was found and q a normal quantile, and may be 0 where this has no root.
   !! What noise adds across the true direction is normal for any α: the phase φ₀ has |x sin(φ − φ₀)| ≤ qν. Where noise alone makes
   !! a length like x, nothing is known of the phase.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   implicit none (type, external)
   private
   public :: length_error, phase_error
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 

@@ -2,6 +2,7 @@ module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
   use bw_belief, only: believed_line, undetermined
+  use bw_constants, only: two_pi
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_windows, only: window_start
@@ -15,7 +16,6 @@ module bw_record_lines
   private
   public :: fitted_history, lines_in_si, noise_level
 
-  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
   real(dp), parameter :: same_place = 0.5_dp     !! bins between candidates that are one
 
   character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']

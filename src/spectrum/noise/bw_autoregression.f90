@@ -4,6 +4,7 @@ module bw_autoregression
   !! The prediction error of order p is e_n = Σ h_i x_(n+i), i = 0 … p, h_0 = 1: each sample is predicted from those behind it. Noise
   !! has the same predictor in both directions of time. But a free decay begins at once, and this way no sample after the blow is lost.
   !! Source: Burg (1975); Kay, Modern Spectral Estimation (1988).
+  use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_order, only: quantile_of
@@ -137,7 +138,7 @@ contains
     real(dp) :: lag(0:robust_order), reflection(robust_order), h(0:robust_order), variance, cost, least, turn
     integer :: n, p, k, best, half
     n = size(x)
-    window = [(sin(acos(-1.0_dp)*k/n)**2, k=0, n - 1)]
+    window = [(sin(pi*k/n)**2, k=0, n - 1)]
     call fourier%prepare(n)
     fourier%samples(:) = window*x
     call fourier%transform()
@@ -146,7 +147,7 @@ contains
     level = running_median(power(min(3, size(power)):), half)/log(2.0_dp)
     lag = 0                                       ! correlations: the level times cos pθ, which follows from its last two values
     do k = 1, size(level)
-      turn = cos(acos(-1.0_dp)*(k - 0.5_dp)/size(level))
+      turn = cos(pi*(k - 0.5_dp)/size(level))
       h(:1) = level(k)*[1.0_dp, turn]
       do p = 2, robust_order
         h(p) = 2*turn*h(p - 1) - h(p - 2)

@@ -1,6 +1,7 @@
 module bw_uneven_noise
   !! The colour of noise at uneven times, which no prediction from sample to sample tells: running medians of the periodogram.
   use bw_autoregression, only: running_median
+  use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_uneven_fourier, only: uneven_transform
@@ -20,7 +21,7 @@ contains
     complex(dp), allocatable :: spectrum(:)
     integer :: length, s, half
     length = 2*ceiling((place(size(place)) + 1)/2)
-    window = sin(acos(-1.0_dp)*place/length)**2
+    window = sin(pi*place/length)**2
     allocate (spectrum(0:length/2), level(length/2, size(residual, 2)))
     half = max(12, nint(1.5_dp*sqrt(real(length, dp))))  ! tuned: bins, more than lines fill
     do s = 1, size(residual, 2)

@@ -3,12 +3,12 @@ module bw_damped_line
   !!
   !! A frequency is kept as two numbers, the second below the rounding of the first, so that the phase at a record's end loses
   !! nothing to the number of periods before it.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: grain = 2.0_dp**26      !! a frequency of so many bits times a number of samples is exact
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
   real(dp), parameter :: most_decay = 2.5_dp     !! per step, of either sign; the table must not overflow

@@ -7,6 +7,7 @@ module bw_line_bounds
   !! and is taken for a part of it moves it by up to d bins and leaves about d² of it in the residual, or d where its ratio is
   !! another: a residual that is the part ρ of the line may hide one that moves it by √ρ bins, and its ratio by the part √ρ.
   !! That is told apart.
+  use bw_constants, only: pi
   use bw_damped_line, only: damped_line, line_in_record, place_in_bins, position_of, strength_of
   use bw_kinds, only: dp
   use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in, unknowns
@@ -21,7 +22,6 @@ module bw_line_bounds
 
   real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
   real(dp), parameter :: unlikely = 1.0e-4_dp  !! that a line lies beside another by chance
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
   real(dp), parameter :: still = 1.0e-100_dp   !! of the midpoint's amplitude: a tip that moves less has no ratio; 1/c₁² overflows
 

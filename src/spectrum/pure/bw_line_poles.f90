@@ -2,6 +2,7 @@ module bw_line_poles
   !! Where lines lie that overlap: the transform of a sum of exponentials is a rational function of the bin, and its
   !! poles are the lines. They come from a Loewner pencil of all sensors' bins.
   !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
+  use bw_constants, only: pi
   use bw_damped_line, only: damped_line, line_in_record
   use bw_kinds, only: dp
   use bw_lapack, only: zgeev, zgesvd
@@ -11,7 +12,6 @@ module bw_line_poles
   private
   public :: ample_pencil, pole_lines
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: least_beside = 5       !! bins beside a group that help to find its poles
   integer, parameter :: most_beside = 40
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image

@@ -1,5 +1,6 @@
 module bw_tapered_fit
   !! Lines that share bins of a tapered transform, fitted to all sensors at once by least squares.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_damped_line, only: damped_line, move_line
   use bw_line_projection, only: find_step, project, projected_type
@@ -8,7 +9,6 @@ module bw_tapered_fit
   private
   public :: fit_band, half_of, reduce, slopes, tapered_band
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 20, most_halvings = 5
   real(dp), parameter :: settled = 1.0e-6_dp    !! variances of what is left that a step promises to gain: it is the last
   real(dp), parameter :: far_more = 10          !! times the noise, what is left by lines that do not describe a record

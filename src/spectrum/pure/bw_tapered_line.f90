@@ -1,6 +1,7 @@
 module bw_tapered_line
   !! The transform of a line through the taper sin⁶(πj/N), in closed form at whole bins: ten bins away it is below a millionth,
   !! so that lines in other bins need not be known. Without the taper it is there for the poles of a few bins.
+  use bw_constants, only: pi
   use bw_damped_line, only: damped_line, place_in_bins
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -11,7 +12,6 @@ module bw_tapered_line
   real(dp), parameter, public :: taper_costs = 4.2_dp
     !! deviations of frequencies fitted to tapered bins, of those fitted to samples: √(Σw⁴u² Σu²)/Σw²u², w = sin⁶(πj/N), |u| ≤ 1
   real(dp), parameter :: difference = 1.0e-4_dp  !! bins; slopes need a few digits only, images are exact
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: taper(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! sin⁶(πj/N) as a row of bins
 
 contains

@@ -1,6 +1,7 @@
 module bw_tapered_residual
   !! What is left of a record when lines are taken out, and which peaks still stand out of it.
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+  use bw_constants, only: pi
   use bw_damped_line, only: damped_line, line_in_record, subtract_lines
   use bw_fourier, only: transform_in_place
   use bw_kinds, only: dp
@@ -16,7 +17,6 @@ module bw_tapered_residual
   real(dp), parameter :: chance = 8            !! noise does not reach so many standard deviations in 10¹² bins
   real(dp), parameter :: faintest = 1.0e-13_dp !! of the record's peak; rounded phases make lines of up to 1e-14
   real(dp), parameter :: guard = 4             !! a peak stands out of so many times the sidelobes of stronger ones
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
   type, public :: residual_type
     integer :: count = 0                       !! samples in the record

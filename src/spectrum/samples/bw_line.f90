@@ -4,6 +4,7 @@ module bw_line
   !! After a blow, m steps long, sensor s moves as Re A_s e^(zm + Σκψ(m)). The pole z = −δ + iω is that at the blow. A mode that
   !! drifts has courses: ψ(m) = 2(m − (1 − e^(−gm))/g)/g is m² at first, and its slope comes to rest after 1/g steps, so that the
   !! pole moves from z to z + 2κ/g. A frequency that follows the square of an amplitude does so with g = 2δ.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -11,7 +12,6 @@ module bw_line
 
   integer, parameter :: table = 64            !! samples between two exponentials that are computed anew
   real(dp), parameter :: highest = 250        !! logarithm of a factor, whose square with powers of time is a number
-  real(dp), parameter, public :: pi = acos(-1.0_dp)
 
   type, public :: course_type
     real(dp) :: rate = 0                      !! g, per step; 0: ψ = m² all along

@@ -2,13 +2,13 @@ module bw_uneven_fourier
   !! The Fourier sums Σ x_n e^(−2πi mτ_n/M), m = 0 … M/2, of samples at any times 0 ≤ τ < M: every sample is spread by a
   !! Gaussian over a grid of half steps, the grid is transformed by FFTW, and the Gaussian taken out again.
   !! Source: Greengard & Lee, SIAM Review 46 (2004) 443.
+  use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: uneven_transform
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: reach = 12             !! points on either side; leaves 1e-12
 
 contains

@@ -4,9 +4,9 @@ module bw_limited_range
   !! A sample of expectation μ that is kept below a limit L is on the average σφ(a)/Φ(a) less than μ, where a = (L − μ)/σ, φ is the
   !! normal density and Φ its integral. With that added the normal equations of least squares are those of the likelihood of
   !! truncated samples. Source: Amemiya, Econometrica 41 (1973) 997.
+  use bw_constants, only: pi
   use bw_cost, only: order_price
   use bw_kinds, only: dp
-  use bw_line, only: pi
   use bw_model, only: find_left, model_type, renew
   use bw_refit, only: all_steps, refit_all
   use bw_samples, only: place_of, samples_type

@@ -3,10 +3,11 @@ module bw_line_moves
   !! a tone that does not decay.
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows
+  use bw_constants, only: pi
   use bw_cost, only: order_price, price_of_course, price_of_line, price_of_tone
   use bw_decay_bank, only: candidate_type, find_candidates
   use bw_kinds, only: dp
-  use bw_line, only: course_type, line_type, pi
+  use bw_line, only: course_type, line_type
   use bw_line_drops, only: energy_of
   use bw_model, only: colour_at, model_type, renew
   use bw_monitor, only: monitor_type, stops

@@ -1,10 +1,11 @@
 module bw_model
   !! What is known of a record while lines are searched for: where its stretches are, its lines, its noise, and what is left of it.
   use bw_autoregression, only: autoregression, burg, robust_levels
+  use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_lapack, only: ddot, dgemm, dsyev
-  use bw_line, only: find_wave, life_of, line_type, pi
+  use bw_line, only: find_wave, life_of, line_type
   use bw_noise, only: amplitude_of, gain_of, noise_type, white_amplitude, whiten
   use bw_samples, only: place_of, samples_type, valid_runs
   use bw_uneven_noise, only: find_levels

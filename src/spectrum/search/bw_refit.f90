@@ -2,8 +2,9 @@ module bw_refit
   !! Some lines of a model fitted again, others beside them kept; and taken up if that lowers the cost of the whole record.
   use bw_band, only: band_around, band_type, fill_rows, line_columns, still_columns
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
+  use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: line_type, pi
+  use bw_line, only: line_type
   use bw_model, only: exchange_lines, model_type, rows_of_stretches, steps_between, white_lines
   use bw_noise, only: amplitude_of
   implicit none (type, external)

@@ -1,6 +1,7 @@
 module bw_amplitude_spectrum
   !! This module makes one-sided amplitude spectra with windows that are sums of cosines, in the periodic form that a Fourier
   !! transform asks for.
+  use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -8,7 +9,6 @@ module bw_amplitude_spectrum
   private
   public :: amplitude_spectrum, frequency_axis, window_at, window_samples
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
   type, public :: spectrum_plan
     !! The plan of spectra of one length and window, cached from record to record.

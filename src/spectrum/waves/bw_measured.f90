@@ -2,6 +2,7 @@ module bw_measured
   !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam. Their
   !! lines are those of a record without noise, and what two amplitudes tell of a wave is what any sensors tell (bw_sensor_waves);
   !! errors are bounds, which stand where a record has standard deviations.
+  use bw_constants, only: two_pi
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_line_group, only: resolution
@@ -23,7 +24,6 @@ module bw_measured
 
   integer, parameter :: fewest_samples = 16
   real(dp), parameter :: one_deviation = erf(sqrt(0.5_dp))  !! confidence of an interval of one standard deviation to either side
-  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
 
   type, public :: measured_type
     !! The peaks by ascending frequency. Errors are bounds, and what does not exist is `missing`.

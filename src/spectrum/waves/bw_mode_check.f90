@@ -1,6 +1,7 @@
 module bw_mode_check
   !! What is known of a record beside its samples, and how the modes that are known to be in it check what was measured: which
   !! peaks are folded back from above half the sampling rate, and which are no mode. It gives no value.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line_group, only: resolution
   use bw_line_peaks, only: as_single, peak_type, with_hidden
@@ -8,7 +9,6 @@ module bw_mode_check
   private
   public :: check_peaks
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: faint = 0.1_dp                  !! of a line; what is less beside it makes no close pair
   integer, parameter :: further = 4                      !! times as many modes as there are peaks may matter
   real(dp), parameter :: uneven = 4                      !! modes at a tip fall in strength with such steps back

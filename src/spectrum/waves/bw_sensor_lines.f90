@@ -1,5 +1,6 @@
 module bw_sensor_lines
   !! What measuring waves begins with and what it ends with: lines at sensors of known places, and the waves of each.
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_text, only: shortest, string
@@ -7,7 +8,6 @@ module bw_sensor_lines
   private
   public :: hertz, square_of
 
-  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
 
   type, public :: sensor_facts
     !! What is known beside the lines.

@@ -2,6 +2,7 @@ module bw_shape_fit
   !! Least squares of one line's amplitudes at sensors by the functions of a uniform beam, over α = k l (variable projection:
   !! Golub & Pereyra 1973). Each function has a complex factor of its own, so that a motion may travel or be damped; strain has
   !! factors of its own beside other quantities, since its constant is not known.
+  use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_text, only: text_of
   use bw_wave_shapes, only: function_count, shape_functions
@@ -122,7 +123,7 @@ contains
     type(projection_type) :: projection
     real(dp) :: top
     integer :: i, k
-    top = max(highest, 2*acos(-1.0_dp)*size(motions))
+    top = max(highest, two_pi*size(motions))
     allocate (alpha, source=[(lowest + step*i, i=0, floor((top - lowest)/step))])
     allocate (misfit(size(alpha), size(motions)))
     do i = 1, size(alpha)

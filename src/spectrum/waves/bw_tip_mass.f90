@@ -1,12 +1,12 @@
 module bw_tip_mass
   !! The mass at the tip that a wave number α = P l implies (Eq. 19), and where the α of a mode can be whatever the mass. All modes
   !! of one beam imply the same mass.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: alpha_range, mass_angle, mode_near
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: margin = 1.0e-3_dp      !! roots lie that near the ends (k−¾)π and (k−½)π, or between
   real(dp), parameter :: first_mode(2) = [1.0e-3_dp, 1.8752_dp]
   real(dp), parameter :: small = 0.5_dp          !! α below which sin α cosh α − cos α sinh α is summed as a series

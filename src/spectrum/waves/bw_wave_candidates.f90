@@ -1,6 +1,7 @@
 module bw_wave_candidates
   !! The wave numbers that lines may have, as points of the plane of β² and α⁴, in which those of a uniform beam lie on a straight
   !! line (Eq. 3), and with a mass at the tip the angle of the mass that each implies (Eq. 19).
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_shape_fit, only: candidate_type, worse
   use bw_tip_mass, only: alpha_range, mass_angle, mode_near
@@ -73,7 +74,7 @@ contains
           problem%power(j, k) = candidates(j)%alpha**4
           problem%variance(j, k) = ((candidates(j)%alpha + deviation)**4 - candidates(j)%alpha**4)**2
           problem%cost(j, k) = candidates(j)%cost
-          problem%mode(j, k) = floor(candidates(j)%alpha/acos(-1.0_dp))
+          problem%mode(j, k) = floor(candidates(j)%alpha/pi)
           if (.not. tip) cycle
           problem%mode(j, k) = mode_near(candidates(j)%alpha)
           problem%angle(j, k) = mass_angle(candidates(j)%alpha, problem%mode(j, k))

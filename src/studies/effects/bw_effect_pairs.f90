@@ -2,6 +2,7 @@ module bw_effect_pairs
   !! For each row of the table of effects two scenes, one with it and one without, all else as in the scene that is studied. One of
   !! the two is that scene itself wherever it can be. An effect that is off is tried with a value that follows from the scene, which
   !! the row's remark says.
+  use bw_constants, only: pi
   use bw_kinds, only: dp, qp
   use bw_beam_par, only: area_of, beam_mass, beam_par, second_moment_of
   use bw_beam_units, only: beam_units, units_of
@@ -288,7 +289,6 @@ contains
   pure real(dp) function sphere_inertia(scene) result(inertia)
     !! The rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
     type(scene_type), intent(in) :: scene
-    real(dp), parameter :: pi = acos(-1.0_dp)
     associate (mass => scene%impact%mass)
       inertia = 0.4_dp*mass*(0.75_dp*mass/pi/scene%beam%density)**(2.0_dp/3.0_dp)
     end associate

@@ -5,12 +5,12 @@ module bw_least_squares
   !! MINPACK knows no ranges. A variable v, −1 ≤ v ≤ 1, is therefore sin x of the one that it changes, which leaves no range by
   !! any step and has a minimum at the end of the range where the residuals have theirs beyond it. About x = π steps of
   !! differences, which are relative, have a size.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: least_squares
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
   type, abstract, public :: residual_problem
     !! Residuals that depend on variables.

@@ -9,12 +9,12 @@ module bw_line_assignment
   !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p)(1 − p_undetected), a spurious line 2ρ ln(width of the band) − 2 ln p, and an
   !! undetected mode −2 ln p_undetected. As k unknowns make k of n residuals vanish whatever the lines are, only the share
   !! ρ = 1 − k/n of the logarithms counts: it is what restricted likelihood leaves.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: assign, best_scatter
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: p_undetected = 0.3_dp       !! chosen: many modes are undetected
 
   type, public :: band_type

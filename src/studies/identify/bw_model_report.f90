@@ -2,6 +2,7 @@ module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_absent_mends, only: helpful, mend_type
   use bw_columns, only: right, short, table_of, text_table, to_its_error
+  use bw_constants, only: two_pi
   use bw_fit_problem, only: value_at
   use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification
@@ -14,7 +15,6 @@ module bw_model_report
   private
   public :: explained_text, loose_text, report_comparison, report_identified, report_mends
 
-  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
 
 contains
 

@@ -7,12 +7,12 @@ module bw_spurious_lines
   !! deviation w of their distance; or it is not, and lies anywhere. Beside a mode it is as many times more probable there as
   !! L = g exp(−z²/2)/(w√(2π)), z its distance over w. The record itself tells how common they are: π of a line is what the
   !! other weak lines make of it (the expectation of a mixture, each line left out of its own).
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: spurious_chance
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: usual_chance = 0.05_dp  !! chosen: few lines are spurious
   real(dp), parameter :: steady_odds = 25.0_dp   !! chosen: half of spurious lines are driven and do not decay; of modes one in 50
   real(dp), parameter :: weaker = 0.01_dp        !! chosen: of a line, that its multiples are
