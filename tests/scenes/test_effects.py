@@ -226,7 +226,7 @@ def test_a_row_without_numbers_has_no_verdict_and_says_why(here):
     (release,) = [line for line in ended.stdout.splitlines() if re.match(r" +release +off ", line)]
     (shear,) = [line for line in ended.stdout.splitlines() if re.match(r" +shear +off ", line)]
     assert release.split()[-3:] == ["-", "-", "-"]  # response, time, verdict
-    assert shear.endswith("-       -  matters from mode 1 on")  # its frequencies are known
+    assert shear.endswith("-       -   matters from mode 1 on")  # its frequencies are known
     with xr.open_dataset(here.directory / "output/fine.effects.nc") as ds:
         assert np.isnan(row(ds, "release")["response_change"]) and np.isnan(row(ds, "shear")["response_change"])
         assert float(row(ds, "damping")["response_change"]) > 0
