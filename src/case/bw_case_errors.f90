@@ -20,8 +20,8 @@ module bw_case_errors
   use bw_segment, only: beam_energy, growth_error, move, segment_type
   use bw_text, only: append, shortest
   use bw_time_grid, only: time_grid, time_grid_of
-  use bw_truncation_error, only: block_ends, displacement_error, find_tail, no_bound, part_shown, rate_error, tail_type, &
-    times_shown
+  use bw_truncation_error, only: block_ends, displacement_error, falling_part, fewest, find_tail, no_bound, part_shown, &
+    rate_error, tail_type, times_shown
   implicit none (type, external)
   private
   public :: drop_errors, estimate_errors, errors_of_quantity
@@ -153,6 +153,7 @@ contains
       rate = block%rate/speed
       if (quantity == curvatures) rate = value
       part = part_shown(survey, segment%count, samples, value)
+      if (segment%count >= fewest) part = max(part, falling_part(tail, value))
       times = times_shown(survey, segment%count, samples, rate)
       error = segment_error(tail%bound, displacement_error(tail, part), rate_error(tail, times, rate), part)
       if (.not. allocated(segment%lack)) return

@@ -35,7 +35,7 @@ contains
     real(dp), intent(in) :: shift                !! s² > Ω²
     real(dp), intent(in) :: xi(:)                !! 0 ≤ ξ ≤ 1, (points)
     real(dp) :: flexibility(size(xi))
-    flexibility = point_response(beam, shift, xi, [0.0_dp, 0.0_dp, 0.0_dp, -1.0_dp], 1)
+    flexibility = max(0.0_dp, point_response(beam, shift, xi, [0.0_dp, 0.0_dp, 0.0_dp, -1.0_dp], 1))   ! of what is held, rounding
   end function point_flexibility
 
   pure function moment_stiffness(beam, shift, xi) result(stiffness)
@@ -43,7 +43,7 @@ contains
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: shift, xi(:)         !! as those of `point_flexibility`
     real(dp) :: stiffness(size(xi))
-    stiffness = -point_response(beam, shift, xi, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp], 3)
+    stiffness = max(0.0_dp, -point_response(beam, shift, xi, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp], 3))
   end function moment_stiffness
 
   pure function mean_square_shape(beam, frequency, xi) result(mean)

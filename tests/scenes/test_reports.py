@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from workplace import SECONDS
+from workplace import SECONDS, captured_beam
 
 BEAM = {"length": 1.0, "density": 7870.0, "youngs_modulus": 2e11, "diameter": 0.037}
 STRUCK = {"beam": BEAM, "impact": {"mass_ratio": 0.2}, "capture": {}}
@@ -161,3 +161,13 @@ def test_a_bending_moment_is_there_if_asked_for(here):
     stiffness = 2e11 * np.pi / 64 * 0.037**4
     root, tip = np.abs(result["bending_moment"][0]).max(), np.abs(result["displacement"][2]).max()
     assert 1.0 < root / (3 * stiffness * tip) < 5.0
+
+
+@pytest.mark.parametrize("modes", [{"before": 40, "after": 40}, {"tolerance": 1e-3}, {"tolerance": 1e-6}])
+def test_the_bound_of_an_error_is_printed_to_two_digits_that_are_not_below_it(here, modes):
+    response = {"duration": 0.1, "samples": 200, "points": [0.3, 0.5, 1.0]}
+    here.scene("a", {**captured_beam(response=response), "modes": modes})
+    lines = here.beamwave("run", "a.nml").stdout.split("surely below\n")[1].splitlines()[:3]
+    bounds = here.result("a")["displacement_bound"]
+    shown = np.array([float(line.split()[-1]) for line in lines])
+    assert (shown >= bounds).all() and (shown < 1.1 * bounds).all()

@@ -28,7 +28,7 @@ module bw_truncation_error
   use bw_reach, only: turns
   implicit none (type, external)
   private
-  public :: block_ends, displacement_error, find_tail, part_shown, rate_error, spread_of_samples, times_shown
+  public :: block_ends, displacement_error, falling_part, find_tail, part_shown, rate_error, spread_of_samples, times_shown
 
   real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums asked for up to this times the part that blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same of velocities, in root mean squares
@@ -280,6 +280,16 @@ contains
     part = max(random(:, 2), shown(:, 2), fall*shown(:, 1))
     part = min(1.0_dp, part*fall*(1.0_dp - less)/(1.0_dp - less*fall))
   end function part_shown
+
+  pure function falling_part(tail, largest) result(part)
+    !! The same if octaves fall on as the last two do, the last of them by half at least, (points). Where damping or the place leaves
+    !! most modes without phases it is the larger: sums of their amplitudes tell little then.
+    type(tail_type), intent(in) :: tail
+    real(dp), intent(in) :: largest(:, :)          !! that each block comes to, (points, 2)
+    real(dp) :: part(size(largest, 1)), fall(size(largest, 1))
+    fall = min(least_fall, part_of(largest(:, 2), largest(:, 1)))
+    part = min(1.0_dp, part_of(steady/likely*largest(:, 2)*fall/(1.0_dp - fall), tail%reach))
+  end function falling_part
 
   pure function times_shown(survey, count, samples, largest) result(times)
     !! How many root mean squares the velocities of a block of modes, or its curvatures, come to at a sample, (points).
