@@ -5,7 +5,7 @@ module bw_blow_moves
   !! products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those of n + 1, so that all n cost no
   !! more than a few transforms.
   use bw_kinds, only: dp
-  use bw_line, only: bend_of, course_type, find_wave, life_of, limited, line_type
+  use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
   use bw_model, only: find_left, model_type
   use bw_noise, only: mixed, white_amplitude, whiten
   use bw_price, only: chi_squared
@@ -19,6 +19,7 @@ module bw_blow_moves
   integer, parameter :: renewed = 100            !! part of its samples, by which G may have grown
   integer, parameter :: fewest = 16              !! samples between blows
   real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, which poles beside each other need
+  real(dp), parameter :: most_carried = 30       !! logarithm of that factor
   real(dp), parameter :: worth = 1               !! fall of −2 ln L for which a blow is moved
 
 contains
@@ -203,8 +204,14 @@ contains
     amplitude = 0
     if (b < 2) return
     m = model%stretches(1, b) - model%stretches(1, b - 1)
-    amplitude = line%amplitude(:, b)*limited(line%pole*m + bend_of(line, m))
+    amplitude = line%amplitude(:, b)*carried(line%pole*m + bend_of(line, m))
   end function continued
+
+  elemental complex(dp) function carried(exponent)
+    !! The factor of an amplitude from one sample to another; one that grows beyond reason is cut off.
+    complex(dp), intent(in) :: exponent
+    carried = exp(cmplx(max(-most_carried, min(most_carried, exponent%re)), exponent%im, dp))
+  end function carried
 
   pure function strongest(model, b) result(poles)
     !! The poles of the lines of most energy in a stretch.
@@ -321,7 +328,7 @@ contains
     model%stretches(2, b - 1) = first - 1
     do k = 1, size(model%lines)
       associate (line => model%lines(k))
-        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*limited(line%pole*m)
+        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*carried(line%pole*m)
       end associate
     end do
   end subroutine shift_blow
@@ -337,7 +344,7 @@ contains
     do k = 1, size(model%lines)
       associate (line => model%lines(k))
         line%amplitude = line%amplitude(:, [(i, i=1, b + 1), b + 1, (i, i=b + 2, size(line%amplitude, 2))])
-        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*limited(line%pole*m + bend_of(line, m))
+        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*carried(line%pole*m + bend_of(line, m))
       end associate
     end do
     call choose(model, [(i, i=0, b), b, (i, i=b + 1, ubound(model%stretches, 2))])

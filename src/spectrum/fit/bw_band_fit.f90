@@ -1,7 +1,7 @@
 module bw_band_fit
   !! Lines that share a band, fitted to all sensors and stretches at once by least squares. Stretches share nothing but the exponents,
   !! so that the slopes of their projections stand below each other.
-  use bw_band, only: band_type, holds, line_columns, still_columns
+  use bw_band, only: band_type, enough_for, holds, line_columns, still_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line, only: line_type, pole_at, psi, psi_slope
@@ -240,7 +240,7 @@ contains
       i = unknown_place(lines, k)
       associate (z => moved(k)%pole)
         z = z + cmplx(step(i), step(i + 1), dp)
-        z = cmplx(min(z%re, most_growth/band%longest), max(1/span, min(pi - 1/span, z%im)), dp)
+        z = cmplx(min(z%re, most_growth/max(band%longest, 1.0_dp*enough_for(1))), max(1/span, min(pi - 1/span, z%im)), dp)
       end associate
       do c = 1, size(lines(k)%courses)
         associate (course => moved(k)%courses(c))

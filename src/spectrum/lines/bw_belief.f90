@@ -62,6 +62,7 @@ contains
       own = cluster_of(model, findloc(done, .false., dim=1))
       done = done .or. own
       call refit(model, own, pack(model%lines, own), 0, found)
+      if (.not. any(found%reduced%stretch >= 1)) cycle   ! no sample tells them
       errors = line_errors_of(pack(model%lines, own), found%reduced)
       windows = windows_of(model, pack(model%lines, own), false_alarm)
       j = 0

@@ -112,6 +112,7 @@ contains
     call exchange_lines(model, white_old, white_new, gain)
     if (gain > need) then
       model%lines = [pack(model%lines, .not. found%old), found%lines]
+      if (.not. abs(gain) > 0) gain = tiny(gain)   ! taken up all the same
     else
       call exchange_lines(model, white_new, white_old, back)
       gain = 0
