@@ -1,7 +1,7 @@
 module bw_beam_supplement
   !! The beam of a scene held against the lines of its record, and its unknowns found from them: what the result of a record has
   !! beside its lines. A process of its own does it, as a fit may take long and is to be stopped at once.
-  use bw_absent_mends, only: find_mends, mend_type
+  use bw_corrected_models, only: find_corrections, corrected_model
   use bw_beam_state, only: beam_state, state_of
   use bw_child_process, only: child_process
   use bw_classic_head, only: classic_head
@@ -15,7 +15,7 @@ module bw_beam_supplement
   use bw_kinds, only: dp, i8
   use bw_model_comparison, only: compare_case, match_lines
   use bw_model_file, only: model_findings, model_rows, put_misfit
-  use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_mends
+  use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_corrections
   use bw_monitor, only: monitor_type
   use bw_quantile, only: normal_quantile
   use bw_record_lines, only: status_words
@@ -180,7 +180,7 @@ contains
     type(beam_state) :: state
     type(identify_par) :: none(0)
     type(identification) :: found                !! without unknowns
-    type(mend_type), allocatable :: mends(:)
+    type(corrected_model), allocatable :: corrections(:)
     real(dp) :: nothing(0)
     integer :: c
     allocate (findings%cases(set%own), findings%misfits(set%own))
@@ -197,8 +197,8 @@ contains
         if (.not. misfit%tail < unlikely) cycle
         found%fit%mode_of = state%mode_of
         found%fit%misfit_type = misfit
-        call find_mends(set%measured(c:c), found, mends)
-        call report_mends(mends, misfit%scatter, lines)
+        call find_corrections(set%measured(c:c), found, corrections)
+        call report_corrections(corrections, misfit%scatter, lines)
       end associate
     end do
   end subroutine compare
@@ -233,7 +233,7 @@ contains
     type(text_builder), intent(inout) :: lines
     character(:), allocatable, intent(inout) :: notes
     type(beam_state), allocatable :: states(:)
-    type(mend_type), allocatable :: mends(:)
+    type(corrected_model), allocatable :: corrections(:)
     type(identification) :: found
     integer :: c, i
     call states_of(set%measured, states)
@@ -260,8 +260,8 @@ contains
       notes = notes//'not fixed: '//loose_text(found, i)//nl
     end do
     if (.not. found%explained) then
-      call find_mends(set%measured, found, mends)
-      call report_mends(mends, found%fit%scatter, lines)
+      call find_corrections(set%measured, found, corrections)
+      call report_corrections(corrections, found%fit%scatter, lines)
     end if
     findings%found = found
   end subroutine identify_beam

@@ -1,6 +1,6 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
-  use bw_absent_mends, only: helpful, mend_type
+  use bw_corrected_models, only: helpful, corrected_model
   use bw_columns, only: right, short, table_of, text_table, to_its_error
   use bw_constants, only: two_pi
   use bw_fit_problem, only: value_at
@@ -13,7 +13,7 @@ module bw_model_report
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: explained_text, loose_text, report_comparison, report_identified, report_mends
+  public :: explained_text, loose_text, report_comparison, report_identified, report_corrections
 
 
 contains
@@ -198,45 +198,46 @@ contains
     if (unit /= '1' .and. unit /= '') text = text//' '//unit
   end function with_unit
 
-  function sizes_text(mend) result(text)
+  function sizes_text(corrected) result(text)
     !! ` (body%mass = 0.1 kg, body%position = 0.5)`.
-    type(mend_type), intent(in) :: mend
+    type(corrected_model), intent(in) :: corrected
     character(:), allocatable :: text
     integer :: i
     text = ''
-    do i = 1, size(mend%values)
-      text = text//', '//mend%unknowns(i)%parameter//' = '//with_unit(mend%values(i), mend%unknowns(i)%unit)
+    do i = 1, size(corrected%values)
+      text = text//', '//corrected%unknowns(i)%parameter//' = '//with_unit(corrected%values(i), corrected%unknowns(i)%unit)
     end do
     if (text /= '') text = ' ('//text(3:)//')'
   end function sizes_text
 
-  subroutine report_mends(mends, scatter, lines)
-    !! What would mend a misfit, the most first, and how many of those that were tried mend nothing.
-    type(mend_type), intent(in) :: mends(:)      !! those that leave least first
+  subroutine report_corrections(corrections, scatter, lines)
+    !! What would correct a misfit, the best first, and how many of those that were tried are no help.
+    type(corrected_model), intent(in) :: corrections(:)      !! those that leave least first
     real(dp), intent(in) :: scatter              !! τ without them
     type(text_builder), intent(inout) :: lines
     integer :: i, helping
-    helping = count(mends%fit%scatter < helpful*scatter)
+    helping = count(corrections%fit%scatter < helpful*scatter)
     if (helping > 0) call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, '// &
                                             'frequencies would be off by')
     do i = 1, helping
-      call lines%append(right(shortest(100*mends(i)%fit%scatter, 2), 10)//' %   '//mends(i)%effect//sizes_text(mends(i)))
-      if (mends(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
+      call lines%append(right(shortest(100*corrections(i)%fit%scatter, 2), 10)//' %   '//corrections(i)%effect// &
+                        sizes_text(corrections(i)))
+      if (corrections(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
       call lines%append_line('')
     end do
-    if (helping < size(mends)) call lines%append_line('  '//useless_text(size(mends), helping))
-    if (count(mends%fit%scatter <= 0.0_dp) > 1) call lines%append_line( &
+    if (helping < size(corrections)) call lines%append_line('  '//useless_text(size(corrections), helping))
+    if (count(corrections%fit%scatter <= 0.0_dp) > 1) call lines%append_line( &
       '  Several of them explain the lines: these alone do not tell which it is')
-  end subroutine report_mends
+  end subroutine report_corrections
 
   pure function useless_text(tried, helping) result(text)
     !! How many effects and values were tried in vain.
     integer, intent(in) :: tried, helping
     character(:), allocatable :: text
     if (helping == 0) then
-      text = 'No effect that the model leaves out, and no other value, mends that; tried: '//text_of(tried)
+      text = 'No effect that the model leaves out, and no other value, corrects that; tried: '//text_of(tried)
     else
-      text = 'Others that were tried, and mend nothing: '//text_of(tried - helping)
+      text = 'Others that were tried are no help: '//text_of(tried - helping)
     end if
   end function useless_text
 

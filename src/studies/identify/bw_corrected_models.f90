@@ -1,5 +1,5 @@
-module bw_absent_mends
-  !! Which effect that the model leaves out, or which number that it gives, would mend its misfit: each is put into the scenes,
+module bw_corrected_models
+  !! Which effect that the model leaves out, or which number that it gives, would correct its misfit: each is put into the scenes,
   !! with unknowns of its own where it has a size, and everything is fitted again.
   use bw_beam_fit, only: fit_beam
   use bw_beam_state, only: beam_state
@@ -8,67 +8,68 @@ module bw_absent_mends
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
-  use bw_mend_candidates, only: candidate_type, list_candidates, put_in
+  use bw_correction_candidates, only: candidate_type, list_candidates, put_in
   use bw_scene_states, only: all_unknowns, measured_scene, states_of
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: find_mends
+  public :: find_corrections
 
-  type, public :: mend_type
+  type, public :: corrected_model
     !! An effect that was put in, and how well the model fits with it.
     character(:), allocatable :: effect          !! in words
     type(identify_par), allocatable :: unknowns(:)   !! that came with it
     real(dp), allocatable :: values(:)           !! what they were fitted to
     type(fit_type) :: fit
     integer, private :: candidate = 0
-  end type mend_type
+  end type corrected_model
 
-  real(dp), parameter, public :: helpful = 0.9_dp  !! chosen: of τ; what leaves more mends nothing
+  real(dp), parameter, public :: helpful = 0.9_dp  !! chosen: of τ; what leaves more is no help
 
 contains
 
-  subroutine find_mends(measured, found, mends)
+  subroutine find_corrections(measured, found, corrections)
     !! All effects that can be put in, those that leave least first. Where none explains the lines, also two of those that take most
     !! off the misfit, if the two take more off it than either.
     type(measured_scene), intent(in) :: measured(:)
     type(identification), intent(in) :: found    !! without them
-    type(mend_type), allocatable, intent(out) :: mends(:)
+    type(corrected_model), allocatable, intent(out) :: corrections(:)
     integer, parameter :: most_combined = 4
     type(candidate_type), allocatable :: candidates(:)
     type(measured_scene), allocatable :: variant(:)
-    type(mend_type), allocatable :: single(:)
-    type(mend_type) :: mend
+    type(corrected_model), allocatable :: single(:)
+    type(corrected_model) :: corrected
     logical :: possible
     integer :: i, j
-    allocate (mends(0))
+    allocate (corrections(0))
     call list_candidates(measured(1)%scene, candidates)
     do i = 1, size(candidates)
       call put_in(candidates(i), measured, variant, possible)
       if (.not. possible) cycle
-      call fit_again(candidates(i), variant, found, found%fit, measured, mend)
-      mend%candidate = i
-      if (mend%fit%freedom > 0) call insert(mends, mend)       ! else nothing tests it
+      call fit_again(candidates(i), variant, found, found%fit, measured, corrected)
+      corrected%candidate = i
+      if (corrected%fit%freedom > 0) call insert(corrections, corrected)       ! else nothing tests it
     end do
-    single = mends(:min(size(mends), most_combined))
+    single = corrections(:min(size(corrections), most_combined))
     if (any(single%fit%scatter <= 0.0_dp)) return
     do i = 1, size(single)
       do j = i + 1, size(single)
         if (single(j)%fit%scatter > helpful*found%fit%scatter) exit
-        call fit_two(measured, candidates(single(i)%candidate), candidates(single(j)%candidate), single(i), found, mend, possible)
-        if (.not. possible .or. mend%fit%freedom < 1) cycle
-        if (mend%fit%scatter <= helpful*single(i)%fit%scatter) call insert(mends, mend)
+        call fit_two(measured, candidates(single(i)%candidate), candidates(single(j)%candidate), single(i), found, corrected, &
+                     possible)
+        if (.not. possible .or. corrected%fit%freedom < 1) cycle
+        if (corrected%fit%scatter <= helpful*single(i)%fit%scatter) call insert(corrections, corrected)
       end do
     end do
-  end subroutine find_mends
+  end subroutine find_corrections
 
-  subroutine fit_two(measured, first, second, one, found, mend, possible)
+  subroutine fit_two(measured, first, second, one, found, corrected, possible)
     !! The fit with two effects, from that with the first.
     type(measured_scene), intent(in) :: measured(:)
     type(candidate_type), intent(in) :: first, second
-    type(mend_type), intent(in) :: one           !! with the first
+    type(corrected_model), intent(in) :: one           !! with the first
     type(identification), intent(in) :: found
-    type(mend_type), intent(out) :: mend
+    type(corrected_model), intent(out) :: corrected
     logical, intent(out) :: possible
     type(candidate_type), allocatable :: further(:)
     type(measured_scene), allocatable :: variant(:), both(:)
@@ -79,18 +80,18 @@ contains
     possible = possible .and. k > 0
     if (possible) call put_in(further(k), variant, both, possible)
     if (.not. possible) return
-    call fit_again(further(k), both, found, one%fit, measured, mend)
-    mend%effect = one%effect//' and '//mend%effect
+    call fit_again(further(k), both, found, one%fit, measured, corrected)
+    corrected%effect = one%effect//' and '//corrected%effect
   end subroutine fit_two
 
-  subroutine fit_again(candidate, variant, found, before, measured, mend)
+  subroutine fit_again(candidate, variant, found, before, measured, corrected)
     !! The fit with one more effect; lines that are no modes without any are none with it.
     type(candidate_type), intent(in) :: candidate
     type(measured_scene), intent(in) :: variant(:)
     type(identification), intent(in) :: found
     type(fit_type), intent(in) :: before         !! without this effect
     type(measured_scene), intent(in) :: measured(:)            !! without any
-    type(mend_type), intent(out) :: mend
+    type(corrected_model), intent(out) :: corrected
     type(fit_problem) :: problem
     type(beam_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
@@ -110,38 +111,38 @@ contains
     n = last - count(candidate%unknown /= '')
     near = position_in(problem%unknowns(n + 1:last), candidate%neutral(:last - n))
     if (allocated(before%v)) near = [before%v(:n), near, before%v(n + 1:)]
-    call fit_beam(problem, 0.0_dp, thorough, mend%fit, others, near)
+    call fit_beam(problem, 0.0_dp, thorough, corrected%fit, others, near)
     added = [(i, i=size(measured(1)%scene%unknowns) + 1, last)]
-    mend%effect = trim(candidate%effect)
-    mend%unknowns = problem%unknowns(added)
-    mend%values = value_at(mend%unknowns, mend%fit%v(added))
+    corrected%effect = trim(candidate%effect)
+    corrected%unknowns = problem%unknowns(added)
+    corrected%values = value_at(corrected%unknowns, corrected%fit%v(added))
   end subroutine fit_again
 
-  pure subroutine insert(mends, mend)
+  pure subroutine insert(corrections, corrected)
     !! One more, in its place.
-    type(mend_type), allocatable, intent(inout) :: mends(:)
-    type(mend_type), intent(in) :: mend
-    type(mend_type), allocatable :: more(:)
+    type(corrected_model), allocatable, intent(inout) :: corrections(:)
+    type(corrected_model), intent(in) :: corrected
+    type(corrected_model), allocatable :: more(:)
     integer :: i, n
-    n = size(mends)
+    n = size(corrections)
     allocate (more(n + 1))
     do i = n, 1, -1
-      if (.not. mends_more(mend, mends(i))) exit
-      more(i + 1) = mends(i)
+      if (.not. is_better(corrected, corrections(i))) exit
+      more(i + 1) = corrections(i)
     end do
-    more(:i) = mends(:i)
-    more(i + 1) = mend
-    call move_alloc(more, mends)
+    more(:i) = corrections(:i)
+    more(i + 1) = corrected
+    call move_alloc(more, corrections)
   end subroutine insert
 
-  pure logical function mends_more(one, other)
+  pure logical function is_better(one, other)
     !! The one that leaves less: by τ, then by what it took of unknowns, then by χ².
-    type(mend_type), intent(in) :: one, other
-    mends_more = one%fit%scatter < other%fit%scatter
+    type(corrected_model), intent(in) :: one, other
+    is_better = one%fit%scatter < other%fit%scatter
     if (abs(one%fit%scatter - other%fit%scatter) > 0.0_dp) return
-    mends_more = size(one%values) < size(other%values)
+    is_better = size(one%values) < size(other%values)
     if (size(one%values) /= size(other%values)) return
-    mends_more = one%fit%chi_squared < other%fit%chi_squared
-  end function mends_more
+    is_better = one%fit%chi_squared < other%fit%chi_squared
+  end function is_better
 
-end module bw_absent_mends
+end module bw_corrected_models

@@ -1,4 +1,4 @@
-module bw_mend_candidates
+module bw_correction_candidates
   !! What may be wrong with a model that does not explain its lines: effects that it leaves out, and numbers that it gives. Each
   !! is put into the scenes as text, with unknowns of its own where it has a size.
   use bw_effect_table, only: added, correction_table, correction_type, effect_number, effect_table, given, toggled
@@ -29,7 +29,7 @@ module bw_mend_candidates
     character(32) :: values = ''                 !! what else is set: `name = value`
     character(name_length) :: unknown(2) = ''    !! its numbers that are unknown
     real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges
-    real(dp) :: neutral(2) = 0.0_dp              !! with these it is the model that it mends
+    real(dp) :: neutral(2) = 0.0_dp              !! with these it is the model that it corrects
   end type candidate_type
 
 contains
@@ -204,4 +204,4 @@ contains
     end do
   end function unknowns_text
 
-end module bw_mend_candidates
+end module bw_correction_candidates
