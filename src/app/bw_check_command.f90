@@ -1,7 +1,7 @@
 module bw_check_command
   !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
   use bw_case_shares, only: case_bytes
-  use bw_case_tolerance, only: settle_tolerance
+  use bw_case_tolerance, only: fix_tolerance
   use bw_child_process, only: child_process
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
@@ -279,7 +279,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: count
     text = ''
-    call settle_tolerance(scene, monitor, count, error)
+    call fix_tolerance(scene, monitor, count, error)
     if (monitor%stop_requested() .or. .not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
       'the polynomials of the Galerkin basis do not resolve the modes; no number of the case would be given')

@@ -3,7 +3,7 @@ module bw_scene_files
   use bw_console, only: print_warning
   use bw_error, only: error_type, status_bad_file, status_bad_input, status_done
   use bw_files, only: directory_is_there, files_in, look_at, path_state, reason, same_file
-  use bw_process, only: settle_libraries
+  use bw_process, only: prepare_libraries
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene, stem
   use bw_scene_tally, only: scene_tally
@@ -30,7 +30,7 @@ contains
     call read_scenes(words, scenes, count, messages, status, clash)
     if (present(tally)) tally%scenes = count
     if (clash) count = 0
-    if (count > 0) call settle_libraries(scenes(1)%file, error)
+    if (count > 0) call prepare_libraries(scenes(1)%file, error)
     if (allocated(error)) then
       call append(messages, error%message)
       status = max(status, error%status)

@@ -59,7 +59,7 @@ contains
       call find_peak(scene, motion, segment, samples, monitor)
       if (monitor%stop_requested()) return
       if (samples == 1 .or. motion%peak == 0.0_dp) return
-      call settle_first(scene, motion, segment, samples, monitor, cache)
+      call find_first_count(scene, motion, segment, samples, monitor, cache)
     end associate
   end subroutine choose_first
 
@@ -211,7 +211,7 @@ contains
     times = maxval(part_shown(survey, survey%bin(b)%last, samples)/part_shown(survey, survey%bin(survey%bins)%last, samples))
   end function agreement
 
-  subroutine settle_first(scene, motion, segment, samples, monitor, cache)
+  subroutine find_first_count(scene, motion, segment, samples, monitor, cache)
     !! The least count within the tolerance, of as many modes as it takes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
@@ -310,7 +310,7 @@ contains
       integer, intent(in) :: bin                   !! the modes to whose end are summed
       over = maxval(errors_with(motion%survey(1)%bin(bin)%last))/allowed
     end function over_allowed
-  end subroutine settle_first
+  end subroutine find_first_count
 
   pure function steepest(source, agreeing) result(power)
     !! Powers of the number of modes by which the estimate and the bound fall in the end: amplitudes fall as k⁻³, with shear as k⁻²;

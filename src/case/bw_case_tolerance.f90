@@ -19,7 +19,7 @@ module bw_case_tolerance
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: plan_case, settle_tolerance
+  public :: plan_case, fix_tolerance
 
 contains
 
@@ -68,7 +68,7 @@ contains
     call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion))
   end subroutine plan_motion
 
-  subroutine settle_tolerance(scene, monitor, count, error, motion)
+  subroutine fix_tolerance(scene, monitor, count, error, motion)
     !! Plan a scene before it is run. A default tolerance becomes the one that is used; in a sweep each case relaxes its own,
     !! and one that was asked for is tried at few of the corners: other cases may still not converge.
     !! **Errors**: `status_bad_input` where a tolerance that was asked for is out of reach, or none can be had.
@@ -98,7 +98,7 @@ contains
         return
       end do
     end if
-  end subroutine settle_tolerance
+  end subroutine fix_tolerance
 
   subroutine plan_relaxed(scene, monitor, motion, count, error)
     !! The same as `plan_motion`, of a scene whose default tolerance becomes the one that is used where it is out of reach.
@@ -115,7 +115,7 @@ contains
     if (is_missing(relaxed)) return
     deallocate (error)
     scene%modes%tolerance = relaxed
-    call scene%groups(position_of(scene%groups, 'modes'))%settle('tolerance', relaxed, 0)
+    call scene%groups(position_of(scene%groups, 'modes'))%derive('tolerance', relaxed, 0)
     call plan_motion(scene, monitor, motion, count, error)
   end subroutine plan_relaxed
 

@@ -136,23 +136,23 @@ contains
     if (order == 0) signal%start = real(sum(part)/unit, dp)
   end function signal
 
-  pure subroutine closest(self, sum_of, state, settled)
+  pure subroutine closest(self, sum_of, state, converged)
     !! Moves a state near a zero of a sum to that zero, by Newton's steps.
     class(oscillators), intent(in) :: self
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(inout) :: state
-    logical, intent(out) :: settled
+    logical, intent(out) :: converged
     integer, parameter :: most = 12
     real(qp) :: value, slope, step
     integer :: i
-    settled = .false.
+    converged = .false.
     do i = 1, most
       value = self%derivative(sum_of, state, 0)
       slope = self%derivative(sum_of, state, 1)
       if (slope >= 0.0_qp) return
       step = -value/slope
-      settled = abs(step) <= 8.0_qp*epsilon(step)*(state%time + sum(abs(sum_of%a*state%u))/(-slope))
-      if (settled) return
+      converged = abs(step) <= 8.0_qp*epsilon(step)*(state%time + sum(abs(sum_of%a*state%u))/(-slope))
+      if (converged) return
       call self%move(step, state)
     end do
   end subroutine closest

@@ -329,16 +329,16 @@ contains
     real(dp), parameter :: likely = 2.0_dp       ! tuned: nearly as that of bw_truncation_error
     real(dp) :: blow(after%count), near(after%count), size_of(2)
     if (place%square <= 0.0_dp) then
-      lack%settled = 0
+      lack%bounded = 0
       lack%energy = missing
       return
     end if
-    lack%settled = count(after%beta_squared%hi <= 0.5_dp*place%square)
+    lack%bounded = count(after%beta_squared%hi <= 0.5_dp*place%square)
     near = (place%square + spin(source))/max(0.5_dp*place%square, place%square - after%beta_squared%hi)
     size_of = sqrt(2.0_dp*place%missing_energy*[place%mobility, place%turning_mobility])
     blow = near*(source%gamma*abs(after%struck)*size_of(1) &
                  + source%pieces%captured%inertia%hi*abs(after%turnings())*size_of(2))/after%modal_mass
-    blow(lack%settled + 1:) = 0.0_dp
+    blow(lack%bounded + 1:) = 0.0_dp
     lack%rate_doubt = blow
     lack%q_doubt = blow/sqrt(place%square)
     lack%likely = min(1.0_dp, likely*place%part)

@@ -26,7 +26,7 @@ module bw_segment
     real(dp), allocatable :: q_doubt(:), rate_doubt(:) !! bounds of the magnitude of what is not, (modes)
     real(dp) :: likely = 1.0_dp                        !! part of these bounds that is likely
     real(dp) :: energy = 0.0_dp                        !! that was in modes which were not handed on; `missing` where it is not known
-    integer :: settled = huge(1)                       !! modes that the bounds are of; those after them may have this energy
+    integer :: bounded = huge(1)                       !! modes that the bounds are of; those after them may have this energy
   end type lack_type
 
   type, public :: segment_type

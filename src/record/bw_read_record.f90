@@ -57,7 +57,7 @@ contains
     if (.not. allocated(error)) call choose_columns(scene, source, time, columns, error)
     if (.not. allocated(error)) call check_memory(record%path, source%rows, 3, error)
     if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
-    if (.not. allocated(error)) call settle_times(scene, source, time, times, steps, record, part, error)
+    if (.not. allocated(error)) call take_times(scene, source, time, times, steps, record, part, error)
     if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
     if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
     if (allocated(source)) call source%close()
@@ -101,7 +101,7 @@ contains
               ' numbers each')
   end subroutine check_memory
 
-  subroutine settle_times(scene, source, time, times, steps, record, part, error)
+  subroutine take_times(scene, source, time, times, steps, record, part, error)
     !! Times since the first sample that is used, and which samples those are.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
@@ -146,7 +146,7 @@ contains
         record%times = times(first:last) - times(first)
       end if
     end associate
-  end subroutine settle_times
+  end subroutine take_times
 
   subroutine check_times(source, times, error)
     !! Times rise, and are those of a clock. **Errors**: `status_bad_file`, with the place.

@@ -245,9 +245,9 @@ contains
         sensor%quantity = column%quantity
         if (allocated(record%quantities)) sensor%quantity = record%quantities(min(i, size(record%quantities)))%text
         if (allocated(record%scales)) then
-          call settle_unit(column%unit, sensor, record%scales(min(i, size(record%scales))))
+          call apply_unit(column%unit, sensor, record%scales(min(i, size(record%scales))))
         else
-          call settle_unit(column%unit, sensor)
+          call apply_unit(column%unit, sensor)
         end if
         if (sensor%quantity == '') sensor%quantity = 'displacement'
         sensor%position = column%position
@@ -256,7 +256,7 @@ contains
     end do
   end function sensors_of
 
-  pure subroutine settle_unit(unit, sensor, scale)
+  pure subroutine apply_unit(unit, sensor, scale)
     !! The unit of a sensor's numbers. SI where the file says no other, where it says one that is known, and where the scene brings
     !! them there; else that of the file, which nothing tells how to change.
     character(*), intent(in) :: unit                   !! in the file; empty: it says none
@@ -275,6 +275,6 @@ contains
       sensor%unit = unit
       if (abs(sensor%scale - 1.0_dp) > 0) sensor%unit = unit//'/'//shortest(sensor%scale, 6)     ! UDUNITS: V/1000 is 1 mV
     end if
-  end subroutine settle_unit
+  end subroutine apply_unit
 
 end module bw_record_columns

@@ -13,7 +13,7 @@ module bw_input_values
     integer :: row = 0                         !! its place in `name_table`
     integer :: line = 0                        !! where it is said; 0: nowhere
     logical :: given = .false.                 !! named in its group, or swept
-    logical :: known = .false.                 !! has a value: given, by default, or settled from others
+    logical :: known = .false.                 !! has a value: given, by default, or derived from others
     logical :: redundant = .false.             !! only repeats another value, and is not shown beside it
     logical :: flag = .false.
     character(:), allocatable :: text
@@ -45,7 +45,7 @@ module bw_input_values
     procedure :: line_of
     procedure :: is_swept
     procedure :: number_or_swept
-    procedure :: settle
+    procedure :: derive
     procedure :: drop
   end type group_values
 
@@ -181,7 +181,7 @@ contains
     if (self%is_swept(name)) text = 'swept'
   end function number_or_swept
 
-  pure subroutine settle(self, name, number, sweep)
+  pure subroutine derive(self, name, number, sweep)
     !! Give a number that follows from others; `sweep` is the sweep that it then follows.
     class(group_values), intent(inout) :: self
     character(*), intent(in) :: name
@@ -192,7 +192,7 @@ contains
       value%sweeps = sweep
       value%known = .true.
     end associate
-  end subroutine settle
+  end subroutine derive
 
   pure subroutine drop(self, name)
     !! Let a value that only repeats another go unsaid.

@@ -4,29 +4,29 @@ module bw_scene
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
   use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
-  use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
+  use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, complete_damping
   use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_name, only: is_simulated
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
-  use bw_modes_par, only: build_modes, modes_par, settle_modes
-  use bw_record_par, only: build_record, check_record, record_par, settle_record
+  use bw_modes_par, only: build_modes, modes_par, complete_modes
+  use bw_record_par, only: build_record, check_record, record_par, complete_record
   use bw_recontact_par, only: build_recontact, recontact_par
   use bw_release_par, only: build_release, release_par, release_text
   use bw_response_par, only: build_response, check_response, response_par
   use bw_rotation_par, only: build_rotation, rotation_par, rotation_text
   use bw_scene_messages, only: message_list
   use bw_scene_par, only: build_header, scene_par
-  use bw_shear_par, only: build_shear, check_shear, settle_shear, shear_par, shear_text
+  use bw_shear_par, only: build_shear, check_shear, complete_shear, shear_par, shear_text
   use bw_spectrum_par, only: build_spectrum, check_spectrum, spectrum_par
   use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
   use bw_support_par, only: build_support, check_support, support_par, support_text
   use bw_sweep_par, only: check_sweep, sweep_par
   implicit none (type, external)
   private
-  public :: build_scene, check_rules, check_rules_together, settle_groups
+  public :: build_scene, check_rules, check_rules_together, complete_groups
   public :: by_pieces, changes_shapes, count_methods, effect_names, effects_text, has_parts, is_built_up, &
     method_name
 
@@ -46,7 +46,7 @@ module bw_scene
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
     type(release_par), allocatable :: release     !! &release; absent: a captured mass stays
     type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
-    type(modes_par) :: modes                      !! &modes, always settled
+    type(modes_par) :: modes                      !! &modes, always complete
     type(response_par), allocatable :: response   !! &response; absent: no time history
     type(record_par), allocatable :: record       !! &record; absent: histories are simulated
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
@@ -59,7 +59,7 @@ module bw_scene
 contains
 
   pure subroutine build_scene(scene, messages)
-    !! Build the components from those of `scene%groups` that are new, which are checked and settled; the others stay as they
+    !! Build the components from those of `scene%groups` that are new, which are checked and completed; the others stay as they
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
@@ -146,7 +146,7 @@ contains
     call check_spectrum(groups, messages)
   end subroutine check_rules_together
 
-  pure subroutine settle_groups(groups, messages)
+  pure subroutine complete_groups(groups, messages)
     !! Fill in the values of new groups that follow from others, which may change from case to case.
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
@@ -155,17 +155,17 @@ contains
     do g = 1, size(groups)
       if (.not. groups(g)%changed) cycle
       select case (groups(g)%group)
-      case ('damping'); call settle_damping(groups(g))
-      case ('shear'); call settle_shear(groups)
-      case ('record'); call settle_record(groups, messages)
+      case ('damping'); call complete_damping(groups(g))
+      case ('shear'); call complete_shear(groups)
+      case ('record'); call complete_record(groups, messages)
       case ('modes')
         struck = position_of(groups, 'impact') > 0
         captured = struck .and. position_of(groups, 'capture') > 0
-        call settle_modes(groups(g), struck .and. .not. captured, captured, position_of(groups, 'response') > 0, messages)
+        call complete_modes(groups(g), struck .and. .not. captured, captured, position_of(groups, 'response') > 0, messages)
       case default                                   ! nothing follows from others
       end select
     end do
-  end subroutine settle_groups
+  end subroutine complete_groups
 
   pure function effects_text(scene) result(text)
     !! The effects and events of a scene with their numbers, as a report tells them.

@@ -3,7 +3,7 @@ module bw_scene_cases
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
-  use bw_scene, only: build_scene, scene_type, settle_groups
+  use bw_scene, only: build_scene, scene_type, complete_groups
   use bw_scene_checks, only: check_case
   use bw_scene_messages, only: message_list
   use bw_text, only: shortest, text_of
@@ -119,7 +119,7 @@ contains
   end function differs
 
   pure subroutine set_values(scene, given, positions, values)
-    !! The numbers of a group, as they were before any was settled. Texts are those of all cases.
+    !! The numbers of a group, as they were before any was derived. Texts are those of all cases.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: given(:)     !! of all cases
     integer, intent(in) :: positions(:)
@@ -153,7 +153,7 @@ contains
     !! The same without a look at the scales.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    call settle_groups(scene%groups, messages)
+    call complete_groups(scene%groups, messages)
     if (messages%count == 0) call build_scene(scene, messages)
   end subroutine build
 

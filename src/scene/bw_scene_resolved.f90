@@ -1,5 +1,5 @@
 module bw_scene_resolved
-  !! The resolved scene: the namelist with defaults and settled values filled in, and its numbers one by one.
+  !! The resolved scene: the namelist with defaults and derived values filled in, and its numbers one by one.
   !! Saved to a file and read again, it gives the same values to the bit.
   use bw_input_name, only: columns_input, input_name, integer_input, is_number, logical_input, name_length, reals_input, &
                            text_input, texts_input

@@ -117,7 +117,7 @@ contains
   pure subroutine check_input(value, line, own, messages)
     !! A number is within reach in the beam's own units. A spring that is stiffer is rigid to the last digit (bw_scene_pieces).
     type(input_value), intent(in) :: value
-    integer, intent(in) :: line                   !! of its group, for what is settled from others
+    integer, intent(in) :: line                   !! of its group, for what is derived from others
     type(own_units), intent(in) :: own
     type(message_list), intent(inout) :: messages
     real(qp) :: unit, limit

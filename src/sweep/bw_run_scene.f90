@@ -2,7 +2,7 @@ module bw_run_scene
   !! A scene from what is there already to its finished file. A scene without sweeps has one case; the cases of sweeps are
   !! `bw_run_sweep`'s.
   use bw_case_result, only: case_done, case_motion, case_result
-  use bw_case_tolerance, only: settle_tolerance
+  use bw_case_tolerance, only: fix_tolerance
   use bw_error, only: error_type, fail, status_bad_file
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: dp, i1, i4, i8
@@ -94,7 +94,7 @@ contains
     integer :: ignored
     call look()
     if (.not. existing%is_there .and. .not. (allocated(error) .and. work%scene%modes%asked)) then
-      call settle_tolerance(work%scene, monitor, ignored, refused, planned)
+      call fix_tolerance(work%scene, monitor, ignored, refused, planned)
       if (is_relaxed(work%scene%modes)) then
         call work%draft%plan(work%scene, work%layout)
         call look()                               ! the result that is there may be of this scene after all

@@ -7,11 +7,11 @@ module bw_process
   use bw_error, only: error_type, fail, status_bad_file, status_fault, status_stopped
   use bw_kinds, only: dp, i8
   use bw_system_calls, only: bw_free_disk, bw_free_memory, bw_leave, bw_open_standard_streams, bw_pause, &
-    bw_peak_memory, bw_set_ending, bw_set_environment, bw_settle_openblas, bw_stop_after, bw_stop_asked, bw_watch
+    bw_peak_memory, bw_set_ending, bw_set_environment, bw_prepare_openblas, bw_stop_after, bw_stop_asked, bw_watch
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: free_disk, free_memory, peak_memory, open_standard_streams, watch_over_process, settle_libraries
+  public :: free_disk, free_memory, peak_memory, open_standard_streams, watch_over_process, prepare_libraries
   public :: leave, pause, stop_after, stop_asked
 
   type :: ending_type
@@ -47,17 +47,17 @@ contains
     call bw_watch()
   end subroutine watch_over_process
 
-  subroutine settle_libraries(scene, error)
+  subroutine prepare_libraries(scene, error)
     !! See to it that libraries use one thread and no locks of their own: those of HDF5 are not there on every file system.
     !! **Errors**: OpenBLAS's memory is refused.
     character(*), intent(in) :: scene                !! file of the first scene that is to be run, for messages
     type(error_type), allocatable, intent(out) :: error
     call bw_set_environment('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char)
-    if (bw_settle_openblas(openblas_bytes) /= 0) then
+    if (bw_prepare_openblas(openblas_bytes) /= 0) then
       call fail(error, status_bad_file, scene//': memory was refused: the linear algebra (OpenBLAS) claims '// &
                 text_of(openblas_bytes/1000000)//' MB')
     end if
-  end subroutine settle_libraries
+  end subroutine prepare_libraries
 
   integer(i8) function free_disk(path) result(bytes)
     !! What may still be written where a path is; below 0: not known.

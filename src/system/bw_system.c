@@ -665,7 +665,7 @@ int64_t bw_peak_memory(void)
 
 /* Where LAPACK is OpenBLAS, it works with one thread, and claims the memory of so many bytes that it takes at its first call:
    refused at that call it would ask again without end. Elsewhere nothing is done. ENOMEM: it is refused. */
-int bw_settle_openblas(int64_t bytes)
+int bw_prepare_openblas(int64_t bytes)
 {
   void (*set_threads)(int);
   void (*dsyrk)(const char *, const char *, const int *, const int *, const double *, const double *, const int *, const double *,

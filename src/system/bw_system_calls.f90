@@ -246,11 +246,11 @@ module bw_system_calls
       import :: c_int64_t
       implicit none (type, external)
     end function bw_peak_memory
-    integer(c_int) function bw_settle_openblas(bytes) bind(c)
+    integer(c_int) function bw_prepare_openblas(bytes) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)
       integer(c_int64_t), value :: bytes
-    end function bw_settle_openblas
+    end function bw_prepare_openblas
     subroutine bw_set_environment(name, value) bind(c)
       import :: c_char
       implicit none (type, external)

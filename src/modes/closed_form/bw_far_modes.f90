@@ -87,11 +87,11 @@ contains
       start = tangent
     end if
     start = atan(start)
-    call settle(start, tangent, spread, remainder)
+    call solve_differences(start, tangent, spread, remainder)
     turned = 1.0_dp + spread*remainder
   end subroutine far_roots
 
-  pure subroutine settle(start, tangent, spread, remainder)
+  pure subroutine solve_differences(start, tangent, spread, remainder)
     !! Solve δ + atan z = δ₀, z = e t₀δ/(1 + t₀² + eδ): the tangent at α against that at the anchor. With η = δ₀ − δ this is
     !! z = (a − bη)/(1 − cη); a, b and c are below 1/100, η below 1/300, and series in them end below rounding.
     real(dp), intent(in) :: start(:)             !! δ₀
@@ -112,7 +112,7 @@ contains
       eta = eta - eta**3*(1.0_dp/3.0_dp + 2.0_dp/15.0_dp*eta**2)*free*(1.0_dp + c*eta*(2.0_dp*free - 1.0_dp))
       remainder(i) = start(i) - eta
     end do
-  end subroutine settle
+  end subroutine solve_differences
 
   pure subroutine far_tip_and_drive(k, tangent, spread, turned, tip, drive)
     !! Find Φ(1), and Φ(1)/M: the modal velocity that a unit of momentum at the tip gives.

@@ -27,7 +27,7 @@ module bw_mode_search
   real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
   real(dp), parameter :: rough_until = 1.0e-3_dp   !! likewise: the step after one so small may be the last
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
-  real(dp), parameter :: settled = 2.0e-14_dp      !! likewise: a step that changes neither frequency nor motion
+  real(dp), parameter :: converged = 2.0e-14_dp      !! likewise: a step that changes neither frequency nor motion
   real(dp), parameter :: three_digits = 3.0e-4_dp
     !! likewise: motions are off by about as much, and by some times more where another mode is near
   real(dp), parameter :: nearby = 0.6_dp         !! likewise: a motion from so far is about that of the mode (tuned)
@@ -134,7 +134,7 @@ contains
       room = min(mode_distance(k, x), width(search%bracket))
       step = abs(correction)/room
       gains = abs(correction) < 0.5_dp*before
-      exact = abs(correction) < settled*mode_distance(k, x)
+      exact = abs(correction) < converged*mode_distance(k, x)
       final = (exact .or. (step < rounding .and. .not. gains)) .and. .not. search%probe%frequency%rough
       if (search%roughly .and. i > 1) final = final .or. (gains .and. mixture < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then

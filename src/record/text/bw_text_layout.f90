@@ -60,7 +60,7 @@ contains
       return
     end if
     call probe_all(lines, layout%separator, probed)
-    call settle(path, lines, probed, layout, error)
+    call choose_columns(path, lines, probed, layout, error)
   end subroutine find_layout
 
   subroutine probe_all(lines, separator, probed)
@@ -74,7 +74,7 @@ contains
     end do
   end subroutine probe_all
 
-  subroutine settle(path, lines, probed, layout, error)
+  subroutine choose_columns(path, lines, probed, layout, error)
     !! The first row, the decimal mark and the columns, once the separator is known.
     character(*), intent(in) :: path
     type(string), intent(in) :: lines(:)
@@ -102,7 +102,7 @@ contains
     end do
     call name_columns(lines(:layout%header), layout%separator, layout%columns)
     call find_mark(path, probed(layout%header + 1:), layout, error)
-  end subroutine settle
+  end subroutine choose_columns
 
   pure integer function first_row(probed, numeric) result(n)
     !! The first row; where every line has a word among its numbers, the first with a number, which is refused when it is read.

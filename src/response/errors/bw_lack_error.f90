@@ -34,7 +34,7 @@ contains
     allocate (error%bound(size(part)), error%displacement(size(part)), error%rate(size(part)), source=0.0_dp)
     if (allocated(lack%rate)) call add(1.0_dp, lack%rate, lack%q)
     if (allocated(lack%rate_doubt)) call add(lack%likely, lack%rate_doubt, lack%q_doubt)
-    if (lack%settled >= count) return
+    if (lack%bounded >= count) return
     if (is_missing(lack%energy)) then
       error = unknown()
       return
@@ -43,12 +43,12 @@ contains
     middle_rate = 0.0_dp
     do b = 1, survey%bins
       associate (bin => survey%bin(b), share => survey%at(:, b)%share)
-        if (bin%last <= lack%settled .or. bin%last > count) cycle
+        if (bin%last <= lack%bounded .or. bin%last > count) cycle
         middle = middle + share/bin%mean_square
         if (survey%quantity == curvatures) then
-          middle_rate = middle_rate + share/bin%mean_square/(count - lack%settled)
+          middle_rate = middle_rate + share/bin%mean_square/(count - lack%bounded)
         else
-          middle_rate = middle_rate + share/(count - lack%settled)
+          middle_rate = middle_rate + share/(count - lack%bounded)
         end if
       end associate
     end do

@@ -4,7 +4,7 @@ module bw_beam_par
   use bw_input_values, only: group_values
   use bw_kinds, only: dp, qp
   use bw_missing, only: is_missing, missing
-  use bw_scene_messages, only: message_list, settle_product
+  use bw_scene_messages, only: message_list, round_product
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
@@ -130,7 +130,7 @@ contains
     do i = 2, count
       call build_piece(values, i, beam%pieces(i), messages)
     end do
-    call settle_product(sum(real(beam%pieces%length, qp)), beam%length, values%line_of('length'), 'beam%length', &
+    call round_product(sum(real(beam%pieces%length, qp)), beam%length, values%line_of('length'), 'beam%length', &
                         'the length of all pieces', messages)
   end subroutine build_beam
 
@@ -161,8 +161,8 @@ contains
       piece%second_moment = values%number_at('second_moment', i)
       return
     end if
-    call settle_product(area_of(piece), piece%area, values%line_of(name), 'beam%'//name, 'the area '//a, messages)
-    call settle_product(second_moment_of(piece), piece%second_moment, values%line_of(name), 'beam%'//name, &
+    call round_product(area_of(piece), piece%area, values%line_of(name), 'beam%'//name, 'the area '//a, messages)
+    call round_product(second_moment_of(piece), piece%second_moment, values%line_of(name), 'beam%'//name, &
                         'the second moment of area '//b, messages)
   end subroutine build_piece
 

@@ -7,7 +7,7 @@ module bw_damping_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_damping, by_ratio, check_damping, damping_text, settle_damping
+  public :: build_damping, by_ratio, check_damping, damping_text, complete_damping
 
   real(dp), parameter, public :: usual_ratio = 0.01_dp   !! tried where a scene does not say how much is damped
 
@@ -43,17 +43,17 @@ contains
                       'is missing; accepted: ratio, or mass_proportional and stiffness_proportional')
   end subroutine check_damping
 
-  pure subroutine settle_damping(damping)
+  pure subroutine complete_damping(damping)
     !! Of Rayleigh's constants, the one that is not given is 0.
     type(group_values), intent(inout) :: damping
     if (damping%given('ratio')) return
-    if (.not. damping%given('mass_proportional')) call damping%settle('mass_proportional', 0.0_dp, 0)
-    if (.not. damping%given('stiffness_proportional')) call damping%settle('stiffness_proportional', 0.0_dp, 0)
-  end subroutine settle_damping
+    if (.not. damping%given('mass_proportional')) call damping%derive('mass_proportional', 0.0_dp, 0)
+    if (.not. damping%given('stiffness_proportional')) call damping%derive('stiffness_proportional', 0.0_dp, 0)
+  end subroutine complete_damping
 
   pure type(damping_par) function build_damping(values) result(damping)
     !! From checked values.
-    type(group_values), intent(in) :: values   !! settled
+    type(group_values), intent(in) :: values   !! complete
     if (values%known('ratio')) then
       damping%ratio = values%number('ratio')
     else
@@ -70,7 +70,7 @@ contains
 
   pure function damping_text(values) result(text)
     !! What a report calls it, with its ratio or Rayleigh's constants.
-    type(group_values), intent(in) :: values   !! settled
+    type(group_values), intent(in) :: values   !! complete
     character(:), allocatable :: text
     if (values%known('ratio')) then
       text = 'damping (ratio '//values%number_or_swept('ratio', '')//')'

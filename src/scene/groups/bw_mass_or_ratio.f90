@@ -2,7 +2,7 @@ module bw_mass_or_ratio
   !! A mass that a group gives in kg, or as its ratio to the mass of the beam: the other of the two follows.
   use bw_input_values, only: group_values
   use bw_kinds, only: dp, qp
-  use bw_scene_messages, only: message_list, settle_product
+  use bw_scene_messages, only: message_list, round_product
   implicit none (type, external)
   private
   public :: build_mass, check_mass
@@ -37,12 +37,12 @@ contains
     mass%mass_given = values%given('mass')
     if (mass%mass_given) then
       mass%mass = values%number('mass')
-      call settle_product(mass%mass/beam_mass, mass%mass_ratio, values%line_of('mass'), place, &
+      call round_product(mass%mass/beam_mass, mass%mass_ratio, values%line_of('mass'), place, &
                           'its ratio to the mass of the beam', messages)
       if (mass%mass_ratio > 0.0_dp) mass%mass_ratio_low = real(mass%mass/beam_mass - mass%mass_ratio, dp)
     else
       mass%mass_ratio = values%number('mass_ratio')
-      call settle_product(mass%mass_ratio*beam_mass, mass%mass, values%line_of('mass_ratio'), place//'_ratio', &
+      call round_product(mass%mass_ratio*beam_mass, mass%mass, values%line_of('mass_ratio'), place//'_ratio', &
                           'the mass that it stands for', messages)
     end if
   end subroutine build_mass

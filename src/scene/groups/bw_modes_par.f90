@@ -8,7 +8,7 @@ module bw_modes_par
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: build_modes, by_tolerance, is_relaxed, relaxed_tolerance, settle_modes
+  public :: build_modes, by_tolerance, is_relaxed, relaxed_tolerance, complete_modes
 
   type, public :: modes_par
     integer :: before = 0   !! modes of the beam before the impact, ≥ 1
@@ -46,7 +46,7 @@ module bw_modes_par
 
 contains
 
-  pure subroutine settle_modes(modes, rebound, captured, response, messages)
+  pure subroutine complete_modes(modes, rebound, captured, response, messages)
     !! Fill in the counts that follow from others; say which are missing.
     type(group_values), intent(inout) :: modes
     logical, intent(in) :: rebound    !! an impact without capture
@@ -61,21 +61,21 @@ contains
     end if
     if (.not. (modes%given('before') .or. modes%given('after'))) then
       if (response .and. captured) then
-        call modes%settle('tolerance', default_tolerance, 0)
+        call modes%derive('tolerance', default_tolerance, 0)
         return
       else if (response .and. rebound) then
         call ask_for_counts('&response with &impact and without &capture', 'the motion after a rebound '// &
                             'depends on their number (its impulse goes to 0 as modes are added)', messages)
         return
       end if
-      call modes%settle('before', real(default_count, dp), 0)
+      call modes%derive('before', real(default_count, dp), 0)
     end if
     if (captured) then
-      call settle_pair(modes)
+      call complete_pair(modes)
     else
-      call settle_single(modes, messages)
+      call complete_single(modes, messages)
     end if
-  end subroutine settle_modes
+  end subroutine complete_modes
 
   pure subroutine ask_for_counts(groups, reason, messages)
     !! Say that groups which are there need a count of modes, and why.
@@ -85,17 +85,17 @@ contains
                       '; accepted: 1 to '//text_of(counts%high))
   end subroutine ask_for_counts
 
-  pure subroutine settle_pair(modes)
+  pure subroutine complete_pair(modes)
     !! With a capture: a count that is not given is the other one, and follows its sweep.
     type(group_values), intent(inout) :: modes
     if (.not. modes%given('after')) then
-      call modes%settle('after', modes%number('before'), modes%values(modes%at('before'))%sweeps(1))
+      call modes%derive('after', modes%number('before'), modes%values(modes%at('before'))%sweeps(1))
     else if (.not. modes%given('before')) then
-      call modes%settle('before', modes%number('after'), modes%values(modes%at('after'))%sweeps(1))
+      call modes%derive('before', modes%number('after'), modes%values(modes%at('after'))%sweeps(1))
     end if
-  end subroutine settle_pair
+  end subroutine complete_pair
 
-  pure subroutine settle_single(modes, messages)
+  pure subroutine complete_single(modes, messages)
     !! Without a capture: `after` may only repeat `before`, and says nothing then.
     type(group_values), intent(inout) :: modes
     type(message_list), intent(inout) :: messages
@@ -109,11 +109,11 @@ contains
                         text_of(modes%whole('before'))//' as modes%before')
     end if
     call modes%drop('after')
-  end subroutine settle_single
+  end subroutine complete_single
 
   pure type(modes_par) function build_modes(values) result(modes)
     !! Counts, or a tolerance.
-    type(group_values), intent(in) :: values      !! settled
+    type(group_values), intent(in) :: values      !! complete
     if (values%known('tolerance')) then
       modes%tolerance = values%number('tolerance')
       modes%asked = values%given('tolerance')

@@ -9,7 +9,7 @@ module bw_record_par
   use bw_text, only: string, text_of
   implicit none (type, external)
   private
-  public :: build_record, check_record, settle_record
+  public :: build_record, check_record, complete_record
 
   integer, parameter, public :: most_columns = 4096    !! of the sensors
   integer, parameter :: most_files = 10000
@@ -138,7 +138,7 @@ contains
     end do
   end subroutine check_counts
 
-  pure subroutine settle_record(groups, messages)
+  pure subroutine complete_record(groups, messages)
     !! The part that is used has a length, in every case of a sweep.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
@@ -148,7 +148,7 @@ contains
       call messages%add(record%line_of('end'), 'record%end', text_of(record%number('end'))//' is not after start = '// &
                         text_of(record%number('start'))//'; accepted: a later time')
     end associate
-  end subroutine settle_record
+  end subroutine complete_record
 
   pure type(record_par) function build_record(values) result(record)
     !! From checked values.

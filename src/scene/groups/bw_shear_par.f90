@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear, settle_shear, shear_text, usual_coefficient, usual_shear
+  public :: build_shear, check_shear, complete_shear, shear_text, usual_coefficient, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -44,7 +44,7 @@ contains
                       'which do not tell its shape; accepted: a real, > 0')
   end subroutine check_shear
 
-  pure subroutine settle_shear(groups)
+  pure subroutine complete_shear(groups)
     !! The coefficient of a circle or a rectangle is that of its material; where a sweep goes through materials it follows.
     type(group_values), intent(inout) :: groups(:)
     integer :: shear, beam
@@ -54,14 +54,14 @@ contains
     if (groups(shear)%given('shear_coefficient')) return
     if (.not. (groups(beam)%given('diameter') .or. groups(beam)%given('width'))) return
     associate (ratio => groups(shear)%values(groups(shear)%at('poisson_ratio')))
-      if (ratio%known) call groups(shear)%settle('shear_coefficient', usual_coefficient(ratio%numbers(1), &
+      if (ratio%known) call groups(shear)%derive('shear_coefficient', usual_coefficient(ratio%numbers(1), &
                                                  groups(beam)%given('diameter')), ratio%sweeps(1))
     end associate
-  end subroutine settle_shear
+  end subroutine complete_shear
 
   pure type(shear_par) function build_shear(values) result(shear)
-    !! Poisson's ratio and the coefficient, given or settled.
-    type(group_values), intent(in) :: values   !! settled
+    !! Poisson's ratio and the coefficient, given or derived.
+    type(group_values), intent(in) :: values   !! complete
     shear%poisson_ratio = values%number('poisson_ratio')
     if (values%known('shear_coefficient')) shear%shear_coefficient = values%number('shear_coefficient')
   end function build_shear
@@ -81,7 +81,7 @@ contains
 
   pure function shear_text(values) result(text)
     !! What a report calls it, with its two numbers.
-    type(group_values), intent(in) :: values   !! settled
+    type(group_values), intent(in) :: values   !! complete
     character(:), allocatable :: text
     text = 'shear (Poisson''s ratio '//values%number_or_swept('poisson_ratio', '')//', shear coefficient '// &
       values%number_or_swept('shear_coefficient', '')//')'

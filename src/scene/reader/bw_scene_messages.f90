@@ -6,7 +6,7 @@ module bw_scene_messages
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
-  public :: settle_product, shown
+  public :: round_product, shown
 
   integer, parameter :: most_messages = 1000  !! nobody reads more, and memory is bounded
 
@@ -99,7 +99,7 @@ contains
     key = merge(huge(line), line, line == 0)
   end function key
 
-  pure subroutine settle_product(product, value, line, place, what, messages)
+  pure subroutine round_product(product, value, line, place, what, messages)
     !! Round a product to double precision; where it overflows or loses digits to underflow, say so.
     real(qp), intent(in) :: product
     real(dp), intent(out) :: value
@@ -115,7 +115,7 @@ contains
     else
       value = real(product, dp)
     end if
-  end subroutine settle_product
+  end subroutine round_product
 
   pure function shown(text) result(piece)
     !! A piece of the scene, shortened, as a message may show it.

@@ -17,7 +17,7 @@ module bw_forecast
   implicit none (type, external)
   private
 
-  integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is foretold
+  integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is predicted
   integer(i8), parameter, public :: most_trial_bytes = 1000000000_i8    !! of memory, which a case that is tried may take
 
   type, public :: forecast_type
@@ -27,7 +27,7 @@ module bw_forecast
     logical :: from_few = .false.             !! there was no time to run any case to its end
   contains
     procedure :: add
-    procedure :: foretell
+    procedure :: predict_notes
   end type forecast_type
 
 contains
@@ -42,14 +42,14 @@ contains
     call self%notes%add(index, notes)
   end subroutine add
 
-  subroutine foretell(self, index, scene, layout, monitor)
+  subroutine predict_notes(self, index, scene, layout, monitor)
     !! The notes of a case that takes longer than there is time, from few of its modes and samples: from samples of its whole record,
     !! and from its first ones, which are as close to each other as those of the case.
     class(forecast_type), intent(inout) :: self
     integer(i8), intent(in) :: index              !! of the case
     type(scene_type), intent(in) :: scene         !! of the case
     type(result_layout), intent(in) :: layout
-    class(monitor_type), intent(inout) :: monitor !! nothing is foretold where it asks to stop
+    class(monitor_type), intent(inout) :: monitor !! nothing is predicted where it asks to stop
     type(case_result) :: result
     type(string), allocatable :: notes(:)
     type(scene_type) :: few
@@ -68,7 +68,7 @@ contains
     end if
     self%from_few = self%from_few .or. size(self%cases) == 0
     call self%add(index, notes)
-  end subroutine foretell
+  end subroutine predict_notes
 
   subroutine run_few(few, layout, monitor, result, whole)
     !! Run the short case to its end, if the user lets it.

@@ -51,7 +51,7 @@ module bw_time_estimate
     type(time_limit) :: limit
     type(forecast_type) :: forecast
   contains
-    procedure :: sample, guess, foretell
+    procedure :: sample, guess, predict_notes
   end type case_timer
 
 contains
@@ -84,7 +84,7 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
-    if (.not. any(timer%forecast%cases == timer%index)) call timer%foretell(monitor)
+    if (.not. any(timer%forecast%cases == timer%index)) call timer%predict_notes(monitor)
     forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + put_seconds + number_seconds*numbers)
   end function estimated_seconds
@@ -133,17 +133,17 @@ contains
     part = nearest(1.0_dp, -1.0_dp)
   end subroutine guess
 
-  subroutine foretell(self, monitor)
+  subroutine predict_notes(self, monitor)
     !! What few modes and samples say of the case at hand, which was not run to its end, and of the last: what is extreme is often
     !! the last.
     class(case_timer), intent(inout) :: self
-    class(monitor_type), intent(inout) :: monitor !! nothing is foretold where it asks to stop
+    class(monitor_type), intent(inout) :: monitor !! nothing is predicted where it asks to stop
     type(error_type), allocatable :: error
-    call self%forecast%foretell(self%index, self%one, self%layout, monitor)
+    call self%forecast%predict_notes(self%index, self%one, self%layout, monitor)
     self%index = case_count(self%scene)
     call case_scene(self%scene, self%index, self%one, error)
-    if (.not. allocated(error)) call self%forecast%foretell(self%index, self%one, self%layout, monitor)
-  end subroutine foretell
+    if (.not. allocated(error)) call self%forecast%predict_notes(self%index, self%one, self%layout, monitor)
+  end subroutine predict_notes
 
   pure integer(i8) function place(sample, cases)
     !! The number of the case that is the n-th sample.
