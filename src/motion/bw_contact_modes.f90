@@ -52,6 +52,9 @@ contains
     allocate (modes%mixing(n, n), modes%onto(n + 1, n), modes%tip_in_full(n), modes%modal_mass(n), modes%parts%square(n))
     pole = motion%parts%square(:n) + motion%omega**2
     pole = 1.0_qp/max(pole, at_rest*maxval(pole(:min(n, 3))))
+    do k = 2, n
+      pole(k) = min(pole(k), pole(k - 1)*(1.0_qp - 4.0_qp*epsilon(pole)))      ! the same frequency twice is so only to rounding
+    end do
     weight = motion%gap%a(:n)**2*pole/inertia
     do k = 1, n
       if (stops(monitor)) return

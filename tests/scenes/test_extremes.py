@@ -14,16 +14,17 @@ from extreme_scenes import extreme_text
 SCENES = int(os.environ.get("BEAMWAVE_SCENES", "48"))
 SEED = int(os.environ.get("BEAMWAVE_SEED", "1"))
 CHUNK = 24
+FOUND = [26, 95, 1411, 1417, 7000660, 7001665]  # of longer runs by hand, each a kind of its own
 NO_NUMBER = re.compile(r"\b(NaN|Inf|Infinity)\b|\*{5}")
 RIGID = [1e60, 1e100, 1e140, 1e200, 1e290]
 BEAM = "&beam length=1, density=7870, youngs_modulus=2e11, diameter=0.037 /\n"
 STRUCK = "&impact mass_ratio=0.2, position=0.7 / &capture / &modes before=30 / &response duration=0.1, samples=64, velocity=T /\n"
 
 
-@pytest.mark.parametrize("first", range(SEED * 10**6, SEED * 10**6 + SCENES, CHUNK))
-def test_no_number_is_lost(here, first):
+@pytest.mark.parametrize("seeds", [FOUND, *(range(n, n + CHUNK) for n in range(SEED * 10**6, SEED * 10**6 + SCENES, CHUNK))])
+def test_no_number_is_lost(here, seeds):
     ends = {}
-    for seed in range(first, first + CHUNK):
+    for seed in seeds:
         ended = here.beamwave("run", here.write("a.nml", extreme_text(seed)), "--overwrite", "--max-seconds", "5")
         ends[ended.returncode] = ends.get(ended.returncode, 0) + 1
         said = f"seed {seed}: status {ended.returncode}: {ended.stderr}"
@@ -41,7 +42,7 @@ def test_no_number_is_lost(here, first):
         assert not lost, f"{said}{lost}"
         assert "fault of the program" not in result.attributes["notes"], said
         (here.directory / "output/a.nc").unlink()
-    print(f"statuses of {CHUNK} scenes from seed {first}: {ends}")
+    print(f"statuses of {len(seeds)} scenes from seed {seeds[0]}: {ends}")
 
 
 @pytest.mark.parametrize("spring", ["stiffness", "rotational_stiffness"])
