@@ -102,15 +102,18 @@ contains
     call lines%append_line('')
   end subroutine put_row
 
-  subroutine put_numbers(self, lines, most, columns, rounded)
+  subroutine put_numbers(self, lines, most, columns, rounded, count)
     !! The head, and rows of numbers, each behind its own from 1 on, at most `most` of them.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     integer, intent(in) :: most
     real(dp), intent(in) :: columns(:, :)         !! (rows, columns)
     integer, intent(in), optional :: rounded      !! a column of errors, of which two digits are enough
+    integer, intent(in), optional :: count        !! how many rows there are; absent: as many as the columns have
     character(:), allocatable :: cells
-    integer :: k, c, errors
+    integer :: k, c, errors, rows
+    rows = size(columns, 1)
+    if (present(count)) rows = count
     errors = 0
     if (present(rounded)) errors = rounded
     call self%put_head(lines)
@@ -122,7 +125,7 @@ contains
       end do
       call self%put_row(lines, cells)
     end do
-    call note_rest(lines, size(columns, 1), most)
+    call note_rest(lines, rows, most)
   end subroutine put_numbers
 
   subroutine note_rest(lines, count, most)

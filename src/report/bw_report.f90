@@ -45,22 +45,30 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: frequency, phase, group
-    real(dp), allocatable :: columns(:, :)
     type(text_table) :: table
-    integer :: n
+    integer :: n, count
     frequency = values_of(result, 'angular_frequency')
-    phase = values_of(result, 'phase_velocity')
-    group = values_of(result, 'group_velocity')
+    count = size(frequency)
+    n = min(shown_modes, count)
+    frequency = frequency(:n)
+    phase = first_of('phase_velocity')
+    group = first_of('group_velocity')
     call lines%append_line('')
-    columns = reshape([values_of(result, 'alpha'), values_of(result, 'wavenumber'), frequency, &
-                       scaled(frequency, 1.0_dp/two_pi), phase, group, released_frequency(result, size(frequency))], &
-                      [size(frequency), 7])
     table = table_of('mode|alpha|wave number|frequency|frequency|phase velocity|group velocity|released', &
                      '||1/m|rad/s|Hz|m/s|m/s|rad/s', [6, 12, 13, 13, 13, 16, 16, 15], [(.true., n=1, 7), leaves_again(result)])
-    call table%put_numbers(lines, shown_modes, columns)
-    n = min(shown_modes, size(frequency))
-    call lines%append(why_not(values_of(result, 'growth_rate'), frequency(:n), phase(:n), group(:n), result%modes%rigid()))
+    call table%put_numbers(lines, shown_modes, reshape([first_of('alpha'), first_of('wavenumber'), frequency, &
+                                                        scaled(frequency, 1.0_dp/two_pi), phase, group, &
+                                                        released_frequency(result, n)], [n, 7]), count=count)
+    call lines%append(why_not(first_of('growth_rate'), frequency, phase, group, result%modes%rigid()))
     call report_critical(scene, result, lines)
+  contains
+    function first_of(name) result(values)
+      !! A variable of the modes that are shown.
+      character(*), intent(in) :: name
+      real(dp), allocatable :: values(:)
+      values = values_of(result, name)
+      values = values(:n)
+    end function first_of
   end subroutine report_modes
 
   pure logical function leaves_again(result)

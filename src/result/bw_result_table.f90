@@ -23,7 +23,7 @@ module bw_result_table
     !! ended, which is put when these are on the disk; what is known when all cases are done; what else belongs into the result;
     !! texts of cases, for which the disk keeps no room, as few have them
   integer, parameter :: defining = 1, putting = 2, naming = 3         !! what the rows are walked through for
-  integer, parameter, public :: most_waiting = 65536                  !! numbers of cases in memory; a case of more is put at once; tuned
+  integer, parameter, public :: most_waiting = 2**18                  !! numbers of cases in memory; a case of more is put at once; tuned
 
   type, extends(classic_file), public :: result_table
     type(result_layout) :: layout            !! of the result; as it is by default, of any other file
@@ -33,7 +33,11 @@ module bw_result_table
     character(:), allocatable :: lost        !! of the case at hand, names of variables with NaN or infinity behind ', ' each: fill
                                              !! stands there, and no stage should leave any
     integer, private :: walk = defining, section = before_cases
-    integer, private :: before(before_cases:of_notes + 1) = 0   !! how many variables stand before those of a section
+    integer, private :: before(before_cases:of_notes + 1) = 0   !! how many rows stand before those of a section
+    character(:), allocatable, private :: row_names         !! of all rows, one behind the other
+    integer, allocatable, private :: row_ends(:)            !! (0 to rows) where the name of each ends
+    integer, allocatable, private :: row_variables(:)       !! (rows) which variable is a row's; 0: the file lacks it
+    integer, private :: row_at = 0                          !! the last row that was walked through
     integer(i8), allocatable, private :: numbers_before(:)  !! (variables) of the numbers of a case how many stand before its own; −1: it
                                                         !! is not among them
     integer, private :: at = 0               !! the variable at hand
@@ -50,7 +54,7 @@ module bw_result_table
     procedure, private :: put_list, put_wholes
     generic :: put => put_list, put_wholes
     procedure :: put_columns, put_texts, put_again, store, write_cases, is_gathered
-    procedure, private :: row, in_section, define, fill, wanted_count
+    procedure, private :: row, find_row, define, fill, wanted_count
   end type result_table
 
 contains
@@ -59,9 +63,14 @@ contains
     !! The rows of a section follow.
     class(result_table), intent(inout) :: self
     integer, intent(in) :: section
-    if (self%walk == defining) self%before(section:) = self%head%count
+    if (.not. allocated(self%row_names)) then
+      self%row_names = ''
+      self%row_ends = [0]
+      allocate (self%row_variables(0))
+    end if
+    if (self%walk == defining) self%before(section:) = size(self%row_variables)
     self%section = section
-    self%at = self%before(section)
+    self%row_at = self%before(section)
     self%is_blank = .false.
     self%case = 1
     call self%begin_names('', '')
@@ -162,32 +171,36 @@ contains
     character(*), intent(in) :: name, dimensions, units, long_name
     integer, intent(in) :: kind
     character(*), intent(in), optional :: needs
-    integer :: v
     wanted = .false.
     select case (self%walk)
     case (defining)
       call self%define(name, kind, dimensions, units, long_name, needs)
     case (putting)
-      v = self%in_section(name//self%suffix)
-      wanted = v > 0
-      if (wanted) self%at = v
+      call self%find_row(name)
+      wanted = self%at > 0
     case default
       wanted = name//self%suffix == self%wanted
     end select
   end function row
 
-  pure integer function in_section(self, name) result(v)
-    !! The number of a variable of the section at hand; 0 where there is none. The one behind the last is looked at first.
-    class(result_table), intent(in) :: self
+  pure subroutine find_row(self, name)
+    !! Go to the variable of a row of the section at hand; 0 where the file lacks it. The row behind the last is looked at first.
+    class(result_table), intent(inout) :: self
     character(*), intent(in) :: name
-    integer :: i, n
+    integer :: r, i, n
     n = self%before(self%section + 1) - self%before(self%section)
+    self%at = 0
     do i = 0, n - 1
-      v = self%before(self%section) + 1 + modulo(self%at - self%before(self%section) + i, n)
-      if (self%head%variables(v)%name == name) return
+      r = self%before(self%section) + 1 + modulo(self%row_at - self%before(self%section) + i, n)
+      associate (there => self%row_names(self%row_ends(r) + 1:self%row_ends(r + 1)), first => len(name))
+        if (len(there) /= first + len(self%suffix)) cycle
+        if (there(:first) /= name .or. there(first + 1:) /= self%suffix) cycle
+      end associate
+      self%row_at = r
+      self%at = self%row_variables(r)
+      return
     end do
-    v = 0
-  end function in_section
+  end subroutine find_row
 
   subroutine define(self, name, kind, dimensions, units, long_name, needs)
     !! Define the variable of a row, if the file has it: where it has all of its dimensions and what else the row needs.
@@ -205,6 +218,9 @@ contains
     is_there = all(numbers > 0)
     if (is_there .and. present(needs)) is_there = has(self%layout, needs)
     self%at = 0
+    self%row_names = self%row_names//name//self%suffix
+    self%row_ends = [self%row_ends, len(self%row_names)]
+    self%row_variables = [self%row_variables, merge(self%head%count + 1, 0, is_there)]
     if (is_there) then
       call self%head%add_variable(name//self%suffix, kind, numbers, merge(max(1, self%layout%cases), 1, has_case))
       self%at = self%head%count
@@ -234,15 +250,17 @@ contains
     class(result_table), intent(inout) :: self
     character(:), allocatable, intent(out) :: head        !! as it stands at the beginning of the file
     logical, intent(out) :: fits                          !! .false.: a variable takes a head with wider sizes
-    integer :: v
-    self%before(self%section + 1:) = self%head%count
+    integer :: r, v
+    self%before(self%section + 1:) = size(self%row_variables)
     associate (variables => self%head%variables(:self%head%count))
       fits = self%head%width == 8 .or. all(variables%count*variables%width <= most_bytes)
     end associate
     if (.not. fits) return
     call self%head%lay_out(head)
     allocate (self%numbers_before(self%head%count), source=-1_i8)
-    do v = self%before(of_cases) + 1, self%before(of_case_ends)
+    do r = self%before(of_cases) + 1, self%before(of_case_ends)
+      v = self%row_variables(r)
+      if (v == 0) cycle
       self%numbers_before(v) = self%case_numbers
       self%case_numbers = self%case_numbers + self%head%variables(v)%room
     end do

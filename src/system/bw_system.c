@@ -165,13 +165,15 @@ static int write_at(int descriptor, const char *bytes, int64_t count, int64_t pl
 }
 
 /* A file whose numbers have their places. What is put is gathered as long as each comes behind the one before it. Where numbers lie
-   scattered, as where several processes take turns, the file is in memory instead, if the system offers that. */
+   scattered, as where several processes take turns, those that fill less than a page go into the file as memory, if the system
+   offers that. */
 static volatile sig_atomic_t is_mapped;
 typedef struct {
   int descriptor;
   char *memory;
   int64_t length;                                            /* of the memory */
-  int64_t place, count;                                      /* of the bytes that are gathered, or were put into the memory */
+  int is_touched;                                            /* something was put into the memory */
+  int64_t place, count;                                      /* of the bytes that are gathered */
   char bytes[1 << 18];
 } number_file;
 
@@ -181,7 +183,7 @@ int bw_open_numbers(int descriptor, int64_t length, int scattered, number_file *
   if (!made) return ENOMEM;
   made->descriptor = descriptor;
   made->length = length;
-  made->place = made->count = 0;
+  made->place = made->count = made->is_touched = 0;
   made->memory = scattered ? mmap(NULL, (size_t)length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) : NULL;
   if (made->memory == MAP_FAILED) made->memory = NULL;
   is_mapped = is_mapped || made->memory;
@@ -193,17 +195,19 @@ int bw_write_gathered(number_file *file)
 {
   int64_t count = file->count;
   file->count = 0;
-  if (file->memory && count) madvise(file->memory, (size_t)file->length, MADV_DONTNEED);
-  return count && !file->memory ? write_at(file->descriptor, file->bytes, count, file->place) : 0;
+  if (file->is_touched) madvise(file->memory, (size_t)file->length, MADV_DONTNEED);
+  file->is_touched = 0;
+  return count ? write_at(file->descriptor, file->bytes, count, file->place) : 0;
 }
 
 /* So many bytes of room for what comes next, of one number at least; NULL where what was there cannot be written. */
 static char *room_for(number_file *file, int64_t place, int64_t count, int64_t width, int64_t *room, int *number)
 {
+  const int64_t page = 4096;
   *number = 0;
   *room = count;
-  if (file->memory) {
-    file->count += count;
+  if (file->memory && count < page) {
+    file->is_touched = 1;
     return file->memory + place;
   }
   if (place != file->place + file->count || file->count + width > (int64_t)sizeof file->bytes) {
