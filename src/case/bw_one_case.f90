@@ -13,7 +13,7 @@ module bw_one_case
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_undecided
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
-  use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
+  use bw_case_cost, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
   use bw_initial_state, only: initial_state_cache

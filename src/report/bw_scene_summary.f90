@@ -4,7 +4,7 @@ module bw_scene_summary
   use bw_kinds, only: dp, i8
   use bw_beam_par, only: beam_text
   use bw_beam_units, only: beam_units, units_of
-  use bw_case_shares, only: case_bytes
+  use bw_case_cost, only: case_bytes
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
   use bw_record_case, only: few_numbers
@@ -206,6 +206,7 @@ contains
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
     integer, parameter :: time_copies = 3
+    integer, parameter :: line_bytes = 16000000      ! of a group of lines that are fitted together
     integer, parameter :: of_case = 16               ! its number and how it ended
     integer(i8) :: shapes, numbers
     shapes = int(max(layout%modes, layout%modes_before), i8)*max(layout%points, 2*layout%profile)
@@ -214,6 +215,7 @@ contains
     bytes = 8*(2*numbers + shapes + wave_numbers*int(layout%frequencies, i8) + time_copies*int(layout%samples, i8)) + 27000000
     if (.not. allocated(scene%record)) bytes = bytes + case_bytes(scene)
     if (allocated(layout%record)) bytes = bytes + record_bytes(layout%record%longest, layout%points)
+    if (allocated(scene%spectrum)) bytes = bytes + line_bytes
     bytes = bytes + 8*min(int(most_waiting, i8), numbers*layout%cases) + of_case*int(layout%cases, i8)
   end function working_bytes
 

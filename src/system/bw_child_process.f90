@@ -45,7 +45,6 @@ module bw_child_process
     type(string), allocatable, private :: texts(:)   !! where there is no child: what was told
     type(error_type), allocatable, private :: error
     real(dp) :: seconds = 0.0_dp                     !! processor time of the child
-    logical :: calculates = .false.                  !! it opens no file: a signal that ends it is a fault in the program
   contains
     procedure :: begin
     procedure :: is_here
@@ -185,16 +184,11 @@ contains
     integer, intent(in) :: ended                     !! its exit status, or below 0 the signal that ended it
     type(string), allocatable, intent(inout) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
-    integer, parameter :: killed = -9                ! by somebody, or for want of memory
-    character(:), allocatable :: it
+    character(*), parameter :: it = 'the process that reads and writes files '
     integer :: first, letters, status, n, i
-    it = 'the process that reads and writes files '
-    if (self%calculates) it = 'the process that calculates '
     if (ended < 0 .and. self%limit > 0) then
       call fail(error, status_bad_file, 'cannot be read: the library that reads it crashed or found no end (signal '// &
                 text_of(-ended)//'); the file is damaged')
-    else if (ended < 0 .and. ended /= killed .and. self%calculates) then
-      call fail(error, status_fault, it//'was ended by signal '//text_of(-ended)//': please report it')
     else if (ended < 0) then
       call fail(error, status_bad_file, it//'was ended by signal '//text_of(-ended)// &
                 ', as happens to HDF5 after a refused read or write; where nothing was refused, please report it')

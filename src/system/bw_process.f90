@@ -7,11 +7,11 @@ module bw_process
   use bw_error, only: error_type, fail, status_bad_file, status_fault, status_stopped
   use bw_kinds, only: dp, i8
   use bw_system_calls, only: bw_free_disk, bw_free_memory, bw_leave, bw_open_standard_streams, bw_pause, &
-    bw_peak_memory, bw_set_ending, bw_set_environment, bw_prepare_openblas, bw_stop_after, bw_stop_asked, bw_watch
+    bw_set_ending, bw_set_environment, bw_prepare_openblas, bw_stop_after, bw_stop_asked, bw_watch
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: free_disk, free_memory, peak_memory, open_standard_streams, watch_over_process, prepare_libraries
+  public :: free_disk, free_memory, open_standard_streams, watch_over_process, prepare_libraries
   public :: leave, pause, stop_after, stop_asked
 
   type :: ending_type
@@ -69,11 +69,6 @@ contains
     !! Memory that the machine can still grant without swapping, as far as it tells; below 0: not known.
     bytes = bw_free_memory()
   end function free_memory
-
-  integer(i8) function peak_memory() result(bytes)
-    !! The most memory that this process has had.
-    bytes = bw_peak_memory()
-  end function peak_memory
 
   subroutine stop_after(seconds)
     !! Ask to stop after so many seconds, as a signal does.

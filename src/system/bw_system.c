@@ -659,14 +659,6 @@ int64_t bw_free_memory(void)
   return pages < 0 || size < 0 ? -1 : (int64_t)pages * size;
 }
 
-/* The most memory that this process has had. */
-int64_t bw_peak_memory(void)
-{
-  struct rusage used = {0};
-  getrusage(RUSAGE_SELF, &used);
-  return (int64_t)used.ru_maxrss * 1024;
-}
-
 /* Where LAPACK is OpenBLAS, it works with one thread, and claims the memory of so many bytes that it takes at its first call:
    refused at that call it would ask again without end. Elsewhere nothing is done. ENOMEM: it is refused. */
 int bw_prepare_openblas(int64_t bytes)

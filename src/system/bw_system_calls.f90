@@ -242,10 +242,6 @@ module bw_system_calls
       import :: c_int64_t
       implicit none (type, external)
     end function bw_free_memory
-    integer(c_int64_t) function bw_peak_memory() bind(c)
-      import :: c_int64_t
-      implicit none (type, external)
-    end function bw_peak_memory
     integer(c_int) function bw_prepare_openblas(bytes) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)

@@ -11,7 +11,7 @@ module bw_sum_choice
   use bw_spreading_kernel, only: degree_of, high_degree, transform_error, vector
   implicit none (type, external)
   private
-  public :: chosen_sum, error_of_sum, grid_for_width
+  public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
 
   type, public :: sum_choice
     logical :: transform = .false.    !! by the non-uniform transform
@@ -66,6 +66,19 @@ contains
       choice = sum_choice(.true., width, half)
     end do
   end function chosen_sum
+
+  pure real(dp) function sum_seconds(modes, samples, histories, tolerance) result(seconds)
+    !! What the chosen sum takes, by the model.
+    integer, intent(in) :: modes, samples, histories
+    real(dp), intent(in) :: tolerance     !! as that of `chosen_sum`
+    type(sum_choice) :: choice
+    choice = chosen_sum(modes, samples, histories, tolerance)
+    if (choice%transform) then
+      seconds = transform_seconds(modes, samples, histories, choice%width, choice%half)
+    else
+      seconds = product_seconds(modes, samples, histories)
+    end if
+  end function sum_seconds
 
   elemental real(dp) function error_of_sum(choice, samples) result(error)
     !! Over the peak.

@@ -1,8 +1,9 @@
 module bw_forecast
-  !! What a run of a scene would say, before it is run: the notes of cases that were tried, or, of a case that takes longer than
-  !! there is time, those of few of its modes and samples.
+  !! What a run of a scene would warn of, before it is run: the notes of its first and its last case, or, where they take longer than
+  !! there is time, those of few of their modes and samples.
+  use bw_case_cost, only: case_bytes, case_counts, seconds_of
   use bw_case_result, only: case_result
-  use bw_case_shares, only: case_bytes
+  use bw_error, only: error_type
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
   use bw_modes_par, only: by_tolerance
@@ -12,95 +13,98 @@ module bw_forecast
   use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count, case_scene
   use bw_stopwatch, only: stopwatch
   use bw_text, only: append, string
   implicit none (type, external)
   private
+  public :: forecast_notes, takes_at_most
 
   integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is predicted
-  integer(i8), parameter, public :: most_trial_bytes = 1000000000_i8    !! of memory, which a case that is tried may take
+  real(dp), parameter :: quick = 0.03_dp                     !! s: a case that is run as it is
+  real(dp), parameter :: most_seconds = 0.5_dp               !! s, for few modes
+  integer(i8), parameter :: most_bytes = 1000000000_i8       !! of memory
 
   type, public :: forecast_type
-    !! What cases that were run for their time had to say.
     type(notes_type) :: notes
-    integer(i8), allocatable :: cases(:)      !! their numbers
-    logical :: from_few = .false.             !! there was no time to run any case to its end
-  contains
-    procedure :: add
-    procedure :: predict_notes
+    integer :: cases = 0                           !! that were tried
+    logical :: from_few = .false.                  !! with few modes and samples
   end type forecast_type
 
 contains
 
-  subroutine add(self, index, notes)
-    !! Keep the notes of a case, once.
-    class(forecast_type), intent(inout) :: self
-    integer(i8), intent(in) :: index              !! of the case
-    type(string), intent(in) :: notes(:)
-    if (any(self%cases == index)) return
-    self%cases = [self%cases, index]
-    call self%notes%add(index, notes)
-  end subroutine add
+  logical function takes_at_most(scene, planned, seconds) result(quickly)
+    !! By the model of costs.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    integer, intent(in) :: planned                 !! modes that a tolerance takes
+    real(dp), intent(in) :: seconds
+    quickly = seconds_of(case_counts(scene, planned)) <= seconds .and. case_bytes(scene) <= most_bytes
+  end function takes_at_most
 
-  subroutine predict_notes(self, index, scene, layout, monitor)
-    !! The notes of a case that takes longer than there is time, from few of its modes and samples: from samples of its whole record,
-    !! and from its first ones, which are as close to each other as those of the case.
-    class(forecast_type), intent(inout) :: self
-    integer(i8), intent(in) :: index              !! of the case
-    type(scene_type), intent(in) :: scene         !! of the case
+  subroutine forecast_notes(scene, layout, planned, monitor, forecast)
+    !! Of the first and the last case of a sweep: what is extreme is often the last.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    class(monitor_type), intent(inout) :: monitor !! nothing is predicted where it asks to stop
-    type(case_result) :: result
+    integer, intent(in) :: planned                 !! as that of `takes_at_most`
+    class(monitor_type), intent(inout) :: monitor  !! nothing is known where it asks to stop
+    type(forecast_type), intent(out) :: forecast
+    type(scene_type) :: one
+    type(error_type), allocatable :: error
     type(string), allocatable :: notes(:)
-    type(scene_type) :: few
-    logical :: whole
-    allocate (notes(0))
-    few = few_of(scene, 1.0_dp)
-    if (case_bytes(few) > most_trial_bytes) return
-    call run_few(few, layout, monitor, result, whole)
-    if (.not. whole) return
-    call take_notes(result%notes, .false., notes)
-    if (allocated(scene%response)) then
-      few = few_of(scene, real(few_samples, dp)/scene%response%samples)
-      call run_few(few, layout, monitor, result, whole)
-      if (.not. whole) return
-      call take_notes(result%notes, .true., notes)
-    end if
-    self%from_few = self%from_few .or. size(self%cases) == 0
-    call self%add(index, notes)
-  end subroutine predict_notes
+    integer(i8) :: index, cases
+    cases = case_count(scene)
+    do index = 1, cases, max(1_i8, cases - 1)
+      call case_scene(scene, index, one, error)
+      if (allocated(error)) cycle
+      allocate (notes(0))
+      if (takes_at_most(one, planned, quick)) then
+        call try(one, layout, monitor, '', notes)
+      else if (takes_at_most(few_of(one, 1.0_dp), few_modes, most_seconds)) then
+        forecast%from_few = .true.
+        call try(few_of(one, 1.0_dp), layout, monitor, 'all but aliasing', notes)
+        if (allocated(one%response)) &
+          call try(few_of(one, real(few_samples, dp)/one%response%samples), layout, monitor, 'aliasing', notes)
+      else
+        return
+      end if
+      if (monitor%stop_requested()) return
+      call forecast%notes%add(index, notes)
+      forecast%cases = forecast%cases + 1
+      deallocate (notes)
+    end do
+  end subroutine forecast_notes
 
-  subroutine run_few(few, layout, monitor, result, whole)
-    !! Run the short case to its end, if the user lets it.
-    type(scene_type), intent(in) :: few
+  subroutine try(scene, layout, monitor, kinds, notes)
+    !! Run a case and take its notes: all of them, or, of few modes, those on aliasing or the others. Few modes would raise errors, and
+    !! know less than a run of where energy goes. Spectra, whose time is hard to foresee, warn of little.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     class(monitor_type), intent(inout) :: monitor
-    type(case_result), intent(out) :: result
-    logical, intent(out) :: whole
+    character(*), intent(in) :: kinds
+    type(string), allocatable, intent(inout) :: notes(:)
+    type(scene_type) :: simple
+    type(case_result) :: result
     type(stopwatch) :: watch
     type(case_cache), target :: cache
-    call run_case(few, layout, watch, monitor, cache, result, whole)
-  end subroutine run_few
-
-  pure subroutine take_notes(found, aliasing, notes)
-    !! Of samples that are close to each other the note on aliasing, of the others all but that; none on errors, which few modes
-    !! would raise, nor on where the energy goes, of which few modes know less than a run.
-    type(string), intent(in) :: found(:)
-    logical, intent(in) :: aliasing
-    type(string), allocatable, intent(inout) :: notes(:)
     character(:), allocatable :: kind
     integer :: i
-    do i = 1, size(found)
-      kind = kind_of(found(i)%text)
-      if (index(kind, 'error of') == 1 .or. kind == 'energy of the release') cycle
-      if ((kind == 'aliasing') .eqv. aliasing) call append(notes, found(i)%text)
+    logical :: whole
+    simple = scene
+    if (allocated(simple%spectrum)) deallocate (simple%spectrum)
+    call run_case(simple, layout, watch, monitor, cache, result, whole)
+    if (.not. whole) return
+    do i = 1, size(result%notes)
+      kind = kind_of(result%notes(i)%text)
+      if (kinds /= '' .and. (index(kind, 'error of') == 1 .or. kind == 'energy of the release')) cycle
+      if (kinds /= '' .and. ((kind == 'aliasing') .neqv. (kinds == 'aliasing'))) cycle
+      call append(notes, result%notes(i)%text)
     end do
-  end subroutine take_notes
+  end subroutine try
 
   pure function few_of(scene, part) result(few)
-    !! A scene of few modes and samples, without later contacts and spectrum.
+    !! A scene of few modes and samples, without later contacts.
     type(scene_type), intent(in) :: scene
-    real(dp), intent(in) :: part                  !! of the record
+    real(dp), intent(in) :: part                   !! of the record
     type(scene_type) :: few
     few = scene
     few%modes%tolerance = missing
@@ -109,7 +113,6 @@ contains
     if (scene%modes%before > 0) few%modes%before = min(few_modes, scene%modes%before)
     if (.not. by_tolerance(scene%modes)) few%modes%after = min(few_modes, scene%modes%after)
     if (allocated(few%recontact)) deallocate (few%recontact)
-    if (allocated(few%spectrum)) deallocate (few%spectrum)
     if (.not. allocated(few%response)) return
     if (part < 1.0_dp) few%response%duration = part*scene%response%duration
     few%response%samples = min(few_samples, scene%response%samples)

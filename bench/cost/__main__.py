@@ -1,0 +1,114 @@
+"""The coefficients of the cost model in src/case/bw_case_cost.f90, fitted to runs of random scenes, and how well they hold.
+
+    cmake --build build --target bench_cost
+    PYTHONPATH=bench OPENBLAS_NUM_THREADS=1 python -m cost [--beamwave PROGRAM] [--seed 1] [--draws 12] [--check]
+
+Prints the seconds of the source's terms in their order, fitted to the relative error of the CPU seconds of whole runs. With --check
+nothing is fitted: it prints how far seconds and memory that `beamwave check` says are from those of the runs, the worst first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from common.command import BENCH, PROJECT
+
+from .scenes import drawn
+
+LEAST = 0.02  # s, from which a factor of 3 is promised
+FACTOR = 3
+PATIENCE = 60  # s of a run; what takes longer is left out
+SIZES = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
+
+
+class Run(NamedTuple):
+    name: str
+    seconds: float  # of processor time
+    memory: float  # bytes
+    said_seconds: float
+    said_memory: float
+    check_seconds: float
+    counts: np.ndarray
+
+
+def launched(*words: object) -> tuple[str, float, float]:
+    """What a command printed, its CPU seconds and its peak bytes; seconds are infinite where it failed."""
+    command = [sys.executable, "-I", "-S", BENCH / "growth/launch.py", *map(str, words)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    *text, last = ended.stdout.splitlines()
+    cpu, _, peak = map(float, last.split())
+    return "\n".join(text), cpu if ended.returncode in (0, 4) else np.inf, peak
+
+
+def runs(program: Path, seed: int, draws: int, directory: Path) -> list[Run]:
+    """Of all scenes: the better of two runs beside what was said before it."""
+    found = []
+    for name, text in drawn(seed, draws):
+        scene = directory / f"{name}.nml"
+        scene.write_text(text)
+        counted = subprocess.run([program.with_name("bench_cost"), scene], capture_output=True, text=True, check=True).stdout.split()
+        said, check_seconds, _ = launched(program, "check", scene)
+        size = re.search(r"memory +([\d.]+) (.B)", said)
+        best = [np.inf, 0.0]
+        for turn in range(2):
+            output = directory / f"{turn}"
+            _, *cost = launched(program, "run", scene, "--output", output, "--quiet", "--max-seconds", PATIENCE)
+            best = min(best, cost)
+            for path in output.glob("*.nc"):
+                path.unlink()
+        if size is None or not np.isfinite(best[0]) or len(counted) < 3:
+            continue  # refused
+        seconds, *counts = map(float, counted[1:])
+        found.append(Run(name, *best, seconds, float(size[1]) * SIZES[size[2]], check_seconds, np.array(counts)))
+    return found
+
+
+def fitted(found: list[Run]) -> np.ndarray:
+    """Seconds of the terms, none below 0: the least relative deviations, too much and too little weighing alike."""
+    counts = np.array([run.counts for run in found])
+    seconds = np.array([run.seconds for run in found])
+    expected = seconds
+    for _ in range(30):
+        weight = 1 / np.sqrt(expected * seconds)
+        terms, _ = nnls(counts * weight[:, None], seconds * weight)
+        expected = np.maximum(counts @ terms, 1e-4)
+    return terms
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m cost", description=__doc__.splitlines()[0])
+    parser.add_argument("--beamwave", type=Path, default=PROJECT / "build/bin/beamwave", help="the program, bench_cost beside it")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--draws", type=int, default=12, help="scenes of each kind")
+    parser.add_argument("--check", action="store_true", help="judge the built program's own coefficients")
+    words = parser.parse_args()
+    with tempfile.TemporaryDirectory() as directory:
+        found = runs(words.beamwave.resolve(), words.seed, words.draws, Path(directory))
+    terms = None if words.check else fitted(found)
+    if terms is not None:
+        print(*(f"{seconds:.1e}" for seconds in terms), sep="\n")
+    ratio = {run.name: (run.said_seconds if terms is None else run.counts @ terms) / run.seconds for run in found}
+    long = [run for run in found if run.seconds > LEAST]
+    outside = sorted((run for run in long if not 1 / FACTOR <= ratio[run.name] <= FACTOR), key=lambda run: ratio[run.name])
+    print(f"{len(found)} runs, {len(long)} of them above {LEAST} s: {len(outside)} outside a factor of {FACTOR}")
+    for run in outside:
+        print(f"  {run.name}: {run.seconds:.3f} s, expected {ratio[run.name]:.2g} times that")
+    for run in found:
+        if run.said_memory < run.memory:
+            print(f"  {run.name}: {run.memory / 1e6:.0f} MB, expected {run.said_memory / run.memory:.2f} times that")
+    slow = [run.check_seconds for run in found]
+    print(f"check took {np.median(slow):.3f} s in the median, {np.quantile(slow, 0.9):.3f} s in nine of ten, {max(slow):.2f} s at most")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,218 @@
+module bw_case_cost
+  !! What a case costs: seconds of its stages, a sum of counts that are known before it is run, each times the seconds of one; and
+  !! bytes of its modes. It divides a progress bar, and tells what `check` says. Seconds are those of one core, within a factor of 3.
+  use bw_case_modes, only: first_modes, most_to_tolerance
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp, i8
+  use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_response, only: sum_tolerance
+  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_sum_choice, only: sum_seconds
+  use bw_timeline, only: comes_back
+  implicit none (type, external)
+  private
+  public :: case_bytes, case_counts, case_shares, seconds_of, shared_terms, stage_part
+
+  integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5
+    !! events at t = 0, and later ones
+  integer, parameter :: shares = 5, whole_run = 6
+
+  type :: term_type
+    integer :: stage = 0
+    real(dp) :: seconds = 0.0_dp                     !! of one
+  end type term_type
+
+  ! Fitted: bench/cost prints these lines.
+  type(term_type), parameter :: term(*) = [ &
+    term_type(modes_share, 9.2e-8_dp), &             !! a mode in closed form
+    term_type(modes_share, 6.3e-6_dp), &             !! a mode in a piece
+    term_type(modes_share, 6.8e-11_dp), &            !! the cube of the unknowns of Galerkin's method
+    term_type(modes_share, 1.6e-7_dp), &             !! their square
+    term_type(events_share, 2.4e-8_dp), &            !! a mode in closed form at a place of the profile
+    term_type(events_share, 2.5e-8_dp), &            !! any other mode there
+    term_type(events_share, 2.1e-8_dp), &            !! a pair of modes before and after a capture that have no closed form
+    term_type(events_share, 5.5e-4_dp), &            !! a plan by tolerance
+    term_type(later_share, 1.0e-8_dp), &             !! a pair before and after a release in closed form
+    term_type(later_share, 2.5e-6_dp), &             !! such a pair without closed form where a tolerance is planned
+    term_type(later_share, 1.6e-5_dp), &             !! a mode in a contact
+    term_type(histories_share, 0.97e0_dp), &            !! a second of the sums' own model
+    term_type(histories_share, 4.2e0_dp), &            !! the same of damped modes
+    term_type(histories_share, 1.6e-7_dp), &         !! a mode at a point, where its error is estimated
+    term_type(spectrum_share, 3.2e-8_dp), &          !! a sample and octave of a Fourier transform
+    term_type(spectrum_share, 3.8e-2_dp), &          !! a search for lines
+    term_type(spectrum_share, 9.5e-9_dp), &          !! a line in a sample
+    term_type(whole_run, 2.7e-8_dp), &               !! a number of the result
+    term_type(whole_run, 3.0e-5_dp), &               !! a case
+    term_type(whole_run, 9.5e-3_dp)]                 !! the program and its files
+  integer, parameter, public :: term_count = size(term)
+  integer, parameter, public :: numbers_term = term_count - 2, cases_term = term_count - 1, run_term = term_count
+
+contains
+
+  pure function case_shares(scene) result(part)
+    !! Of each stage in the time of a case, in all 1.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    real(dp) :: part(shares)
+    real(dp) :: seconds(term_count)
+    integer :: s
+    seconds = term%seconds*case_counts(scene, first_modes)
+    part = [(sum(seconds, term%stage == s), s=1, shares)]
+    part = part/sum(part)
+  end function case_shares
+
+  pure real(dp) function seconds_of(counts) result(seconds)
+    !! Of all terms.
+    real(dp), intent(in) :: counts(:)              !! how often there is each
+    seconds = sum(term%seconds*counts)
+  end function seconds_of
+
+  pure function case_counts(scene, planned) result(counts)
+    !! How often there is each of the terms.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    integer, intent(in) :: planned                 !! modes that a tolerance takes
+    real(dp) :: counts(term_count)
+    real(dp) :: before, after, moving, pieces, found
+    logical :: closed, planning
+    planning = by_tolerance(scene%modes)
+    closed = .not. changes_shapes(scene)
+    pieces = pieces_of_scene(scene)
+    before = merge(0, scene%modes%before, planning)
+    after = merge(merge(planned, scene%modes%after, planning), 0, allocated(scene%capture))
+    moving = merge(after, before, allocated(scene%capture))
+    found = before + after
+    if (planning) found = first_modes + 3.0_dp*planned
+    counts = 0.0_dp
+    if (closed) then
+      counts(1) = found
+    else if (by_pieces(scene)) then
+      counts(2) = found*pieces
+    else
+      counts(3:4) = galerkin_counts(scene, before, after, planning)
+    end if
+    if (allocated(scene%impact) .and. .not. planning) counts(merge(5, 6, closed)) = before*scene%impact%profile_points
+    if (allocated(scene%capture) .and. .not. (planning .or. closed)) counts(7) = merge(2, 1, comes_back(scene))*before*after
+    if (planning) counts(8) = 1.0_dp
+    if (comes_back(scene) .and. (planning .or. closed)) counts(merge(9, 10, closed)) = max(moving, before)*moving
+    if (allocated(scene%recontact)) counts(11) = scene%recontact%max_contacts*before
+    if (.not. allocated(scene%response)) return
+    associate (response => scene%response, points => size(scene%response%points))
+      counts(merge(13, 12, allocated(scene%damping))) = seconds_of_sums(scene, moving)
+      counts(14) = moving*points
+      if (.not. allocated(scene%spectrum)) return
+      counts(15) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points
+      counts(16) = 1.0_dp
+      counts(17) = response%samples*min(moving, 200.0_dp)
+    end associate
+  end function case_counts
+
+  pure function shared_terms(scene) result(shared)
+    !! Whether a case need not do what a term counts, since modes in closed form follow from the mass, and are those of the case before.
+    type(scene_type), intent(in) :: scene          !! which the scene of the case before it has been turned into (bw_scene_cases)
+    logical :: shared(term_count)
+    integer :: impact
+    shared = .false.
+    impact = position_of(scene%groups, 'impact')
+    if (changes_shapes(scene) .or. impact == 0) return
+    shared([1, 5]) = .not. scene%groups(impact)%changed
+  end function shared_terms
+
+  pure real(dp) function seconds_of_sums(scene, modes) result(seconds)
+    !! By the model of bw_sum_choice: histories, and the moments of as many points.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: modes
+    integer :: histories
+    associate (response => scene%response)
+      histories = size(response%points)
+      seconds = sum_seconds(int(modes), response%samples, merge(2*histories, histories, response%velocity), sum_tolerance)
+      if (response%bending_moment) seconds = seconds + sum_seconds(int(modes), response%samples, histories, sum_tolerance)
+    end associate
+  end function seconds_of_sums
+
+  pure function galerkin_counts(scene, before, after, planning) result(counts)
+    !! Cubes and squares of the unknowns of all sets; a tolerance doubles the modes until they are enough.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: before, after
+    logical, intent(in) :: planning
+    real(dp) :: counts(2)
+    real(dp) :: count
+    counts = 0.0_dp
+    if (before > 0.0_dp) call add(merge(max(before, real(first_modes, dp)), before, comes_back(scene)))
+    if (planning .and. comes_back(scene)) call add(real(first_modes, dp))
+    if (after == 0.0_dp) return
+    count = after
+    if (allocated(scene%response)) count = merge(real(first_modes, dp), max(after, real(first_modes, dp)), planning)
+    call add(count)
+    do while (planning .and. count < after)
+      count = 2.0_dp*count
+      call add(count)
+    end do
+  contains
+    pure subroutine add(modes)
+      real(dp), intent(in) :: modes
+      associate (u => unknowns(scene, modes))
+        counts = counts + [u**3, u**2]
+      end associate
+    end subroutine add
+  end function galerkin_counts
+
+  pure real(dp) function pieces_of_scene(scene) result(pieces)
+    !! The number of pieces, a body being the end of one.
+    type(scene_type), intent(in) :: scene
+    pieces = 1.0_dp
+    if (allocated(scene%beam%pieces)) pieces = size(scene%beam%pieces)
+    if (allocated(scene%bodies)) pieces = pieces + size(scene%bodies)
+  end function pieces_of_scene
+
+  pure real(dp) function unknowns(scene, count)
+    !! About how many Galerkin's method has for so many modes.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: count
+    real(dp), parameter :: many = 8.0_dp           ! half waves in a piece, or a tolerance: a first guess may be too few
+    real(dp) :: pieces
+    pieces = pieces_of_scene(scene)
+    unknowns = 10.0_dp + pieces*(16.0_dp + 6.0_dp*min(1.0_dp, count/pieces)) + 1.75_dp*count
+    if (by_tolerance(scene%modes)) then
+      unknowns = 1.25_dp*unknowns
+    else if (pieces > 1.0_dp .and. count > many*pieces) then
+      unknowns = 1.5_dp*unknowns
+    end if
+    if (allocated(scene%shear)) unknowns = 2.0_dp*unknowns
+  end function unknowns
+
+  pure real(dp) function most_modes(scene) result(most)
+    !! Modes under tension that are found at a time: those that are summed, or that estimates or a tolerance may take.
+    type(scene_type), intent(in) :: scene
+    most = max(scene%modes%before, scene%modes%after, merge(first_modes, 0, allocated(scene%response)))
+    if (by_tolerance(scene%modes)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
+  end function most_modes
+
+  pure integer(i8) function case_bytes(scene) result(bytes)
+    !! Memory of the modes of a case, while they are found and then: measured, all but what its results take.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    integer, parameter :: of_mode = 18, of_piece = 6, of_pair = 4, of_matrix = 7, of_vector = 10, of_search = 1500   ! numbers
+    real(dp) :: numbers, before, after
+    before = scene%modes%before
+    after = scene%modes%after
+    if (.not. allocated(scene%capture)) after = 0.0_dp
+    numbers = of_mode*(before + after)
+    if (by_pieces(scene)) then
+      numbers = numbers + (of_search + of_piece*(before + after))*pieces_of_scene(scene)
+    else if (changes_shapes(scene)) then
+      associate (count => most_modes(scene))
+        numbers = numbers + of_matrix*unknowns(scene, count)**2 + of_vector*unknowns(scene, count)*count
+      end associate
+    end if
+    if (allocated(scene%recontact)) numbers = numbers + of_pair*before**2
+    bytes = 8*int(numbers, i8)
+  end function case_bytes
+
+  type(part_monitor) function stage_part(monitor, part, stage) result(stage_monitor)
+    !! A monitor of one stage of a case.
+    class(monitor_type), intent(inout), target :: monitor
+    real(dp), intent(in) :: part(:)                !! of `case_shares`
+    integer, intent(in) :: stage
+    stage_monitor = part_monitor(monitor, sum(part(:stage - 1)), part(stage))
+  end function stage_part
+
+end module bw_case_cost
