@@ -11,8 +11,10 @@ module bw_case_validity
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: scaled
   use bw_mode_set, only: mode_set
+  use bw_note, only: remark
   use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
+  use bw_rotation, only: speed_in_plane
   use bw_scene, only: scene_type
   use bw_text, only: append, shortest, string, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -48,8 +50,34 @@ contains
       if (.not. present(response)) return
       if (response%finite_samples == 0) return       ! another note says why
       call note_amplitudes(scene, motion, modes, largest_magnitude(response%displacement(:response%finite_samples, :)), notes)
+      call note_return(scene, motion, response, notes)
     end associate
   end subroutine note_validity
+
+  subroutine note_return(scene, motion, response, notes)
+    !! When a mass that rebounded, and that the scene does not follow, would be back: the first sample at which the place that it struck,
+    !! if it is one of the points, is behind it.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in) :: response
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: flight, step, spin                 ! V l²/h; l²/h; h/l²
+    integer :: j, p
+    p = findloc(scene%response%points, scene%impact%position, dim=1)
+    if (allocated(scene%capture) .or. allocated(scene%recontact) .or. p == 0) return
+    if (scene%impact%mass_ratio == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
+    step = scene%response%duration/scene%response%samples/motion%units%time%hi
+    spin = speed_in_plane(scene%rotation, motion%units)
+    do j = 2, response%finite_samples
+      flight = (j - 1)*step
+      if (spin > 0.0_dp) flight = sinh(min(spin*flight, 700.0_dp))/spin
+      flight = motion%initial%impact%mass_velocity*flight
+      if (flight <= response%displacement(j, p)/(scene%impact%approach_velocity*motion%units%time%hi)) cycle
+      call remark(notes, 'recontact: the mass that rebounded would be back at t = '// &
+                  shortest((j - 1)*step*motion%units%time%hi, 4)//' s, to a sample; only &recontact lets it strike again')
+      return
+    end do
+  end subroutine note_return
 
   pure subroutine note_thickness(scene, notes)
     !! The beam is slender or has shear.

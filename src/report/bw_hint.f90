@@ -1,14 +1,12 @@
 module bw_hint
   !! The line of a report that names what was left out: which absent effect would change the frequencies most, what damping would
-  !! leave of the motion, how well the place of a blow must be known, and whether a mass that rebounded would be back. It is
-  !! estimated; `beamwave effects` runs both scenes. Nothing is ever switched on by itself.
+  !! leave of the motion, and how well the place of a blow must be known. It is estimated; `beamwave effects` runs both scenes.
+  !! Nothing is ever switched on by itself.
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
-  use bw_absent_return, only: return_time
   use bw_beam_units, only: beam_units, units_of
   use bw_damping_par, only: usual_ratio
   use bw_error, only: error_type
-  use bw_missing, only: is_missing
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
@@ -47,11 +45,11 @@ module bw_hint
 contains
 
   function hint_line(scene) result(text)
-    !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance and no
-    !! mass would be back within the record. Of a sweep the first and the last case are looked at.
+    !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance. Of a
+    !! sweep the first and the last case are looked at.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
-    type(remark_type) :: found(size(absent_words) + 3), now(size(found))
+    type(remark_type) :: found(size(absent_words) + 2), now(size(found))
     type(scene_type) :: one
     type(error_type), allocatable :: error
     real(dp) :: tolerance
@@ -80,12 +78,11 @@ contains
   end function hint_line
 
   subroutine find_remarks(scene, remarks)
-    !! What an effect would change, in the order of `absent_words`; then damping, the place of a captured mass, and its return.
+    !! What an effect would change, in the order of `absent_words`; then damping, and the place of a captured mass.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(remark_type), intent(out) :: remarks(:)
     type(estimate_type) :: estimates(size(absent_words))
     type(aside_type) :: aside
-    real(dp) :: back
     integer :: e
     estimates = estimate_absent(scene, aside)
     do e = 1, size(estimates)
@@ -96,10 +93,6 @@ contains
     remarks(e)%words = damping_words(aside)
     remarks(e + 1)%weight = abs(aside%moved)
     remarks(e + 1)%words = place_words(aside)
-    back = return_time(scene)
-    if (is_missing(back)) return
-    remarks(e + 2)%weight = huge(back)/(1.0_dp + back)           ! the sooner the more
-    remarks(e + 2)%words = 'recontact: the mass would be back '//time_words(back)
   end subroutine find_remarks
 
   pure function damping_words(aside) result(text)
@@ -138,14 +131,6 @@ contains
     end do
     if (text /= '') text = text//' (frequencies, estimated)'
   end function frequency_words
-
-  pure function time_words(seconds) result(text)
-    !! Two digits.
-    real(dp), intent(in) :: seconds
-    character(:), allocatable :: text
-    text = 'at once'
-    if (seconds > 0.0_dp) text = 'after '//shortest(1.0e3_dp*seconds, 2)//' ms (estimated)'
-  end function time_words
 
   function estimate_absent(scene, aside) result(estimates)
     !! In the order of `absent_words`.

@@ -27,7 +27,7 @@ ABSENT = {
     "Galerkin": ["bw_strain_source", "bw_strain_set", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
 }
 COMMON = ["bw_beam_units", "bw_rotation"]
-HINT = ("__bw_absent_effects_MOD_", "__bw_absent_return_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out
+HINT = ("__bw_absent_effects_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out
 EIGENSOLVER = re.compile(r"d((sy|sb|sp|st|pt|ge|gg|hs)\w*(ev|gv|eqr|edc|ebz|ein|emr|trd)\w*|gesdd|gesvd|bdsdc|bdsqr)_")
 
 
