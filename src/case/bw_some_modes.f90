@@ -7,7 +7,7 @@ module bw_some_modes
   use bw_damping, only: law_of
   use bw_mode_demand, only: mode_demand
   use bw_mode_set, only: mode_set
-  use bw_monitor, only: silent_monitor
+  use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_segment, only: alone
@@ -22,7 +22,7 @@ module bw_some_modes
 
 contains
 
-  subroutine find_some_modes(scene, units, number, set, place, roughly)
+  subroutine find_some_modes(scene, units, number, set, place, roughly, monitor)
     !! Find modes by their numbers.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -30,12 +30,13 @@ contains
     class(mode_set), allocatable, intent(out) :: set   !! not `resolved`, or unallocated, where there are none to be had
     integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
     logical, intent(in) :: roughly               !! under tension frequencies may err by 1e-8, else by 1e-12
+    class(monitor_type), intent(inout) :: monitor      !! the modes mean nothing where it asks to stop
     type(case_modes) :: known
-    type(silent_monitor) :: monitor
     integer :: i
     place = number
     if (allocated(scene%stiffening)) then
-      call find_under_tension(scene, units, max(1, maxval(number)), mode_demand(merge(rough, fine, roughly), waves=.false.), set)
+      call find_under_tension(scene, units, max(1, maxval(number)), mode_demand(merge(rough, fine, roughly), waves=.false.), set, &
+                              monitor)
       return
     end if
     place = [(i, i=1, size(number))]
@@ -43,19 +44,20 @@ contains
     if (known%resolved) call known%configuration(alone)%source%find(number, set)
   end subroutine find_some_modes
 
-  subroutine find_under_tension(scene, units, count, demand, set)
+  subroutine find_under_tension(scene, units, count, demand, set, monitor)
     !! Find the first modes of a scene with tension.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: count                 !! ≥ 1
     type(mode_demand), intent(in) :: demand
     class(mode_set), allocatable, intent(out) :: set
+    class(monitor_type), intent(inout) :: monitor
     type(strain_set), allocatable :: found
     type(struck_beam) :: pieces
     allocate (found)
     pieces = pieces_of(scene, units, .false.)
     call strain_modes(under_tension(pieces%beam, scene%stiffening%hub_radius/units%length), count, pieces%struck, found, &
-                      demand=demand)
+                      monitor, demand)
     found%struck_at = pieces%position
     call move_alloc(found, set)
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))

@@ -50,7 +50,6 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     type(child_process) :: child
     type(string), allocatable :: texts(:)
-    logical :: whole
     self%path = path
     if (has_backslash(path)) then
       call fail(error, status_bad_input, path//': NetCDF takes a backslash for a slash; accepted: a path without')
@@ -63,7 +62,7 @@ contains
         call survey(path, texts, error)
         call child%tell(texts, error)
       end if
-      call child%hear(texts, whole, error)
+      call child%hear(texts, error)
     end if
     if (allocated(error)) then
       error%message = path//': '//error%message
@@ -115,7 +114,7 @@ contains
     type(child_process) :: child
     type(block_type), allocatable :: blocks(:)
     type(string), allocatable :: texts(:)
-    logical :: good, whole
+    logical :: good
     integer :: b, s
     blocks = blocks_of(self%where(columns), rows)
     call child%begin(most_seconds, error, bytes=16*self%rows*size(self%where))     ! a chunk may hold all there is
@@ -132,7 +131,7 @@ contains
       end associate
     end do
     if (good) call child%receive(values(:0, 1), good)
-    call child%hear(texts, whole, error)
+    call child%hear(texts, error)
     if (allocated(error)) error%message = self%path//': '//error%message
   end subroutine stream
 

@@ -41,7 +41,7 @@ module bw_result_supplement
       implicit none (type, external)
       class(result_supplement), intent(inout) :: self
       class(result_table), intent(inout) :: draft              !! of the result; all cases are in it
-      class(monitor_type), intent(inout) :: monitor            !! may ask to stop
+      class(monitor_type), intent(inout), target :: monitor    !! may ask to stop
       character(:), allocatable, intent(inout) :: notes        !! lines
       character(:), allocatable, intent(inout) :: report       !! what is printed of the numbers, lines
       logical, intent(out) :: whole                            !! false where the monitor asked to stop

@@ -614,16 +614,12 @@ int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
   return have < 0 ? 0 : have;
 }
 
-void bw_kill(int64_t child) { kill((pid_t)child, SIGKILL); }
-
-/* Its exit status, or below 0 the signal that ended it; and its processor time in seconds. */
-int bw_wait(int64_t child, double *seconds)
+/* Its exit status, or below 0 the signal that ended it. */
+int bw_wait(int64_t child)
 {
   int status = 0;
   pid_t ended;
-  struct rusage used = {0};
-  AGAIN_WHERE_INTERRUPTED(ended = wait4((pid_t)child, &status, 0, &used));
-  *seconds = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+  AGAIN_WHERE_INTERRUPTED(ended = waitpid((pid_t)child, &status, 0));
   if (ended < 0) return -SIGKILL;
   return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
 }

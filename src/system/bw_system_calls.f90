@@ -212,16 +212,10 @@ module bw_system_calls
       type(c_ptr), value :: bytes
       integer(c_int64_t), value :: most
     end function bw_listen
-    subroutine bw_kill(child) bind(c)
-      import :: c_int64_t
+    integer(c_int) function bw_wait(child) bind(c)
+      import :: c_int, c_int64_t
       implicit none (type, external)
       integer(c_int64_t), value :: child
-    end subroutine bw_kill
-    integer(c_int) function bw_wait(child, seconds) bind(c)
-      import :: c_double, c_int, c_int64_t
-      implicit none (type, external)
-      integer(c_int64_t), value :: child
-      real(c_double), intent(out) :: seconds
     end function bw_wait
     integer(c_int) function bw_is_terminal(descriptor) bind(c)
       import :: c_int

@@ -8,6 +8,7 @@ module bw_beam_state
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, silent_monitor
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_unknowns, only: scene_with, with_unknowns
@@ -53,6 +54,7 @@ module bw_beam_state
     logical, private :: last_roughly = .false.
     type(state_modes), private :: last
     integer :: solutions = 0                     !! how often modes were found
+    class(monitor_type), pointer :: monitor => null()    !! no modes are found from when it asks to stop; unassociated: it never does
     character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns where they start
   contains
     procedure :: modes_at
@@ -142,14 +144,19 @@ contains
     type(error_type), allocatable :: error
     type(beam_units) :: units
     class(mode_set), allocatable :: set
+    type(silent_monitor), target :: silence
+    class(monitor_type), pointer :: monitor
     real(dp), allocatable :: shape(:, :)
     integer :: place(size(number))
     modes%number = number
     allocate (modes%frequency(size(number)), modes%decay(size(number)), source=0.0_dp)
+    monitor => silence
+    if (associated(state%monitor)) monitor => state%monitor
+    if (monitor%stop_requested()) return
     call scene_with(state%varied, values, state%one, error)
     if (allocated(error)) return
     units = units_of(state%one%beam)
-    call find_some_modes(state%one, units, number, set, place, roughly)
+    call find_some_modes(state%one, units, number, set, place, roughly, monitor)
     if (allocated(set)) modes%found = set%resolved
     if (.not. modes%found) return
     associate (square => set%beta_squared(place)%hi)

@@ -1,9 +1,8 @@
 module bw_beam_supplement
   !! The beam of a scene held against the lines of its record, and its unknowns found from them: what the result of a record has
-  !! beside its lines. A process of its own does it, as a fit may take long and is to be stopped at once.
+  !! beside its lines.
   use bw_corrected_models, only: find_corrections, corrected_model
   use bw_beam_state, only: beam_state, state_of
-  use bw_child_process, only: child_process
   use bw_classic_head, only: classic_head
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
@@ -16,7 +15,7 @@ module bw_beam_supplement
   use bw_model_comparison, only: compare_case, match_lines
   use bw_model_file, only: model_findings, model_rows, put_misfit
   use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_corrections
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_quantile, only: normal_quantile
   use bw_record_lines, only: status_words
   use bw_result_lines, only: read_result_lines, result_lines
@@ -25,12 +24,11 @@ module bw_beam_supplement
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_states, only: all_unknowns, measured_scene, states_of, unknowns_in
-  use bw_text, only: append, string, text_builder, text_of
+  use bw_text, only: append, text_builder, text_of
   implicit none (type, external)
   private
 
   character, parameter :: nl = new_line('a')
-  character(*), parameter :: trusted = 'trusted'
   integer, parameter :: shown_cases = 8          !! of a sweep, in the report
   integer, parameter :: harmonic = findloc(status_words == 'harmonic', .true., dim=1) - 1   !! bit of a line that is no mode
 
@@ -79,66 +77,53 @@ contains
     !! **Errors**: a result cannot be read or written.
     class(beam_supplement), intent(inout) :: self
     class(result_table), intent(inout) :: draft
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     character(:), allocatable, intent(inout) :: notes, report
     logical, intent(out) :: whole
-    type(error_type), allocatable, intent(inout) :: error
-    type(child_process) :: child
-    type(string), allocatable :: texts(:)                ! notes, report, trust
-    call child%begin()
-    if (child%is_here()) then
-      call hold_against(self, draft, notes, report, texts, error)
-      call child%tell(texts, error)
-    end if
-    call child%hear(texts, whole, error, monitor)
-    if (allocated(error) .or. .not. whole) return
-    notes = texts(1)%text
-    report = texts(2)%text
-    self%trusted = texts(3)%text == trusted
-  end subroutine add
-
-  subroutine hold_against(self, draft, notes, report, texts, error)
-    !! The beam beside the lines that were found.
-    class(beam_supplement), intent(in) :: self
-    class(result_table), intent(inout) :: draft
-    character(*), intent(in) :: notes, report            !! of the result so far, lines
-    type(string), allocatable, intent(out) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
     type(record_set) :: set
     type(model_findings) :: findings
     type(text_builder) :: lines
+    type(part_monitor), target :: listener               ! the fits tell of no progress
     character(:), allocatable :: more
     real(dp) :: quantile
     integer :: i
-    allocate (texts(0), findings%scenes(0))
+    whole = .true.
+    listener%whole => monitor
+    listener%start = 1.0_dp
+    listener%share = 0.0_dp
     quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
-    call read_all(self, draft%file%path, quantile, set, error)
+    call read_all(self, draft%file%path, quantile, listener, set, error)
     if (allocated(error)) return
     more = ''
+    allocate (findings%scenes(0))
     if (size(self%scene%unknowns) > 0) then
       call identify_beam(self%scene, quantile, set, findings, lines, more)
       call list_scenes(self%directory, set, findings, lines)
     else
       call compare(set, findings, lines, more)
     end if
-    call append(texts, notes//more)
-    call append(texts, report//lines%text())
-    call append(texts, trim(merge(trusted, '       ', findings%trusted())))
+    whole = .not. monitor%stop_requested()
+    if (.not. whole) return
+    notes = notes//more
+    report = report//lines%text()
+    self%trusted = findings%trusted()
     call draft%begin_section(of_supplement)
     call model_rows(draft, size(self%scene%unknowns) > 0, findings)
     do i = 1, size(findings%scenes)
       call draft%set_text(identified_attribute(i), findings%scenes(i)%text)
     end do
-    if (.not. findings%trusted()) call put_misfit(draft)
+    if (.not. self%trusted) call put_misfit(draft)
     call draft%file%write()
     if (draft%file%problem /= 0) call cannot_be_written(error, draft%file%path, draft%file%problem)
-  end subroutine hold_against
+  end subroutine add
 
-  subroutine read_all(self, draft, quantile, set, error)
+  subroutine read_all(self, draft, quantile, monitor, set, error)
     !! The scenes and lines of all cases.
     class(beam_supplement), intent(in) :: self
     character(*), intent(in) :: draft            !! the result of the scene itself
     real(dp), intent(in) :: quantile             !! how many standard deviations half an interval is
+    class(monitor_type), intent(inout), target :: monitor
     type(record_set), intent(out) :: set
     type(error_type), allocatable, intent(inout) :: error
     integer :: i, n
@@ -166,6 +151,7 @@ contains
         n = n + 1
         set%lines(n) = cases(c)
         set%measured(n)%lines = cases(c)%lines
+        set%measured(n)%monitor => monitor
         call case_scene(one, int(c, i8), set%measured(n)%scene, error)
       end do
     end subroutine read_cases
@@ -187,6 +173,7 @@ contains
     do c = 1, set%own
       associate (measured => set%lines(c), misfit => findings%misfits(c))
         state = state_of(set%measured(c)%scene, none, set%measured(c)%lines)
+        state%monitor => set%measured(c)%monitor
         state%is_harmonic = btest(measured%status, harmonic)
         call match_lines(state, misfit)
         call compare_case(measured, state, nothing, findings%cases(c))

@@ -149,6 +149,7 @@ contains
       possible = .not. allocated(error)
       if (.not. possible) return
       variant(i)%lines = measured(i)%lines
+      variant(i)%monitor => measured(i)%monitor
     end do
   end subroutine put_in
 

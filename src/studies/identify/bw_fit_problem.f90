@@ -42,7 +42,7 @@ module bw_fit_problem
 
 contains
 
-  pure type(fit_problem) function problem_of(states, unknowns) result(problem)
+  type(fit_problem) function problem_of(states, unknowns) result(problem)
     !! What is fitted, before it is. Decays are where numbers of the damping are unknown.
     type(beam_state), intent(in) :: states(:)
     type(identify_par), intent(in) :: unknowns(:)

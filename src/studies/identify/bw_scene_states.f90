@@ -5,6 +5,7 @@ module bw_scene_states
   use bw_beam_state, only: beam_state, measured_lines, state_of
   use bw_identify_par, only: identify_par
   use bw_input_values, only: positions_of
+  use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_scene_messages, only: message_list
   use bw_scene_unknowns, only: find_unknown
@@ -16,6 +17,7 @@ module bw_scene_states
     !! A scene with what was measured in its state.
     type(scene_type) :: scene                    !! without sweeps; scenes of one name are repeats
     type(measured_lines) :: lines
+    class(monitor_type), pointer :: monitor => null()    !! fits mean nothing from when it asks to stop
   end type measured_scene
 
 contains
@@ -28,6 +30,7 @@ contains
     allocate (states(size(measured)))
     do i = 1, size(measured)
       states(i) = state_of(measured(i)%scene, unknowns_in(measured, i), measured(i)%lines)
+      states(i)%monitor => measured(i)%monitor
     end do
   end subroutine states_of
 
