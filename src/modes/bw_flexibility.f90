@@ -17,7 +17,7 @@ module bw_flexibility
   private
   public :: mean_square_curvature, mean_square_shape, moment_stiffness, point_flexibility
 
-  type :: piece_waves
+  type :: flexible_piece
     !! Two waves that decay outwards, and two that decay inwards; a state is v, ψ, M and shear force.
     complex(dp) :: decay(2)                      !! κ, Re κ > 0
     complex(dp) :: state(4, 4)                   !! of each wave where it is 1
@@ -25,7 +25,7 @@ module bw_flexibility
     complex(dp) :: from_tip(4, 2)                !! two states at the outer end, as the tip allows them
     complex(dp) :: from_root(4, 2)               !! two at the inner end, as the root does
     real(dp) :: length
-  end type piece_waves
+  end type flexible_piece
 
 contains
 
@@ -68,7 +68,7 @@ contains
     !! s²Σ1/(β_k² + s²).
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: frequency
-    type(piece_waves) :: waves(size(beam%piece))
+    type(flexible_piece) :: waves(size(beam%piece))
     integer :: i
     call find_waves(beam, frequency**2, waves)
     sums = 0.25_dp*sum([(waves(i)%length*sum(real(waves(i)%decay)), i=1, size(waves))])
@@ -80,7 +80,7 @@ contains
     real(dp), intent(in) :: shift, xi(:), jump(4)
     integer, intent(in) :: seen                  !! 1 … 4: v, ψ, M or the shear force
     real(dp) :: values(size(xi)), inner, outer, ends(size(beam%piece))
-    type(piece_waves) :: waves(size(beam%piece))
+    type(flexible_piece) :: waves(size(beam%piece))
     complex(dp) :: sides(4, 4), amplitude(4, 1), beyond(4, 2)
     real(dp), parameter :: rounding = 1.0e-12_dp
     integer :: i, p
@@ -104,7 +104,7 @@ contains
     !! The waves of every piece, and what comes back to its ends.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: shift
-    type(piece_waves), intent(out) :: waves(:)
+    type(flexible_piece), intent(out) :: waves(:)
     complex(dp), parameter :: unit(4, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp], [4, 2])
     real(dp) :: lambda, rho
     integer :: i, n
@@ -135,7 +135,7 @@ contains
     !! e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, Bψ' = M, M' = −Rψ − N, N' = −mλv.
     type(uniform_piece), intent(in) :: piece
     real(dp), intent(in) :: lambda, rho
-    type(piece_waves), intent(inout) :: waves
+    type(flexible_piece), intent(inout) :: waves
     real(dp), parameter :: apart = 1.0e-7_dp     ! of the two squares, so that waves are independent
     complex(dp) :: root, kappa(4), force(4), turn(4)
     real(dp) :: b, c
@@ -203,7 +203,7 @@ contains
 
   pure function across(waves, states, way) result(there)
     !! Two states of a piece, seen from a place that lies so far outwards, or inwards where the way is negative.
-    type(piece_waves), intent(in) :: waves
+    type(flexible_piece), intent(in) :: waves
     complex(dp), intent(in) :: states(4, 2)
     real(dp), intent(in) :: way
     integer, parameter :: powers = 24            !! of less than 1, over their factorials

@@ -35,11 +35,11 @@ module bw_netcdf_source
     procedure, private :: refuse_number
   end type netcdf_source
 
-  type :: block_type
+  type :: row_block
     !! Some rows of some columns, which one call of the library reads: all of one variable.
     integer :: first_column = 0, last_column = 0     !! in the list of what is asked for
     integer(i8) :: first_row = 0, last_row = 0
-  end type block_type
+  end type row_block
 
 contains
 
@@ -112,7 +112,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     logical, intent(in), optional :: rising          !! stop behind a fall
     type(child_process) :: child
-    type(block_type), allocatable :: blocks(:)
+    type(row_block), allocatable :: blocks(:)
     type(string), allocatable :: texts(:)
     logical :: good
     integer :: b, s
@@ -140,7 +140,7 @@ contains
     !! columns.
     type(netcdf_column), intent(in) :: these(:)      !! of the columns that are asked for
     integer(i8), intent(in) :: rows
-    type(block_type), allocatable :: blocks(:)
+    type(row_block), allocatable :: blocks(:)
     integer(i8) :: row, at_once
     integer :: first, last, pass, n
     do pass = 1, 2                                   ! they are counted, and then listed
@@ -156,7 +156,7 @@ contains
         at_once = max(1_i8, block_size/width_of(these(first:last)))
         do row = 1, rows, at_once
           n = n + 1
-          if (pass == 2) blocks(n) = block_type(first, last, row, min(rows, row + at_once - 1))
+          if (pass == 2) blocks(n) = row_block(first, last, row, min(rows, row + at_once - 1))
         end do
       end do
       if (pass == 1) allocate (blocks(n))
@@ -175,7 +175,7 @@ contains
     type(child_process), intent(inout) :: child
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first                 !! row
-    type(block_type), intent(in) :: blocks(:)
+    type(row_block), intent(in) :: blocks(:)
     logical, intent(in) :: rising                    !! stop behind a fall
     type(error_type), allocatable :: error
     type(string), allocatable :: texts(:)

@@ -57,17 +57,17 @@ module bw_sensor_unit
     spelling('ε', 'strain'), spelling('**', '^'), &
     spelling(char(181), 'u'), spelling(char(178), '2'), spelling(char(179), '3'), spelling(char(183), '*')]
 
-  type :: unit_type
+  type :: sensor_unit_type
     !! What a text is as a unit.
     logical :: known = .false.
     logical :: named = .false.               !! it is more than `1`
     integer :: length = 0, time = 0          !! powers of m and s
     real(dp) :: factor = 1.0_dp              !! SI over the unit; 0 where a name in it measures no motion
-  end type unit_type
+  end type sensor_unit_type
 
 contains
 
-  pure type(unit_type) function unit_of(text) result(unit)
+  pure type(sensor_unit_type) function unit_of(text) result(unit)
     !! Take a unit apart: names between `/`, `*`, `.` and blanks, each with its power behind it, or `1`.
     character(*), intent(in) :: text
     character(:), allocatable :: rest
@@ -89,7 +89,7 @@ contains
 
   pure subroutine multiply(unit, word, sign)
     !! One more factor: 1, or a name with its power.
-    type(unit_type), intent(inout) :: unit
+    type(sensor_unit_type), intent(inout) :: unit
     character(*), intent(in) :: word
     integer, intent(in) :: sign              !! −1 behind a stroke
     type(unit_name) :: name
@@ -193,7 +193,7 @@ contains
   pure logical function is_unit(text)
     !! The text is a unit.
     character(*), intent(in) :: text
-    type(unit_type) :: unit
+    type(sensor_unit_type) :: unit
     unit = unit_of(text)
     is_unit = unit%known
   end function is_unit
@@ -208,7 +208,7 @@ contains
 
   pure function measured_by(unit) result(quantity)
     !! The quantity of a sensor, or `time`; '' where there is none.
-    type(unit_type), intent(in) :: unit
+    type(sensor_unit_type), intent(in) :: unit
     character(:), allocatable :: quantity
     quantity = ''
     if (.not. unit%known .or. .not. unit%factor > 0) return
@@ -225,7 +225,7 @@ contains
     !! SI over a unit of a quantity, or of `time`, where it may stand before `since …`; 0 where the unit is not known, or of
     !! something else.
     character(*), intent(in) :: unit, quantity
-    type(unit_type) :: found
+    type(sensor_unit_type) :: found
     integer :: last
     last = len(unit)
     if (quantity == 'time' .and. index(unit, ' since') > 0) last = index(unit, ' since')

@@ -8,20 +8,20 @@ module bw_value_hints
   private
   public :: value_hint
 
-  type :: unit_type
+  type :: hinted_unit
     !! A unit that people write, and what it is in SI.
     character(8) :: word                    !! as it is written
     real(dp) :: factor
     character(8) :: si                      !! as the table of inputs has it
-  end type unit_type
+  end type hinted_unit
 
-  type(unit_type), parameter :: units(*) = [ &
-    unit_type('GPa', 1.0e9_dp, 'Pa'), unit_type('MPa', 1.0e6_dp, 'Pa'), unit_type('kPa', 1.0e3_dp, 'Pa'), &
-    unit_type('Pa', 1.0_dp, 'Pa'), unit_type('km', 1.0e3_dp, 'm'), unit_type('m', 1.0_dp, 'm'), &
-    unit_type('cm', 1.0e-2_dp, 'm'), unit_type('mm', 1.0e-3_dp, 'm'), unit_type('s', 1.0_dp, 's'), &
-    unit_type('ms', 1.0e-3_dp, 's'), unit_type('us', 1.0e-6_dp, 's'), unit_type('kg', 1.0_dp, 'kg'), &
-    unit_type('g', 1.0e-3_dp, 'kg'), unit_type('t', 1.0e3_dp, 'kg'), unit_type('rpm', pi/30.0_dp, 'rad s-1'), &
-    unit_type('Hz', two_pi, 'rad s-1')]
+  type(hinted_unit), parameter :: units(*) = [ &
+    hinted_unit('GPa', 1.0e9_dp, 'Pa'), hinted_unit('MPa', 1.0e6_dp, 'Pa'), hinted_unit('kPa', 1.0e3_dp, 'Pa'), &
+    hinted_unit('Pa', 1.0_dp, 'Pa'), hinted_unit('km', 1.0e3_dp, 'm'), hinted_unit('m', 1.0_dp, 'm'), &
+    hinted_unit('cm', 1.0e-2_dp, 'm'), hinted_unit('mm', 1.0e-3_dp, 'm'), hinted_unit('s', 1.0_dp, 's'), &
+    hinted_unit('ms', 1.0e-3_dp, 's'), hinted_unit('us', 1.0e-6_dp, 's'), hinted_unit('kg', 1.0_dp, 'kg'), &
+    hinted_unit('g', 1.0e-3_dp, 'kg'), hinted_unit('t', 1.0e3_dp, 'kg'), hinted_unit('rpm', pi/30.0_dp, 'rad s-1'), &
+    hinted_unit('Hz', two_pi, 'rad s-1')]
 
   character(*), parameter :: digits = '0123456789'
 

@@ -8,7 +8,7 @@ module bw_blow_moves
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
   use bw_model, only: find_left, model_type
   use bw_noise, only: mixed, white_amplitude, whiten
-  use bw_price, only: chi_squared
+  use bw_penalty, only: chi_squared
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
@@ -67,7 +67,7 @@ contains
         white = white_values(samples, model, left, b, model%stretches(1, b))
         gain = gains_of(strongest(model, b), white + brought(model, b, 0, size(white, 1)))
         b = b + 1
-        if (.not. gain(1) < price_of_blow(samples, false_alarm, model)) cycle
+        if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model)) cycle
         b = b - 1
       end if
       call drop_blow(model, b)
@@ -76,13 +76,13 @@ contains
     end do
   end subroutine drop_blows
 
-  pure real(dp) function price_of_blow(samples, false_alarm, model) result(price)
+  pure real(dp) function penalty_of_blow(samples, false_alarm, model) result(penalty)
     !! Of a blow's amplitudes of the lines that tell where it is.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
-    price = chi_squared(false_alarm/samples%count, 2*size(samples%value, 2)*min(most_lines, count(.not. model%lines%steady)))
-  end function price_of_blow
+    penalty = chi_squared(false_alarm/samples%count, 2*size(samples%value, 2)*min(most_lines, count(.not. model%lines%steady)))
+  end function penalty_of_blow
 
   subroutine add_missing_blows(samples, false_alarm, rival, from, model, added)
     !! Add blows where new motion of the poles pays, and takes more off the squares than a rival move.
@@ -98,7 +98,7 @@ contains
     if (all(model%lines%steady) .or. allocated(samples%place)) return
     allocate (left(samples%count, size(samples%value, 2)), gain(0))
     call find_left(samples, model, left)
-    need = max(rival, price_of_blow(samples, false_alarm, model))
+    need = max(rival, penalty_of_blow(samples, false_alarm, model))
     b = from
     do while (b <= min(most_blows, ubound(model%stretches, 2)))
       first = model%stretches(1, b)

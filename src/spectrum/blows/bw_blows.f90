@@ -6,7 +6,7 @@ module bw_blows
   use bw_autoregression, only: autoregression, burg
   use bw_kinds, only: dp
   use bw_order, only: ascending, quantile_of
-  use bw_price, only: chi_squared
+  use bw_penalty, only: chi_squared
   use bw_samples, only: samples_type, span_of
   implicit none (type, external)
   private

@@ -8,7 +8,7 @@ module bw_found_lines
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
   use bw_line, only: line_type
-  use bw_line_search, only: find_lines, outcome_type
+  use bw_line_search, only: find_lines, line_outcome
   use bw_model, only: find_left, model_type, renew
   use bw_monitor, only: monitor_type, stops
   use bw_pure_record, only: find_lines_if_pure, safety
@@ -21,7 +21,7 @@ module bw_found_lines
 
   type, public :: found_lines
     type(model_type) :: model
-    type(outcome_type) :: outcome
+    type(line_outcome) :: outcome
     type(distinct_type) :: distinct              !! the model is that of the sensors that are kept
     real(dp), allocatable :: deviation(:)        !! standard deviation of the residual of each of these
   end type found_lines

@@ -7,7 +7,7 @@ module bw_line_windows
   use bw_line, only: line_type, pole_at
   use bw_line_errors, only: amplitude_noise, line_errors, line_errors_of, pole_deviation
   use bw_model, only: add_lines, model_type, rows_of_stretches, white_lines
-  use bw_price, only: line_price
+  use bw_penalty, only: line_penalty
   implicit none (type, external)
   private
   public :: windows_of
@@ -61,7 +61,7 @@ contains
       integer, allocatable :: gaps(:)
       real(dp) :: since, least
       integer :: j
-      least = line_price(false_alarm, own(2, 1) - own(1, 1) + 1, 2*size(white, 2))
+      least = line_penalty(false_alarm, own(2, 1) - own(1, 1) + 1, 2*size(white, 2))
       do j = 1, size(lines)
         since = own(1, 1) - 1
         if (allocated(place)) since = place(own(1, 1)) - place(1)

@@ -20,19 +20,19 @@ module bw_autoregression
     !! Noise of one sensor.
     real(dp), allocatable :: predictor(:)         !! h, (0:p)
     real(dp) :: variance = 0                      !! of its prediction error
-    real(dp) :: cost = 0                          !! −2 ln L, and the price of its coefficients
+    real(dp) :: cost = 0                          !! −2 ln L, and the penalty of its coefficients
   end type autoregression
 
 contains
 
-  pure subroutine burg(x, valid, highest, price, noise)
-    !! Fit the autoregression whose order makes −2 ln L + order·price least. L is exact: the last samples of a run are predicted from
+  pure subroutine burg(x, valid, highest, penalty, noise)
+    !! Fit the autoregression whose order makes −2 ln L + order·penalty least. L is exact: the last samples of a run are predicted from
     !! fewer, with the variance that this leaves, and all variances together are scaled to fit best. So a motion that begins loudly and
     !! dies is no noise, however well it can be predicted.
     real(dp), intent(in) :: x(:)
     integer, intent(in) :: valid(:, :)            !! first and last sample of each run that counts, (2, runs)
     integer, intent(in) :: highest                !! order
-    real(dp), intent(in) :: price                 !! of a coefficient
+    real(dp), intent(in) :: penalty               !! of a coefficient
     type(autoregression), intent(out) :: noise
     real(dp), allocatable :: ahead(:), behind(:)  !! prediction errors of x_n from what follows, and of x_(n+p) from what is before
     real(dp) :: reflection(highest), variance, cost, logarithms, total, level
@@ -73,7 +73,7 @@ contains
         if (runs(2, r) - p >= runs(1, r)) level = level + ahead(runs(2, r) - p)**2
       end do
       level = (total + level/variance)/count
-      cost = logarithms + rows*log(variance) + count*log(level) + p*price
+      cost = logarithms + rows*log(variance) + count*log(level) + p*penalty
       if (cost >= noise%cost) cycle
       best = p
       noise%cost = cost
@@ -128,10 +128,10 @@ contains
     end do
   end function predictor_of
 
-  subroutine robust_levels(x, price, fourier, noise)
+  subroutine robust_levels(x, penalty, fourier, noise)
     !! Fit an autoregression to the running median of a periodogram, which lines do not lift.
     real(dp), intent(in) :: x(:)
-    real(dp), intent(in) :: price                 !! of a coefficient
+    real(dp), intent(in) :: penalty               !! of a coefficient
     type(real_fourier), intent(inout) :: fourier
     type(autoregression), intent(out) :: noise
     real(dp), allocatable :: power(:), level(:), window(:)
@@ -164,7 +164,7 @@ contains
       reflection(p) = -dot_product(h(:p - 1), lag(p:1:-1))/variance
       h(:p) = h(:p) + reflection(p)*h(p:0:-1)
       variance = variance*max(1 - reflection(p)**2, 1.0e-12_dp)
-      cost = n*log(variance) + p*price
+      cost = n*log(variance) + p*penalty
       if (cost >= least) cycle
       least = cost
       best = p

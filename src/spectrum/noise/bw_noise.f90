@@ -17,7 +17,7 @@ module bw_noise
     integer :: lost = 0                      !! the highest order: samples at the end of each stretch that tell nothing
     real(dp), allocatable :: mixing(:, :)    !! M, (S, S); not allocated: each sensor is a component
     real(dp), allocatable :: unmixing(:, :)  !! its inverse
-    real(dp) :: cost = 0                     !! −2 ln L of the residual that it was judged by, and the price of its coefficients
+    real(dp) :: cost = 0                     !! −2 ln L of the residual that it was judged by, and the penalty of its coefficients
   end type noise_type
 
 contains

@@ -14,11 +14,11 @@ module bw_vector_noise
 
 contains
 
-  function vector_noise_cost(x, highest, price) result(least)
-    !! The least −2 ln L + price of all coefficients over all orders; huge where there is none.
+  function vector_noise_cost(x, highest, penalty) result(least)
+    !! The least −2 ln L + penalty of all coefficients over all orders; huge where there is none.
     real(dp), intent(in) :: x(:, :)              !! (N, S), without mean
     integer, intent(in) :: highest               !! order
-    real(dp), intent(in) :: price                !! of a coefficient
+    real(dp), intent(in) :: penalty              !! of a coefficient
     real(dp) :: least
     real(dp), allocatable :: ahead(:, :), behind(:, :), next(:, :)
     real(dp), dimension(size(x, 2), size(x, 2)) :: of_ahead, of_behind, across, step, root
@@ -39,7 +39,7 @@ contains
       root = of_ahead/rows
       call dpotrf('L', s, root, s, info)
       if (info /= 0) exit
-      cost = logarithms + total + rows*(log_determinant(root) + s) + price*(real(s, dp)*s*p + 0.5_dp*s*(s - 1))
+      cost = logarithms + total + rows*(log_determinant(root) + s) + penalty*(real(s, dp)*s*p + 0.5_dp*s*(s - 1))
       if (cost < least) then
         least = cost
         best = p

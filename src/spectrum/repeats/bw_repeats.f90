@@ -31,13 +31,13 @@ module bw_repeats
     integer, allocatable :: member(:, :)                         !! pooled line of each line of each case; 0: none, (lines, cases)
   end type pooled_lines
 
-  type :: group_type
+  type :: repeat_group
     !! Lines that are taken for the same, weighted by one over their variances.
     integer :: lines = 0
     real(dp) :: weight = 0, moment = 0
   contains
     procedure :: take
-  end type group_type
+  end type repeat_group
 
 contains
 
@@ -90,7 +90,7 @@ contains
     real(dp), intent(in) :: frequency(:, :), deviation(:, :)    !! (lines, cases); `missing` where there are no more
     real(dp), intent(in) :: resolution
     integer :: member(size(frequency, 1), size(frequency, 2))
-    type(group_type), allocatable :: groups(:)
+    type(repeat_group), allocatable :: groups(:)
     integer, allocatable :: known(:)
     integer :: pass, case, i
     allocate (groups(0))
@@ -106,7 +106,7 @@ contains
             member(known, case) = assigned(x, variance, width, groups)
             do i = 1, size(known)
               if (member(known(i), case) == 0) then
-                groups = [groups, group_type()]
+                groups = [groups, repeat_group()]
                 member(known(i), case) = size(groups)
               end if
               call groups(member(known(i), case))%take(x(i), variance(i), 1)
@@ -126,7 +126,7 @@ contains
 
   elemental subroutine take(self, x, variance, times)
     !! Add a line to those of a group, or take it away again.
-    class(group_type), intent(inout) :: self
+    class(repeat_group), intent(inout) :: self
     real(dp), intent(in) :: x, variance
     integer, intent(in) :: times               !! 1, or −1
     self%lines = self%lines + times
@@ -138,7 +138,7 @@ contains
     !! The group of each line of a case, 0 where it has none, each group once and in their order: of all ways the likeliest. The
     !! gain of a pair is what minus twice the logarithm of its likelihood stays below the gate.
     real(dp), intent(in) :: x(:), variance(:), width(:)    !! of the lines, ascending; what is the same whatever the errors
-    type(group_type), intent(in) :: groups(:)
+    type(repeat_group), intent(in) :: groups(:)
     integer :: partner(size(x))
     integer, allocatable :: order(:)
     real(dp), allocatable :: best(:, :)        ! gain of the first lines with the first groups

@@ -1,13 +1,13 @@
 module bw_cost
-  !! J, which the search makes small: −2 ln L of the prediction errors and the price of each unknown, such that noise alone gets a line
+  !! J, which the search makes small: −2 ln L of the prediction errors and the penalty of each unknown, such that noise alone gets a line
   !! with the probability `false_alarm`.
   use bw_kinds, only: dp
   use bw_model, only: model_type
-  use bw_price, only: chi_squared, line_price
+  use bw_penalty, only: chi_squared, line_penalty
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: cost_of_all, order_price, price_of_course, price_of_line, price_of_tone
+  public :: cost_of_all, order_price, penalty_of_course, penalty_of_line, penalty_of_tone
 
 contains
 
@@ -16,7 +16,7 @@ contains
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
-    cost = model%noise%cost + size(model%lines)*price_of_line(samples, false_alarm, model)
+    cost = model%noise%cost + size(model%lines)*penalty_of_line(samples, false_alarm, model)
   end function cost_of_all
 
   pure real(dp) function order_price(samples)
@@ -25,25 +25,25 @@ contains
     order_price = log(real(samples%count, dp))
   end function order_price
 
-  pure real(dp) function price_of_line(samples, false_alarm, model)
+  pure real(dp) function penalty_of_line(samples, false_alarm, model)
     !! Of a line with its amplitudes at all sensors after all blows.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
-    price_of_line = line_price(false_alarm, samples%count, 2*size(samples%value, 2)*ubound(model%stretches, 2))
-  end function price_of_line
+    penalty_of_line = line_penalty(false_alarm, samples%count, 2*size(samples%value, 2)*ubound(model%stretches, 2))
+  end function penalty_of_line
 
-  pure real(dp) function price_of_course(false_alarm)
+  pure real(dp) function penalty_of_course(false_alarm)
     !! Of a drift's three unknowns, and which of a few rates it starts from.
     real(dp), intent(in) :: false_alarm
-    price_of_course = chi_squared(false_alarm, 4)
-  end function price_of_course
+    penalty_of_course = chi_squared(false_alarm, 4)
+  end function penalty_of_course
 
-  pure real(dp) function price_of_tone(samples, false_alarm)
+  pure real(dp) function penalty_of_tone(samples, false_alarm)
     !! Of a tone instead of a mode: an amplitude more at each sensor, before the blow, and a decay less.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
-    price_of_tone = chi_squared(false_alarm, 2*size(samples%value, 2)) - chi_squared(false_alarm, 2)
-  end function price_of_tone
+    penalty_of_tone = chi_squared(false_alarm, 2*size(samples%value, 2)) - chi_squared(false_alarm, 2)
+  end function penalty_of_tone
 
 end module bw_cost

@@ -22,10 +22,10 @@ module bw_decay_bank
   integer, parameter :: most = 24                !! candidates at a time
   integer, parameter :: fewest = 8               !! samples that tell a line
 
-  type, public :: candidate_type
+  type, public :: decay_candidate
     real(dp) :: gain = 0                         !! fall of the squares
     complex(dp) :: pole = 0
-  end type candidate_type
+  end type decay_candidate
 
 contains
 
@@ -34,8 +34,8 @@ contains
     type(model_type), intent(inout) :: model     !! its plans of transforms
     real(dp), intent(in) :: least
     integer, intent(in) :: most_at_once
-    type(candidate_type), allocatable, intent(out) :: candidates(:)
-    type(candidate_type), allocatable :: all_of(:)
+    type(decay_candidate), allocatable, intent(out) :: candidates(:)
+    type(decay_candidate), allocatable :: all_of(:)
     real(dp), allocatable :: gain(:)
     integer, allocatable :: places(:)
     real(dp) :: decay, span
@@ -51,7 +51,7 @@ contains
         call find_gains(model, decay, gain)
       end if
       places = local_maxima(gain, least)
-      all_of = [all_of, [(candidate_type(gain(places(i) + 1), cmplx(-decay, pi*places(i)/(size(gain) - 1), dp)), &
+      all_of = [all_of, [(decay_candidate(gain(places(i) + 1), cmplx(-decay, pi*places(i)/(size(gain) - 1), dp)), &
         & i=1, size(places))]]
       decay = max(2*decay, 1/span)
       if (decay > highest_decay .or. folds/decay < 8) exit
@@ -68,7 +68,7 @@ contains
 
     elemental real(dp) function skirt(top, pole)
       !! How much a line seems to gain at other poles.
-      type(candidate_type), intent(in) :: top
+      type(decay_candidate), intent(in) :: top
       complex(dp), intent(in) :: pole
       real(dp) :: width, away
       width = max(-top%pole%re, -pole%re, 2/span)

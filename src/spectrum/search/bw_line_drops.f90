@@ -1,6 +1,6 @@
 module bw_line_drops
   !! Lines that do not pay are dropped, the noise renewed on both sides of the comparison.
-  use bw_cost, only: cost_of_all, order_price, price_of_course, price_of_line
+  use bw_cost, only: cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
   use bw_line, only: life_of, line_type
   use bw_model, only: highest_order, model_type, renew
@@ -12,15 +12,15 @@ module bw_line_drops
   private
   public :: drop_lines, drop_weakest, energy_of, keep_or_clear
 
-  real(dp), parameter :: sure = 2                !! prices of a line, below which a bound of its worth has to be looked at closely
+  real(dp), parameter :: sure = 2                !! penalties of a line, below which a bound of its worth has to be looked at closely
 
-  type, public :: outcome_type
+  type, public :: line_outcome
     !! How a search ended.
     logical :: converged = .true.                !! no move lowers J any more
     logical :: driven = .false.                  !! noise alone explains the motion better than all lines that were found
     complex(dp), allocatable :: poles(:)         !! of lines that were dropped again, or that noise alone explains
     real(dp), allocatable :: gains(:)            !! squares over the noise's variance, that they took off
-  end type outcome_type
+  end type line_outcome
 
 contains
 
@@ -30,7 +30,7 @@ contains
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone
     type(model_type), intent(inout) :: model
-    type(outcome_type), intent(inout) :: outcome
+    type(line_outcome), intent(inout) :: outcome
     integer :: k
     if (size(model%lines) == 0) return
     if (cost_of_all(samples, false_alarm, model) < alone) return
@@ -47,7 +47,7 @@ contains
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
-    type(outcome_type), intent(inout) :: outcome
+    type(line_outcome), intent(inout) :: outcome
     type :: line_list
       type(line_type), allocatable :: lines(:)
     end type line_list
@@ -63,7 +63,7 @@ contains
       with_all = model%noise%cost
       allocate (without(2*n), cost(2*n))
       do k = 1, n
-        if (toll_of(model, all_of(k)) < sure*price_of_line(samples, false_alarm, model)) &
+        if (toll_of(model, all_of(k)) < sure*penalty_of_line(samples, false_alarm, model)) &
           & without(k)%lines = lines_without(model, k, .false.)
         if (size(all_of(k)%courses) > 0) without(n + k)%lines = lines_without(model, k, .true.)
       end do
@@ -73,7 +73,7 @@ contains
         model%lines = without(k)%lines
         call renew(samples, order_price(samples), .false., model)
         cost(k) = model%noise%cost &
-          & - merge(price_of_line(samples, false_alarm, model), price_of_course(false_alarm), k <= n)
+          & - merge(penalty_of_line(samples, false_alarm, model), penalty_of_course(false_alarm), k <= n)
       end do
       k = minloc(cost, dim=1)
       model%lines = all_of
@@ -104,12 +104,12 @@ contains
       energy(k) = energy_of(model, model%lines(k))
     end do
     by_energy = model%lines(ascending(energy))
-    least = model%noise%cost + n*price_of_line(samples, false_alarm, model)
+    least = model%noise%cost + n*penalty_of_line(samples, false_alarm, model)
     do k = 1, n
       model%lines = by_energy(k + 1:)
       call renew(samples, order_price(samples), .false., model)
       if (model%noise%cost >= least) exit        ! nor do fewer lines make the noise cheaper
-      cost = model%noise%cost + (n - k)*price_of_line(samples, false_alarm, model)
+      cost = model%noise%cost + (n - k)*penalty_of_line(samples, false_alarm, model)
       if (cost >= least) cycle
       least = cost
       dropped = k

@@ -4,15 +4,15 @@ module bw_line_moves
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows
   use bw_constants, only: pi
-  use bw_cost, only: order_price, price_of_course, price_of_line, price_of_tone
-  use bw_decay_bank, only: candidate_type, find_candidates
+  use bw_cost, only: order_price, penalty_of_course, penalty_of_line, penalty_of_tone
+  use bw_decay_bank, only: decay_candidate, find_candidates
   use bw_kinds, only: dp
   use bw_line, only: course_type, line_type
   use bw_line_drops, only: energy_of
   use bw_model, only: colour_at, model_type, renew
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
-  use bw_price, only: chi_squared
+  use bw_penalty, only: chi_squared
   use bw_refit, only: accept, all_steps, at_rest, near, overlaps, refit, refit_all, refit_type, span_of_model, trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
@@ -53,40 +53,40 @@ contains
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: accepted
-    type(candidate_type), allocatable :: candidates(:)
+    type(decay_candidate), allocatable :: candidates(:)
     complex(dp), allocatable :: moved(:)
     type(refit_type) :: found
-    real(dp) :: need, price, gain
+    real(dp) :: need, penalty, gain
     integer :: i
     accepted = 0
     moved = [complex(dp) ::]
-    need = price_of_line(samples, false_alarm, model)
+    need = penalty_of_line(samples, false_alarm, model)
     call find_candidates(model, need, most_lines, candidates)
     do i = 1, size(candidates)
       if (any(overlaps(moved, candidates(i)%pole, span_of_model(model)))) cycle  ! first let these come to rest
       if (size(model%lines) >= most_lines) return
-      call propose(need, price_of_course(false_alarm), candidates(i), model, found, price)
-      price = price*colour_at(model, candidates(i)%pole%im)
+      call propose(need, penalty_of_course(false_alarm), candidates(i), model, found, penalty)
+      penalty = penalty*colour_at(model, candidates(i)%pole%im)
       if (i == 1 .and. any(found%old)) then      ! the same residual may come from a blow
         call add_missing_blows(samples, false_alarm, found%gain, 1, model, accepted)
         if (accepted > 0) return
       end if
       if (accepted > 0 .and. found%gain < promised*candidates(i)%gain) cycle  ! it was the skirt of another
       gain = 0
-      if (found%gain > price) call accept(found, price, model, gain)
+      if (found%gain > penalty) call accept(found, penalty, model, gain)
       if (.not. gain > 0) cycle
       accepted = accepted + 1
       moved = [moved, candidates(i)%pole, model%lines(size(model%lines))%pole]
     end do
   end subroutine add_round
 
-  subroutine propose(need, need_of_course, candidate, model, found, price)
+  subroutine propose(need, need_of_course, candidate, model, found, penalty)
     !! Fit a line at a candidate's place, or a course of the line beside it, whichever J prefers.
-    real(dp), intent(in) :: need, need_of_course !! prices of a line and of a course
-    type(candidate_type), intent(in) :: candidate
+    real(dp), intent(in) :: need, need_of_course !! penalties of a line and of a course
+    type(decay_candidate), intent(in) :: candidate
     type(model_type), intent(in) :: model
     type(refit_type), intent(out) :: found
-    real(dp), intent(out) :: price               !! of what is proposed
+    real(dp), intent(out) :: penalty             !! of what is proposed
     type(refit_type) :: bent
     type(line_type) :: line
     logical, allocatable :: own(:)
@@ -95,14 +95,14 @@ contains
     allocate (line%courses(0))
     own = near(model, line%pole)
     call refit(model, own, [pack(model%lines, own), line], first_steps, found)
-    price = need
+    penalty = need
     if (.not. any(own)) return
     host = minloc(abs(model%lines%pole%im - line%pole%im), dim=1, mask=own)
     if (.not. beside(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
     call add_course(model, own, pack(model%lines, own), count(own(:host)), bent)
     if (.not. bent%gain - need_of_course > found%gain - need) return
     found = bent
-    price = need_of_course
+    penalty = need_of_course
   end subroutine propose
 
   pure logical function beside(line, other, span)
@@ -211,7 +211,7 @@ contains
       start(count(own(:k)))%steady = .true.
       start(count(own(:k)))%pole%re = 0
       call refit(model, own, start, trial_steps, found)
-      call accept(found, price_of_tone(samples, false_alarm), model, gain)
+      call accept(found, penalty_of_tone(samples, false_alarm), model, gain)
       if (.not. abs(gain) > 0) cycle
       changed = changed + 1
       k = k - count(own(:k))                     ! places have changed
@@ -234,12 +234,12 @@ contains
     type(refit_type) :: found
     type(line_type), allocatable :: start(:)
     logical, allocatable :: own(:), kept(:)
-    real(dp) :: energy(size(model%lines)), gain, price
+    real(dp) :: energy(size(model%lines)), gain, penalty
     integer :: order(size(model%lines)), i, k, host
     merged = 0
     energy = [(energy_of(model, model%lines(k)), k=1, size(energy))]
     order = ascending(energy)
-    price = price_of_line(samples, false_alarm, model)
+    penalty = penalty_of_line(samples, false_alarm, model)
     do i = 1, size(order)
       k = order(i)                               ! the weakest first
       own = near(model, model%lines(k)%pole)
@@ -251,7 +251,7 @@ contains
       own(k) = .true.
       start = pack(model%lines, kept)
       call add_course(model, own, start, count(kept(:host)), found)
-      call accept(found, price_of_course(false_alarm) - price, model, gain)
+      call accept(found, penalty_of_course(false_alarm) - penalty, model, gain)
       if (abs(gain) > 0) then
         merged = merged + 1
         return                                   ! places have changed

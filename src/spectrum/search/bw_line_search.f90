@@ -1,18 +1,18 @@
 module bw_line_search
   !! The lines of a record: one number is made small by a few moves.
   !!
-  !! J = −2 ln L of the prediction errors + the price of each unknown. Moves add a line where a bank of decays shows one, or a course to a
+  !! J = −2 ln L of the prediction errors + the penalty of each unknown. Moves add a line where a bank of decays shows one, or a course to a
   !! line; renew the noise; move, add and drop blows; and drop whatever does not pay. The search ends when no move lowers J. What stands
   !! here is the order of the moves; what each is stands in `bw_line_moves`, `bw_line_drops` and `bw_blow_moves`.
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows, drop_blow, move_blows
   use bw_blows, only: find_blows
-  use bw_cost, only: cost_of_all, order_price, price_of_tone
+  use bw_cost, only: cost_of_all, order_price, penalty_of_tone
   use bw_decay_bank, only: highest_decay
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
   use bw_line, only: line_type
-  use bw_line_drops, only: drop_lines, drop_weakest, keep_or_clear, outcome_type
+  use bw_line_drops, only: drop_lines, drop_weakest, keep_or_clear, line_outcome
   use bw_line_moves, only: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, &
     & most_additions, most_lines
   use bw_model, only: model_type, renew
@@ -22,7 +22,7 @@ module bw_line_search
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: find_lines, outcome_type
+  public :: find_lines, line_outcome
 
   integer, parameter :: many_lines = 24           !! tuned: so many may be parts of a driven motion
   integer, parameter :: most_colour = 1024        !! order of noise alone, which a driven beam's motion is
@@ -43,7 +43,7 @@ contains
     type(samples_type), intent(inout) :: samples   !! as they were in the end
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(out) :: model
-    type(outcome_type), intent(out) :: outcome
+    type(line_outcome), intent(out) :: outcome
     class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
     real(dp) :: alone                            !! J of noise alone
     real(dp) :: last                             !! J of the round before
@@ -111,7 +111,7 @@ contains
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone
     type(model_type), intent(inout) :: model
-    type(outcome_type), intent(inout) :: outcome
+    type(line_outcome), intent(inout) :: outcome
     class(monitor_type), intent(inout), optional :: monitor
     integer :: added, steady, moved, dropped, round
     real(dp) :: cost, last
@@ -195,7 +195,7 @@ contains
       k = minloc(abs(model%lines%pole%re), dim=1, mask=open)
       modes = [modes, model%lines(k)%pole]
       before = description_of(samples, false_alarm, model)
-      before%cost = before%cost - price_of_tone(samples, false_alarm)
+      before%cost = before%cost - penalty_of_tone(samples, false_alarm)
       model%lines(k)%pole = cmplx(0, model%lines(k)%pole%im, dp)
       model%lines(k)%steady = .true.
       if (is_cut) call drop_blow(model, 1)

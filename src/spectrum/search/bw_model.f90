@@ -183,11 +183,11 @@ contains
     call clear_invalid(samples, left)
   end subroutine find_left
 
-  subroutine renew(samples, price, robust, model, highest)
+  subroutine renew(samples, penalty, robust, model, highest)
     !! Find what is left of the samples anew, its offset and slope, its noise, and its prediction errors. While lines are left in it,
     !! the noise is found in a way that they do not disturb; its cost then means nothing.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: price                !! of a coefficient
+    real(dp), intent(in) :: penalty              !! of a coefficient
     logical, intent(in) :: robust
     type(model_type), intent(inout) :: model
     integer, intent(in), optional :: highest     !! order of the noise; usual if absent
@@ -209,7 +209,7 @@ contains
     end do
     model%noise%cost = sum(noise%cost)
     if (allocated(model%noise%mixing)) deallocate (model%noise%mixing, model%noise%unmixing)
-    if (.not. robust .and. size(noise) > 1) call try_mixing(samples, price, order, noise, model)
+    if (.not. robust .and. size(noise) > 1) call try_mixing(samples, penalty, order, noise, model)
     model%noise%order = [(ubound(noise(s)%predictor, 1), s=1, size(noise))]
     model%noise%lost = maxval(model%noise%order)
     if (allocated(model%noise%filter)) deallocate (model%noise%filter)
@@ -238,9 +238,9 @@ contains
         own%variance = max(sum(model%level(:, s))/size(model%level, 1), tiny(1.0_dp))
         model%level(:, s) = model%level(:, s)/own%variance
       else if (robust) then
-        call robust_levels(model%white(:, s), price, model%fourier, own)
+        call robust_levels(model%white(:, s), penalty, model%fourier, own)
       else
-        call burg(model%white(:, s), all_runs(samples, model), order, price, own)
+        call burg(model%white(:, s), all_runs(samples, model), order, penalty, own)
         if (allocated(model%place)) model%level(:, s) = model%level(:, s)/own%variance
       end if
     end function judged
@@ -324,10 +324,10 @@ contains
     end do
   end subroutine take_still
 
-  subroutine try_mixing(samples, price, order, noise, model)
+  subroutine try_mixing(samples, penalty, order, noise, model)
     !! Mix the sensors into the principal components of their prediction errors, where these have the lower cost.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: price
+    real(dp), intent(in) :: penalty
     integer, intent(in) :: order
     type(autoregression), intent(inout) :: noise(:)
     type(model_type), intent(inout) :: model
@@ -352,14 +352,14 @@ contains
     call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, n, error, n, 0.0_dp, correlation, sensors)
     vectors = correlation
     call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
-    cost = 0.5_dp*sensors*(sensors - 1)*price
+    cost = 0.5_dp*sensors*(sensors - 1)*penalty
     if (n*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
     deallocate (error)
     model%noise%mixing = spread(1/sqrt(noise%variance), 2, sensors)*vectors
     model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
     call mix(model%noise%mixing, model%white)
     do s = 1, sensors
-      call burg(model%white(:, s), all_runs(samples, model), order, price, own(s))
+      call burg(model%white(:, s), all_runs(samples, model), order, penalty, own(s))
       own(s)%variance = max(own(s)%variance, least_share)
     end do
     cost = cost + sum(own%cost) + n*sum(log(noise%variance))

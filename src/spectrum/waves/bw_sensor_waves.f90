@@ -7,8 +7,8 @@ module bw_sensor_waves
   use bw_quantile, only: normal, squares_deviation, student_quantile
   use bw_sensor_lines, only: hertz, measured_lines, sensor_facts, sensor_waves, square_of
   use bw_separation, only: separation_of
-  use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
-    & reason_against, rounding, scanned, sensor_type, worse
+  use bw_shape_fit, only: wave_candidate, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
+    & reason_against, rounding, scanned, wave_sensor, worse
   use bw_text, only: append, shortest, string
   use bw_wave_candidates, only: choice_type, possible_tips
   use bw_wave_choice, only: choose_waves
@@ -33,7 +33,7 @@ contains
     type(measured_lines), intent(in) :: lines
     type(sensor_waves), intent(out) :: waves
     class(monitor_type), intent(inout), optional :: monitor    !! they mean nothing where it asks to stop
-    type(sensor_type) :: sensors
+    type(wave_sensor) :: sensors
     type(choice_type) :: choices(size(lines%angular_frequency))
     type(motion_type) :: motions(size(choices))
     type(wave_type) :: found(size(choices))
@@ -127,13 +127,13 @@ contains
 
   subroutine find_choices(sensors, motions, square, facts, choices, monitor)
     !! What wave number each line may have, how well the shape fits, and which is the line's.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), intent(in) :: square(:)          !! β², (line)
     type(sensor_facts), intent(in) :: facts
     type(choice_type), intent(inout) :: choices(:)
     class(monitor_type), intent(inout), optional :: monitor
-    type(candidate_type), allocatable :: candidates(:)
+    type(wave_candidate), allocatable :: candidates(:)
     real(dp), allocatable :: alpha(:), misfit(:, :)
     real(dp) :: least
     logical :: scaled
@@ -165,10 +165,10 @@ contains
   subroutine widen(sensors, motion, freedom, candidates)
     !! Of a wave so long that the sensors see little of it, linear theory is bad: its deviation is taken from the profile of the
     !! misfit.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     integer, intent(in) :: freedom
-    type(candidate_type), intent(inout) :: candidates(:)
+    type(wave_candidate), intent(inout) :: candidates(:)
     real(dp) :: variance, quantile
     integer :: i
     quantile = student_quantile(usual, normal)
@@ -192,7 +192,7 @@ contains
   subroutine settle(facts, sensors, motion, choice, wave, reason)
     !! The wave number with the interval of its profile likelihood, or the reason for none.
     type(sensor_facts), intent(in) :: facts
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     type(choice_type), intent(in) :: choice
     type(wave_type), intent(inout) :: wave

@@ -18,12 +18,12 @@ module bw_shape_fit
   real(dp), parameter, public :: rounding = 8*epsilon(1.0_dp)
   real(dp), parameter, public :: worse = 25    !! five deviations squared: what costs so much more is no candidate
 
-  type, public :: sensor_type
+  type, public :: wave_sensor
     !! What is known of the sensors and of the beam's ends.
     real(dp), allocatable :: position(:)       !! ξ, (S)
     logical, allocatable :: strain(:)          !! strain is measured, else displacement, (S)
     character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
-  end type sensor_type
+  end type wave_sensor
 
   type, public :: motion_type
     !! One line at the sensors, over the deviations.
@@ -33,31 +33,31 @@ module bw_shape_fit
     logical :: freed = .false.                 !! the deviation is known to a factor only
   end type motion_type
 
-  type, public :: candidate_type
+  type, public :: wave_candidate
     !! A wave number that fits better than its neighbours.
     real(dp) :: alpha = 0
     real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory
     real(dp) :: misfit = huge(1.0_dp)          !! sum of squares
     real(dp) :: cost = 0                       !! against the best, as of `costs_of`
-  end type candidate_type
+  end type wave_candidate
 
-  type :: projection_type
+  type :: shape_projection
     !! What the functions leave at one α.
     real(dp) :: misfit = 0
     real(dp) :: slope = 0, curvature = 0       !! half the derivatives by α (Gauss & Newton, Kaufman 1975)
-  end type projection_type
+  end type shape_projection
 
 contains
 
   pure integer function columns_of(sensors)
     !! How many functions there are, strain and other quantities apart.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     columns_of = function_count(sensors%ends)*count([any(sensors%strain), any(.not. sensors%strain)])
   end function columns_of
 
   pure integer function places_of(sensors, strain)
     !! At how many places a kind of quantity says something: not where all functions vanish.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     logical, intent(in) :: strain
     logical :: tells(size(sensors%position))
     integer :: i
@@ -71,7 +71,7 @@ contains
   pure function reason_against(sensors) result(reason)
     !! Why the sensors cannot fix any wave number; '' where they can. One kind of quantity needs one place more than there are
     !! functions.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     character(:), allocatable :: reason
     integer :: needed
     needed = function_count(sensors%ends) + 1
@@ -84,13 +84,13 @@ contains
 
   pure logical function fits_anything(sensors)
     !! Whether there are so few sensors that some α fits whatever real amplitudes they show.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     fits_anything = max(places_of(sensors, .false.), places_of(sensors, .true.)) == function_count(sensors%ends) + 1
   end function fits_anything
 
   pure integer function freedom_of(sensors)
     !! How many real numbers the amplitudes of a line have more than the fit has unknowns.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     integer :: n
     n = function_count(sensors%ends)
     freedom_of = 2*(size(sensors%position) - min(n, places_of(sensors, .false.)) - min(n, places_of(sensors, .true.))) - 1
@@ -98,7 +98,7 @@ contains
 
   pure function functions_at(sensors, alpha) result(values)
     !! The functions at the sensors, each 0 where the other kind of quantity is measured.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     complex(dp), intent(in) :: alpha
     complex(dp) :: values(size(sensors%position), columns_of(sensors))
     integer, allocatable :: rows(:)
@@ -116,11 +116,11 @@ contains
 
   pure subroutine scanned(sensors, motions, alpha, misfit)
     !! The misfits of all lines over a grid of α.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), allocatable, intent(out) :: alpha(:), misfit(:, :)  !! (n), (n, line)
     complex(dp) :: functions(size(sensors%position), columns_of(sensors))
-    type(projection_type) :: projection
+    type(shape_projection) :: projection
     real(dp) :: top
     integer :: i, k
     top = max(highest, two_pi*size(motions))
@@ -135,7 +135,7 @@ contains
     end do
   end subroutine scanned
 
-  pure type(projection_type) function projected(functions, motion, with_slope) result(projection)
+  pure type(shape_projection) function projected(functions, motion, with_slope) result(projection)
     !! What the functions leave of a motion; the slope from their imaginary parts, `tiny_step` times their derivatives.
     complex(dp), intent(in) :: functions(:, :)  !! (S, column)
     type(motion_type), intent(in) :: motion
@@ -191,9 +191,9 @@ contains
     if (allocated(motion%separating)) independent = matmul(motion%separating, independent)
   end function weighted
 
-  pure type(projection_type) function projection_at(sensors, motion, alpha) result(projection)
+  pure type(shape_projection) function projection_at(sensors, motion, alpha) result(projection)
     !! What the functions leave at one α, with slope and curvature.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha
     real(dp), parameter :: tiny_step = 2.0_dp**(-100)
@@ -205,11 +205,11 @@ contains
   pure function candidates_of(sensors, motion, alpha, misfit, freedom) result(candidates)
     !! The local minima that a scan shows, polished, but for those of which a parabola foretells that they are no candidates
     !! beside the best. The scan's lower end is a minimum too where the misfit still falls there.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha(:), misfit(:)  !! of the scan, (n)
     integer, intent(in) :: freedom             !! of the fit
-    type(candidate_type), allocatable :: candidates(:)
+    type(wave_candidate), allocatable :: candidates(:)
     integer, allocatable :: low(:)
     real(dp) :: best, least
     integer :: i, first
@@ -239,22 +239,22 @@ contains
 
   pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
     !! What a parabola foretells of a minimum, and less by nine times what it foretells of the fall, since it is none.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha
-    type(projection_type) :: here
+    type(shape_projection) :: here
     here = projection_at(sensors, motion, alpha)
     least = here%misfit
     if (here%curvature > 0) least = least - 10*here%slope**2/here%curvature
   end function least_foretold
 
-  pure type(candidate_type) function polished(sensors, motion, start) result(candidate)
+  pure type(wave_candidate) function polished(sensors, motion, start) result(candidate)
     !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; less what
     !! rounding of α makes of it.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: start
-    type(projection_type) :: here, there
+    type(shape_projection) :: here, there
     real(dp) :: alpha, move
     integer :: i
     alpha = start
@@ -280,9 +280,9 @@ contains
   pure function interval_of(sensors, motion, candidate, rise) result(interval)
     !! Where the misfit is no more than a rise above its minimum (profile likelihood), as far as it goes without a gap; an end
     !! that is not found within the range of α is 0 or huge.
-    type(sensor_type), intent(in) :: sensors
+    type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
-    type(candidate_type), intent(in) :: candidate
+    type(wave_candidate), intent(in) :: candidate
     real(dp), intent(in) :: rise
     real(dp) :: interval(2)
     interval = [end_at(-1), end_at(1)]
@@ -293,7 +293,7 @@ contains
       !! The end on one side: steps outwards, then bisection with the secant of the root of the rise.
       integer, intent(in) :: side
       real(dp) :: inside, move, middle
-      type(projection_type) :: there
+      type(shape_projection) :: there
       integer :: i
       inside = candidate%alpha
       move = max(min(candidate%deviation*sqrt(rise), step), 4*epsilon(1.0_dp)*candidate%alpha)

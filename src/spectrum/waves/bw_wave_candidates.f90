@@ -3,7 +3,7 @@ module bw_wave_candidates
   !! line (Eq. 3), and with a mass at the tip the angle of the mass that each implies (Eq. 19).
   use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_shape_fit, only: candidate_type, worse
+  use bw_shape_fit, only: wave_candidate, worse
   use bw_tip_mass, only: alpha_range, mass_angle, mode_near
   implicit none (type, external)
   private
@@ -13,7 +13,7 @@ module bw_wave_candidates
 
   type, public :: choice_type
     !! The wave numbers that one line may have.
-    type(candidate_type), allocatable :: candidates(:)
+    type(wave_candidate), allocatable :: candidates(:)
     real(dp) :: scale = 1                      !! deviation of the data over what it was said to be
     integer :: freedom = huge(1)               !! degrees of freedom that tell the scale
     logical :: misfits = .false.               !! the shape does not fit, by which the scale is told
@@ -38,8 +38,8 @@ contains
 
   pure function possible_tips(candidates) result(possible)
     !! Those candidates that a mass at the tip allows within five deviations: α between those of an infinite mass and of none.
-    type(candidate_type), intent(in) :: candidates(:)
-    type(candidate_type), allocatable :: possible(:)
+    type(wave_candidate), intent(in) :: candidates(:)
+    type(wave_candidate), allocatable :: possible(:)
     logical :: allowed(size(candidates))
     real(dp) :: range(2)
     integer :: i

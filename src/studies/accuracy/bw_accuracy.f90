@@ -25,12 +25,12 @@ module bw_accuracy
   real(dp), parameter :: steepest_count = 3.0_dp   !! of seconds over the number of modes, as a power: LAPACK's
   real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
 
-  type :: study_state
+  type :: accuracy_study
     type(converged_run) :: converged
     type(timed_run), allocatable :: runs(:)    !! of the rungs
     type(price_list) :: list
     type(string), allocatable :: notes(:)
-  end type study_state
+  end type accuracy_study
 
 contains
 
@@ -44,7 +44,7 @@ contains
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
-    type(study_state) :: state
+    type(accuracy_study) :: state
     type(study_frame) :: frame
     logical :: whole
     call refuse(scene, error)
@@ -82,7 +82,7 @@ contains
     !! Make the converged run, find the error of each rung, then run all rungs in turn for their seconds.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
-    type(study_state), intent(inout) :: state
+    type(accuracy_study), intent(inout) :: state
     logical, intent(out) :: whole                !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
     type(part_monitor) :: part
@@ -107,7 +107,7 @@ contains
   subroutine run_rungs(progress, state, whole)
     !! Run each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
     class(progress_type), intent(inout), target :: progress
-    type(study_state), intent(inout) :: state
+    type(accuracy_study), intent(inout) :: state
     logical, intent(out) :: whole
     type(case_result) :: result
     type(part_monitor) :: part
@@ -157,7 +157,7 @@ contains
 
   pure subroutine leave_out(state, first)
     !! Leave out a rung and the finer ones of its ladder, which would take too long.
-    type(study_state), intent(inout) :: state
+    type(accuracy_study), intent(inout) :: state
     integer, intent(in) :: first
     integer :: i
     do i = first, size(state%runs)
@@ -170,7 +170,7 @@ contains
   subroutine take_account(scene, state)
     !! Put everything that was measured into the list.
     type(scene_type), intent(in) :: scene
-    type(study_state), intent(inout) :: state
+    type(accuracy_study), intent(inout) :: state
     integer :: i
     do i = 1, size(state%runs)
       call take_seconds(state%runs(i), state%list%rungs(i))

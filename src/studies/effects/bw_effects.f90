@@ -25,13 +25,13 @@ module bw_effects
   real(dp), parameter :: patience = 10.0_dp      !! s; a scene that takes longer is timed once
   real(dp), parameter :: comparing = 0.5_dp      !! share of the first runs in the progress that is shown
 
-  type :: study_state
+  type :: effects_study
     type(timed_run), allocatable :: runs(:)      !! of the scenes that are compared, the first of which is studied
     type(case_result), allocatable :: results(:) !! of the same scenes, as long as they are needed
     type(effect_list) :: list
     type(string), allocatable :: notes(:)
     logical :: trusted = .true.
-  end type study_state
+  end type effects_study
 
 contains
 
@@ -44,7 +44,7 @@ contains
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
-    type(study_state) :: state
+    type(effects_study) :: state
     type(study_frame) :: frame
     logical :: whole
     frame%study = 'effects'
@@ -65,7 +65,7 @@ contains
     !! Run every scene once, for what it yields, then all in turn for their seconds.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     logical, intent(out) :: whole                !! false where the monitor asked to stop
     type(compared_scenes) :: scenes
     type(part_monitor) :: part
@@ -93,7 +93,7 @@ contains
   subroutine start_list(scene, state)
     !! Choose which modes are compared, and what their changes are measured against.
     type(scene_type), intent(in) :: scene
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     associate (list => state%list, result => state%results(1))
       list%mode_count = min(compared_modes, result%modes%count)
       list%tolerance = default_tolerance
@@ -131,7 +131,7 @@ contains
     !! Fill a row from its two scenes.
     integer, intent(in) :: row
     class(progress_type), intent(inout), target :: progress
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     logical, intent(out) :: whole
     whole = .true.
     associate (i => state%list%rows(row)%place_with, j => state%list%rows(row)%place_without)
@@ -153,7 +153,7 @@ contains
     !! Run a scene, unless its result is there. This run finds cold caches: its time counts only where it is too long.
     integer, intent(in) :: place
     class(progress_type), intent(inout), target :: progress
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     logical, intent(out) :: whole
     type(part_monitor) :: part
     type(timed_run) :: first
@@ -197,7 +197,7 @@ contains
 
   subroutine note_untrusted(state)
     !! Note each run that has numbers which cannot be trusted, once: the rows that it belongs to, and why.
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     character(:), allocatable :: rows
     integer :: place, i
     do place = 1, size(state%results)
@@ -218,7 +218,7 @@ contains
   subroutine forget(row, state)
     !! Drop the histories that no later row needs: they may be large.
     integer, intent(in) :: row
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     integer :: place
     do place = 2, size(state%results)
       if (any([state%list%rows(row + 1:)%place_with, state%list%rows(row + 1:)%place_without] == place)) cycle
@@ -228,7 +228,7 @@ contains
 
   pure subroutine take_seconds(state)
     !! Put the median times into the rows.
-    type(study_state), intent(inout) :: state
+    type(effects_study), intent(inout) :: state
     integer :: i
     do i = 1, size(state%list%rows)
       associate (row => state%list%rows(i))

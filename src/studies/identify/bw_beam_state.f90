@@ -20,7 +20,7 @@ module bw_beam_state
 
   real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation of a line from which it may be any mode
 
-  type, public :: measured_lines
+  type, public :: state_lines
     !! The lines of a record, in ascending order of frequency.
     real(dp), allocatable :: frequency(:)        !! |z| = √(β² + δ²) [rad/s]: the mode's without its damping, (lines)
     real(dp), allocatable :: deviation(:)        !! its standard deviation [rad/s], > 0, (lines)
@@ -31,7 +31,7 @@ module bw_beam_state
     real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
     real(dp), allocatable :: points(:)           !! ξ, (sensors)
     logical :: bends = .false.                   !! sensors measure strain, else motion
-  end type measured_lines
+  end type state_lines
 
   type, public :: state_modes
     !! Modes by their numbers.
@@ -43,7 +43,7 @@ module bw_beam_state
   end type state_modes
 
   type, public :: beam_state
-    type(measured_lines) :: lines
+    type(state_lines) :: lines
     logical, allocatable :: is_harmonic(:)       !! lines that are known to be no modes, (lines)
     real(dp), allocatable :: chance(:)           !! that a line is no mode, before any beam is asked, (lines)
     integer, allocatable :: mode_of(:)           !! the mode that each line is taken for; 0: none, (lines)
@@ -68,7 +68,7 @@ contains
     !! A state without an assignment of its lines.
     type(scene_type), intent(in) :: scene        !! without sweeps
     type(identify_par), intent(in) :: unknowns(:)   !! those of group 0 do not concern this scene
-    type(measured_lines), intent(in) :: lines
+    type(state_lines), intent(in) :: lines
     type(error_type), allocatable :: error
     state%lines = lines
     state%concerned = unknowns%group > 0

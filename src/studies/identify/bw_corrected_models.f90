@@ -8,7 +8,7 @@ module bw_corrected_models
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
-  use bw_correction_candidates, only: candidate_type, list_candidates, put_in
+  use bw_correction_candidates, only: correction_candidate, list_candidates, put_in
   use bw_scene_states, only: all_unknowns, measured_scene, states_of
   use bw_text, only: text_of
   implicit none (type, external)
@@ -35,7 +35,7 @@ contains
     type(identification), intent(in) :: found    !! without them
     type(corrected_model), allocatable, intent(out) :: corrections(:)
     integer, parameter :: most_combined = 4
-    type(candidate_type), allocatable :: candidates(:)
+    type(correction_candidate), allocatable :: candidates(:)
     type(measured_scene), allocatable :: variant(:)
     type(corrected_model), allocatable :: single(:)
     type(corrected_model) :: corrected
@@ -66,12 +66,12 @@ contains
   subroutine fit_two(measured, first, second, one, found, corrected, possible)
     !! The fit with two effects, from that with the first.
     type(measured_scene), intent(in) :: measured(:)
-    type(candidate_type), intent(in) :: first, second
+    type(correction_candidate), intent(in) :: first, second
     type(corrected_model), intent(in) :: one           !! with the first
     type(identification), intent(in) :: found
     type(corrected_model), intent(out) :: corrected
     logical, intent(out) :: possible
-    type(candidate_type), allocatable :: further(:)
+    type(correction_candidate), allocatable :: further(:)
     type(measured_scene), allocatable :: variant(:), both(:)
     integer :: k
     call put_in(first, measured, variant, possible)
@@ -86,7 +86,7 @@ contains
 
   subroutine fit_again(candidate, variant, found, before, measured, corrected)
     !! The fit with one more effect; lines that are no modes without any are none with it.
-    type(candidate_type), intent(in) :: candidate
+    type(correction_candidate), intent(in) :: candidate
     type(measured_scene), intent(in) :: variant(:)
     type(identification), intent(in) :: found
     type(fit_type), intent(in) :: before         !! without this effect

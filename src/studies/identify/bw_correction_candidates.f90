@@ -20,7 +20,7 @@ module bw_correction_candidates
 
   character, parameter :: nl = new_line('a')
 
-  type, public :: candidate_type
+  type, public :: correction_candidate
     !! A row of the table of corrections for a scene.
     character(40) :: effect = ''                 !! in words
     character(name_length) :: group = ''         !! that it is about
@@ -30,15 +30,15 @@ module bw_correction_candidates
     character(name_length) :: unknown(2) = ''    !! its numbers that are unknown
     real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges
     real(dp) :: neutral(2) = 0.0_dp              !! with these it is the model that it corrects
-  end type candidate_type
+  end type correction_candidate
 
 contains
 
   subroutine list_candidates(scene, candidates)
     !! The corrections that a scene can have, with ranges about what would matter to its beam.
     type(scene_type), intent(in) :: scene
-    type(candidate_type), allocatable, intent(out) :: candidates(:)
-    type(candidate_type) :: candidate
+    type(correction_candidate), allocatable, intent(out) :: candidates(:)
+    type(correction_candidate) :: candidate
     logical :: possible
     integer :: i
     allocate (candidates(0))
@@ -52,7 +52,7 @@ contains
     !! A correction in the numbers of a scene.
     type(correction_type), intent(in) :: correction
     type(scene_type), intent(in) :: scene
-    type(candidate_type), intent(out) :: candidate
+    type(correction_candidate), intent(out) :: candidate
     logical, intent(out) :: possible             !! the scene can have it
     integer, allocatable :: places(:)
     type(string), allocatable :: names(:)
@@ -114,7 +114,7 @@ contains
   pure subroutine toggle(scene, candidate)
     !! Switch an effect over that a value switches.
     type(scene_type), intent(in) :: scene
-    type(candidate_type), intent(inout) :: candidate
+    type(correction_candidate), intent(inout) :: candidate
     character(:), allocatable :: text, value
     associate (effect => effect_table(effect_number(candidate%group)))
       text = resolved_text(scene)
@@ -129,7 +129,7 @@ contains
 
   subroutine put_in(candidate, measured, variant, possible)
     !! The scenes with it, where all of them can have it.
-    type(candidate_type), intent(in) :: candidate
+    type(correction_candidate), intent(in) :: candidate
     type(measured_scene), intent(in) :: measured(:)
     type(measured_scene), allocatable, intent(out) :: variant(:)
     logical, intent(out) :: possible
@@ -155,7 +155,7 @@ contains
 
   function changed(candidate, text) result(edited)
     !! A scene with the group or the values. What a number is does not matter where it is unknown, but that it is there.
-    type(candidate_type), intent(in) :: candidate
+    type(correction_candidate), intent(in) :: candidate
     character(*), intent(in) :: text
     character(:), allocatable :: edited, values
     integer :: i, mark
@@ -194,7 +194,7 @@ contains
 
   pure function unknowns_text(candidate) result(text)
     !! Its `&identify` groups.
-    type(candidate_type), intent(in) :: candidate
+    type(correction_candidate), intent(in) :: candidate
     character(:), allocatable :: text
     integer :: i
     text = ''

@@ -9,7 +9,7 @@ module bw_fit_problem
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
-  use bw_line_assignment, only: band_type, best_scatter, pairing
+  use bw_line_assignment, only: frequency_band, best_scatter, pairing
   implicit none (type, external)
   private
   public :: problem_of, position_in, value_at, is_at_end
@@ -214,7 +214,7 @@ contains
     !! The lines of all states, and their modes as the unknowns are, up to those above the highest line.
     class(fit_problem), intent(inout) :: self
     type(pairing), allocatable, intent(out) :: records(:)
-    type(band_type), intent(out) :: band
+    type(frequency_band), intent(out) :: band
     integer, parameter :: at_once = 4
     real(dp), parameter :: beyond = 1.1_dp       !! times the highest line, up to where modes are looked for
     type(state_modes) :: modes
@@ -264,7 +264,7 @@ contains
     real(dp), intent(out) :: penalty
     logical, intent(out) :: changed              !! the assignment is another
     type(pairing), allocatable :: records(:)
-    type(band_type) :: band
+    type(frequency_band) :: band
     integer :: i
     self%roughly = is_coarse(self, least)
     call self%pairs(records, band)

@@ -17,11 +17,11 @@ module bw_line_assignment
 
   real(dp), parameter :: p_undetected = 0.3_dp       !! chosen: many modes are undetected
 
-  type, public :: band_type
+  type, public :: frequency_band
     !! What penalties depend on beside a line and a mode.
     real(dp) :: width = 1.0_dp           !! ln of the highest over the lowest frequency that a line may have
     real(dp) :: share = 1.0_dp           !! ρ
-  end type band_type
+  end type frequency_band
 
   type, public :: pairing
     !! The lines and modes of one record.
@@ -38,7 +38,7 @@ contains
   subroutine best_scatter(records, band, least, scatter, penalty)
     !! Assign the lines of several records with the τ at which it costs least.
     type(pairing), intent(inout) :: records(:)
-    type(band_type), intent(in) :: band
+    type(frequency_band), intent(in) :: band
     real(dp), intent(in) :: least        !! τ is not below
     real(dp), intent(out) :: scatter     !! τ
     real(dp), intent(out) :: penalty
@@ -75,7 +75,7 @@ contains
   pure subroutine assign(record, band, tau, penalty)
     !! The assignment that costs least, by dynamic programming over the first i lines and j modes.
     type(pairing), intent(inout) :: record
-    type(band_type), intent(in) :: band
+    type(frequency_band), intent(in) :: band
     real(dp), intent(in) :: tau
     real(dp), intent(out) :: penalty
     integer, parameter :: pair = 1, spurious = 2, undetected = 3
@@ -121,7 +121,7 @@ contains
   pure real(dp) function pair_penalty(record, band, tau, i, j) result(penalty)
     !! Of line i as mode j.
     type(pairing), intent(in) :: record
-    type(band_type), intent(in) :: band
+    type(frequency_band), intent(in) :: band
     real(dp), intent(in) :: tau
     integer, intent(in) :: i, j
     real(dp), parameter :: never = 1.0e30_dp

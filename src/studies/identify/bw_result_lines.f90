@@ -1,6 +1,6 @@
 module bw_result_lines
   !! The lines of a record from its finished result.
-  use bw_beam_state, only: measured_lines
+  use bw_beam_state, only: state_lines
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
@@ -16,7 +16,7 @@ module bw_result_lines
 
   type, public :: result_lines
     !! The lines of one case.
-    type(measured_lines) :: lines
+    type(state_lines) :: lines
     real(dp), allocatable :: angular_frequency(:), error(:)   !! of the damped line and half its interval [rad/s], (lines)
     real(dp), allocatable :: decay_error(:)      !! half its interval [1/s], (lines)
     integer, allocatable :: status(:)            !! bits of `status_words`, (lines)

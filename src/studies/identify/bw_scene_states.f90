@@ -2,7 +2,7 @@ module bw_scene_states
   !! The states of a beam from scenes and their lines. The unknowns of the first scene are those of all: a number of another scene
   !! is the same unknown where the scene gives a value to its name. What a further scene calls unknown itself is one of this
   !! scene alone.
-  use bw_beam_state, only: beam_state, measured_lines, state_of
+  use bw_beam_state, only: beam_state, state_lines, state_of
   use bw_identify_par, only: identify_par
   use bw_input_values, only: positions_of
   use bw_monitor, only: monitor_type
@@ -16,7 +16,7 @@ module bw_scene_states
   type, public :: measured_scene
     !! A scene with what was measured in its state.
     type(scene_type) :: scene                    !! without sweeps; scenes of one name are repeats
-    type(measured_lines) :: lines
+    type(state_lines) :: lines
     class(monitor_type), pointer :: monitor => null()    !! fits mean nothing from when it asks to stop
   end type measured_scene
 

@@ -1,7 +1,7 @@
 module measured_beams
   !! Beams of scenes whose lines are known: the exact modes of the true beam, each moved by a normal deviate of its own
   !! standard deviation. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
-  use bw_beam_state, only: beam_state, measured_lines, state_modes, state_of
+  use bw_beam_state, only: beam_state, state_lines, state_modes, state_of
   use bw_error, only: error_type
   use bw_identification, only: identification, identify
   use bw_kinds, only: dp
@@ -48,7 +48,7 @@ contains
   function lines_of(frequency, relative) result(lines)
     !! Lines that were measured to these relative standard deviations, and have no decay.
     real(dp), intent(in) :: frequency(:), relative(:)
-    type(measured_lines) :: lines
+    type(state_lines) :: lines
     integer :: k
     allocate (lines%frequency(size(frequency)))
     do k = 1, size(frequency)
@@ -62,7 +62,7 @@ contains
   subroutine find_unknowns(scene, lines, found)
     !! What the lines say of the unknowns of a scene.
     type(scene_type), intent(in) :: scene
-    type(measured_lines), intent(in) :: lines
+    type(state_lines), intent(in) :: lines
     type(identification), intent(out) :: found
     type(beam_state) :: states(1)
     states(1) = state_of(scene, scene%unknowns, lines)

@@ -1,24 +1,24 @@
-module bw_price
+module bw_penalty
   !! What an unknown must take off −2 ln L to be taken up: noise alone passes it, anywhere, with the probability `false_alarm`.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: chi_squared, line_price
+  public :: chi_squared, line_penalty
 
 contains
 
-  pure real(dp) function line_price(false_alarm, samples, amplitudes)
+  pure real(dp) function line_penalty(false_alarm, samples, amplitudes)
     !! Of a line with so many real amplitudes, anywhere in frequency and decay. The gain is a field of χ² over both: how often such a
     !! field exceeds x is, for high x, its tail at one place times x/2 for each independent place (Adler and Taylor, 2007), of which
     !! there is about one for each sample.
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: samples, amplitudes
     integer :: i
-    line_price = chi_squared(false_alarm/samples, amplitudes)
+    line_penalty = chi_squared(false_alarm/samples, amplitudes)
     do i = 1, 4
-      line_price = chi_squared(false_alarm/(samples*line_price/2), amplitudes)
+      line_penalty = chi_squared(false_alarm/(samples*line_penalty/2), amplitudes)
     end do
-  end function line_price
+  end function line_penalty
 
   pure real(dp) function chi_squared(chance, freedom) result(x)
     !! The sum of so many squared normal numbers, an even number, that is passed with this probability.
@@ -49,4 +49,4 @@ contains
     end do
   end function chi_squared
 
-end module bw_price
+end module bw_penalty
