@@ -18,13 +18,13 @@ module bw_check_command
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
-  use bw_scene_summary, only: bytes_text, case_numbers, cost_summary, disk_bytes, record_seconds, scene_heading, &
+  use bw_scene_summary, only: bytes_text, case_numbers, cost_summary, disk_bytes, scene_heading, &
     & scene_summary, unknowns_text, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
   use bw_text, only: shortest, text_of
-  use bw_time_estimate, only: estimated_seconds
+  use bw_time_estimate, only: estimated_seconds, record_seconds
   implicit none (type, external)
   private
   public :: check_command
@@ -88,8 +88,10 @@ contains
     if (allocated(scene%record)) then
       call check_records(scene, layout, count_line, notes, error)
       if (allocated(error)) return
-      time_line = '  time       about '//expected_text(record_seconds(layout))// &
-        ' on one core, more where lines are many or drift'//new_line('a')
+      time_line = '  time       about '//expected_text(record_seconds(scene, layout))// &
+        ' on one core, more where lines are many or drift'
+      if (size(scene%unknowns) > 0) time_line = time_line//' or the model does not explain them'
+      time_line = time_line//new_line('a')
     else
       monitor = terminal_progress_to(wall_seconds() + patience, quiet=.true.)
       call plan_tolerance(scene, monitor, planned, count_line, error)

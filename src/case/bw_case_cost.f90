@@ -12,7 +12,7 @@ module bw_case_cost
   use bw_timeline, only: comes_back
   implicit none (type, external)
   private
-  public :: case_bytes, case_counts, case_shares, seconds_of, shared_terms, stage_part
+  public :: case_bytes, case_counts, case_shares, modes_seconds, seconds_of, shared_terms, stage_part
 
   integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5
     !! events at t = 0, and later ones
@@ -60,6 +60,12 @@ contains
     part = [(sum(seconds, term%stage == s), s=1, shares)]
     part = part/sum(part)
   end function case_shares
+
+  pure real(dp) function modes_seconds(scene) result(seconds)
+    !! Of the modes of a case.
+    type(scene_type), intent(in) :: scene          !! without sweeps, whose modes are counted
+    seconds = sum(term%seconds*case_counts(scene, scene%modes%before), term%stage == modes_share)
+  end function modes_seconds
 
   pure real(dp) function seconds_of(counts) result(seconds)
     !! Of all terms.

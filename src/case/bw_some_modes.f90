@@ -8,7 +8,9 @@ module bw_some_modes
   use bw_mode_demand, only: mode_demand
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
-  use bw_scene, only: scene_type
+  use bw_piece_set, only: piece_set
+  use bw_piece_source, only: set_of_pieces
+  use bw_scene, only: by_pieces, scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_segment, only: alone
   use bw_strain_modes, only: strain_modes
@@ -40,9 +42,30 @@ contains
       return
     end if
     place = [(i, i=1, size(number))]
-    call find_sources(scene, units, monitor, known)
-    if (known%resolved) call known%configuration(alone)%source%find(number, set)
+    if (by_pieces(scene)) then
+      call find_of_pieces(scene, units, number, set, monitor)
+    else
+      call find_sources(scene, units, monitor, known)
+      if (known%resolved) call known%configuration(alone)%source%find(number, set)
+    end if
   end subroutine find_some_modes
+
+  subroutine find_of_pieces(scene, units, number, set, monitor)
+    !! Find modes of a scene without tension whose beam is of pieces; no critical speed is asked for.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    integer, intent(in) :: number(:)
+    class(mode_set), allocatable, intent(out) :: set
+    class(monitor_type), intent(inout) :: monitor
+    type(piece_set), allocatable :: found
+    type(struck_beam) :: pieces
+    allocate (found)
+    pieces = pieces_of(scene, units, .false.)
+    call set_of_pieces(pieces%beam, number, set=found, struck=pieces%struck, monitor=monitor)
+    found%struck_at = pieces%position
+    call move_alloc(found, set)
+    if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))
+  end subroutine find_of_pieces
 
   subroutine find_under_tension(scene, units, count, demand, set, monitor)
     !! Find the first modes of a scene with tension.

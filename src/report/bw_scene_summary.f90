@@ -16,7 +16,7 @@ module bw_scene_summary
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, unknowns_text, bytes_text, case_numbers, cost_summary, disk_bytes, record_seconds
+  public :: scene_heading, scene_summary, unknowns_text, bytes_text, case_numbers, cost_summary, disk_bytes
   public :: working_bytes
 
 contains
@@ -229,14 +229,6 @@ contains
     bytes = of_libraries + 8*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors
     if (numbers <= few_numbers) bytes = bytes + 8*numbers
   end function record_bytes
-
-  pure function record_seconds(layout) result(seconds)
-    !! About how long the lines of all cases of a record take on one core; more where there are many, or they drift. Measured of
-    !! 6 to 20 lines in 4e4 to 4e6 numbers: 2.3 to 4.2 µs for each number.
-    type(result_layout), intent(in) :: layout
-    real(dp) :: seconds
-    seconds = max(1, layout%cases)*(0.005_dp + 3.0e-6_dp*layout%points*layout%record%longest)
-  end function record_seconds
 
   pure function bytes_text(bytes) result(text)
     !! In kB, MB or GB of 1000s, three digits.
