@@ -70,18 +70,30 @@ contains
   end subroutine two_product
 
   pure real(dp) function accurate_sum(values) result(total)
-    !! The sum of many numbers, rounded about once however many there are (Neumaier's compensated sum).
+    !! The sum of many numbers, rounded about once however many there are (Neumaier's compensated sum), in sums of every eighth number
+    !! side by side.
     real(dp), intent(in) :: values(:)
-    real(dp) :: next, error, lost
-    integer :: i
-    total = 0.0_dp
+    integer, parameter :: lanes = 8
+    real(dp), dimension(lanes) :: sums, next, error, lost
+    real(dp) :: rest(lanes), total_next, total_error
+    integer :: i, whole
+    sums = 0.0_dp
     lost = 0.0_dp
-    do i = 1, size(values)
-      call two_sum(total, values(i), next, error)
-      total = next
+    whole = size(values) - mod(size(values), lanes)
+    do i = 1, whole, lanes
+      call two_sum(sums, values(i:i + lanes - 1), next, error)
+      sums = next
       lost = lost + error
     end do
-    total = total + lost
+    rest = 0.0_dp
+    rest(:size(values) - whole) = values(whole + 1:)
+    total = 0.0_dp
+    do i = 1, 2*lanes
+      call two_sum(total, merge(sums(min(i, lanes)), rest(max(1, i - lanes)), i <= lanes), total_next, total_error)
+      total = total_next
+      lost(1) = lost(1) + total_error
+    end do
+    total = total + sum(lost)
   end function accurate_sum
 
   elemental subroutine split(a, hi, lo)

@@ -172,7 +172,7 @@ contains
 
   real(dp) function predicted(motion, segment, count, samples, bound) result(error)
     !! The largest error that is expected of the first modes of the first segment, were phases random.
-    type(case_motion), intent(in) :: motion
+    type(case_motion), intent(inout) :: motion   !! its survey gets what is asked for
     type(segment_type), intent(in) :: segment
     integer, intent(in) :: count                 !! of the modes, the last of a bin
     integer, intent(in) :: samples               !! at which the motion is seen
@@ -343,9 +343,9 @@ contains
     type(case_mode_cache), intent(inout), optional :: cache
     type(time_grid) :: grid
     type(stretch_type) :: stretch
-    real(dp) :: allowed, doubt, error
-    integer :: first, handed, most, most_handed, n, samples
-    logical :: extended
+    real(dp) :: allowed, doubt, error, last_doubt
+    integer :: first, handed, last_handed, most, most_handed, n, samples
+    logical :: extended, grows
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     first = first_sample(next%start, grid)
     samples = grid%samples - first + 1
@@ -356,32 +356,51 @@ contains
       most_handed = min(most_modes, before%source%highest, max(before%source%quickly, last%count))
       most = min(most_released, after%source%highest)
       handed = 0
-      n = min(most, max(first_modes, last%count))
+      last_doubt = 0.0_dp
+      last_handed = 0
+      n = min(most, max(first_modes, 2*last%count))    ! a beam without its mass takes nearly twice as many
       if (first > grid%samples .or. allowed == 0.0_dp) n = min(most, first_modes)
       do
         call after%source%find(first_numbers(n), after%set, grid%samples*grid%step%hi, monitor)
         call project(last, before, next%start - last%start, grid%samples*grid%step%hi, handed, after%set, projection, monitor)
         if (monitor%stop_requested()) return
         call survey_next()
+        grows = .false.
         if (doubt > 1.0_dp .and. projection%place%count == before%source%highest) then
           call extend_source(scene, motion%units, last%configuration == together, monitor, before%source, extended, cache)
           if (extended) most_handed = min(most_modes, before%source%highest)
         end if
         if (doubt > 1.0_dp .and. projection%place%count < most_handed) then
-          handed = int(min(real(most_handed, dp), max(1.25_dp, min(64.0_dp, doubt**(2.0_dp/3.0_dp)))*projection%place%count))
-          cycle
+          grows = .true.
+          handed = more_handed()
         end if
-        if (first > grid%samples .or. allowed == 0.0_dp .or. error <= 1.0_dp) exit
-        if (n == most) then
-          call extend_source(scene, motion%units, next%configuration == together, monitor, after%source, extended, cache)
-          if (.not. extended) exit
-          most = min(most_released, after%source%highest)
+        if (error > 1.0_dp) then
+          if (n == most) then
+            call extend_source(scene, motion%units, next%configuration == together, monitor, after%source, extended, cache)
+            if (extended) most = min(most_released, after%source%highest)
+          end if
+          if (n < most) then
+            grows = .true.
+            n = min(most, next_count(n, 1.05_dp*error**0.4_dp, 2*n))
+          end if
         end if
-        n = min(most, 2*n)
+        if (.not. grows) exit
       end do
       if (first <= grid%samples .and. allowed > 0.0_dp) call cut_to_least()
     end associate
   contains
+    integer function more_handed() result(count)
+      !! So many modes before that the doubt is allowed, were it to fall on as a power of their number as it last did.
+      real(dp) :: power
+      power = 1.5_dp
+      associate (known => projection%place%count)
+        if (last_handed > 0 .and. known > last_handed) &
+          power = max(0.5_dp, min(power, log(last_doubt/doubt)/log(real(known, dp)/last_handed)))
+        count = int(min(real(most_handed, dp), known*max(1.25_dp, min(64.0_dp, 1.05_dp*doubt**(1.0_dp/power)))))
+        last_handed = known
+        last_doubt = doubt
+      end associate
+    end function more_handed
     subroutine survey_next()
       !! What the modes there are may be off by, and what they are handed, over what is allowed of either.
       type(lack_error) :: lacking

@@ -20,8 +20,8 @@ module bw_case_errors
   use bw_segment, only: beam_energy, growth_error, move, segment_type
   use bw_text, only: append, shortest
   use bw_time_grid, only: time_grid, time_grid_of
-  use bw_truncation_error, only: block_ends, displacement_error, falling_part, fewest, find_tail, no_bound, part_shown, &
-    rate_error, tail_type, times_shown
+  use bw_truncation_error, only: block_ends, displacement_error, falling_part, fewest, find_rates, find_tail, no_bound, &
+    part_shown, rate_error, tail_type, times_shown
   implicit none (type, external)
   private
   public :: drop_errors, estimate_errors, errors_of_quantity
@@ -134,7 +134,7 @@ contains
     type(lack_error) :: lacking
     real(dp), dimension(size(scene%response%points)) :: part, times
     real(dp), dimension(size(scene%response%points), 2) :: rate, value
-    real(dp) :: speed
+    real(dp) :: energy, speed
     integer :: samples
     associate (segment => motion%timeline%segments(i), moving => motion%modes%configuration(configuration_of(motion, i)))
       call take_survey(scene, motion, i, quantity, monitor, survey, samples)
@@ -142,10 +142,12 @@ contains
       if (monitor%stop_requested()) return
       if (samples == 0 .or. speed == 0.0_dp) return
       associate (source => moving%source)
+        energy = segment%energy
         if (allocated(segment%rate)) then
-          call find_tail(survey, source%pieces%beam, source%damping, energy_beside(segment, moving%set), segment%count, tail)
+          energy = energy_beside(segment, moving%set)
+          call find_tail(survey, source%pieces%beam, source%damping, energy, segment%count, tail)
         else
-          call find_tail(survey, source%pieces%beam, source%damping, segment%energy, segment%count, tail, segment%force, &
+          call find_tail(survey, source%pieces%beam, source%damping, energy, segment%count, tail, segment%force, &
                          source%struck_at)
         end if
       end associate
@@ -155,7 +157,11 @@ contains
       part = part_shown(survey, segment%count, samples, value)
       if (segment%count >= fewest) part = max(part, falling_part(tail, value))
       times = times_shown(survey, segment%count, samples, rate)
-      error = segment_error(tail%bound, displacement_error(tail, part), rate_error(tail, times, rate), part)
+      error = segment_error(tail%bound, displacement_error(tail, part), 0.0_dp*part, part)
+      if (scene%response%velocity .or. quantity == curvatures) then
+        call find_rates(survey, moving%source%pieces%beam, moving%source%damping, energy, tail)
+        error%rate = rate_error(tail, times, rate)
+      end if
       if (.not. allocated(segment%lack)) return
       call find_lack(segment%lack, moving%set, segment%count, survey, samples, part, times, lacking)
       error%bound = error%bound + lacking%bound

@@ -17,6 +17,13 @@ module bw_flexibility
   private
   public :: mean_square_curvature, mean_square_shape, moment_stiffness, point_flexibility
 
+  type, public :: flexibility_table
+    !! Flexibilities of a beam at points, at the shifts s² = 4ʲ that somebody has asked for: each is found once.
+    real(dp), allocatable :: at(:, :)            !! (points, j)
+  contains
+    procedure :: cover
+  end type flexibility_table
+
   type :: flexible_piece
     !! Two waves that decay outwards, and two that decay inwards; a state is v, ψ, M and shear force.
     complex(dp) :: decay(2)                      !! κ, Re κ > 0
@@ -28,6 +35,26 @@ module bw_flexibility
   end type flexible_piece
 
 contains
+
+  pure subroutine cover(self, beam, xi, first, last)
+    !! Find what is not there of the shifts from 4^first to 4^last, and between them and those that are.
+    class(flexibility_table), intent(inout) :: self   !! of this beam and these points, if it has any
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: xi(:)                !! (points)
+    integer, intent(in) :: first, last
+    real(dp), allocatable :: at(:, :)
+    integer :: ends(2), known(2), j
+    known = [first, first - 1]
+    if (allocated(self%at)) known = [lbound(self%at, 2), ubound(self%at, 2)]
+    if (known(1) <= first .and. known(2) >= last) return
+    ends = [min(first, known(1)), max(last, known(2))]
+    allocate (at(size(xi), ends(1):ends(2)))
+    if (allocated(self%at)) at(:, known(1):known(2)) = self%at
+    do j = ends(1), ends(2)
+      if (j < known(1) .or. j > known(2)) at(:, j) = point_flexibility(beam, 4.0_dp**j, xi)
+    end do
+    call move_alloc(at, self%at)
+  end subroutine cover
 
   pure function point_flexibility(beam, shift, xi) result(flexibility)
     !! ΣΦ_k(ξ)²/(M_k(β_k² + s²)): the deflection of each point under a force of 1 there, (points).

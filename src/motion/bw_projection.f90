@@ -22,7 +22,8 @@ module bw_projection
   private
   public :: project
 
-  integer, parameter :: nearest(2) = [4, 1024]  !! times the modes after, and modes at least, whose overlaps are taken one by one
+  real(dp), parameter :: nearest = 2.5_dp       !! times the modes after, and modes at least, whose overlaps are taken one by one: three
+  integer, parameter :: least_near = 1024       !! terms of a series in (i/k)⁴ leave 1e-5 of the overlap of any other
   integer, parameter :: chunk = 256             !! modes held at a time beyond these
 
   type, public :: place_type
@@ -78,9 +79,12 @@ contains
       if (.not. is_near_known(p, segment, source, after)) then
         call take_start(segment, configuration, longest, wanted, after%count, p, q, rate, monitor)
         if (stops(monitor)) return
-        call take_place(p%before, q, rate, time, segment%energy, source, p%near_place)
-        call move(p%before, time, p%q, p%rate)
-        call move(p%before, time, q, rate)
+        if (allocated(segment%lack)) then
+          call take_place(p%before, q, rate, time, segment%energy, source, p%near_place)
+          call move(p%before, time, p%q, p%rate)
+        else
+          call take_place(p%before, p%q, p%rate, time, segment%energy, source, p%near_place)
+        end if
         p%near_q = after%overlap_of_beam(p%before, p%q, monitor)
         p%near_rate = after%overlap_of_beam(p%before, p%rate, monitor)
         if (allocated(segment%lack)) then
@@ -96,12 +100,12 @@ contains
         call add_far(source, segment%force, time, longest, min(wanted, source%highest), p%place, p%far, monitor)
       if (stops(monitor)) return
       if (p%place%count > n) then
-        associate (elastic => after%beta_squared%hi + spin(source), blow => source%gamma*after%struck, &
-                   of => p%far%of(n + 1:p%place%count, :))
-          p%q_after = p%q_after &
-            - blow*(p%place%displacement - p%near_place%displacement + elastic*sum(of(:, moved)/of(:, square)))
-          p%rate_after = p%rate_after &
-            - blow*(p%place%velocity - p%near_place%velocity + elastic*sum(of(:, rate_moved)/of(:, square)))
+        associate (elastic => after%beta_squared%hi + spin(source), beta_squared => after%beta_squared%hi, &
+                   blow => source%gamma*after%struck, of => p%far%of(n + 1:p%place%count, :))
+          p%q_after = p%q_after - blow*(p%place%displacement - p%near_place%displacement &
+            + elastic*(sum(of(:, moved)/of(:, square)) + beta_squared*sum(of(:, moved)/of(:, square)**2)))
+          p%rate_after = p%rate_after - blow*(p%place%velocity - p%near_place%velocity &
+            + elastic*(sum(of(:, rate_moved)/of(:, square)) + beta_squared*sum(of(:, rate_moved)/of(:, square)**2)))
         end associate
       end if
       p%q_after = p%q_after/after%modal_mass
@@ -147,7 +151,7 @@ contains
         p%q = 0.0_dp*p%rate
         if (allocated(segment%q)) p%q = segment%q
       else
-        n = max(nearest(1)*modes_after, nearest(2))
+        n = max(int(nearest*modes_after), least_near)
         if (source%pieces%captured%inertia%hi > 0.0_dp) n = max(n, wanted)
         n = min(n, source%highest)
         call source%find(first_numbers(n), p%before, source%stretch*longest, monitor)
@@ -166,13 +170,12 @@ contains
   subroutine take_place(before, q, rate, time, energy, source, place)
     !! What the first modes move the body's place by, and how much energy and mobility they leave to others.
     class(mode_set), intent(in) :: before
-    real(dp), intent(in) :: q(:), rate(:)        !! the continuum's state at the start
+    real(dp), intent(inout) :: q(:), rate(:)     !! the continuum's state at the start, and then
     type(dd), intent(in) :: time
     real(dp), intent(in) :: energy               !! of all modes at the start
     class(mode_source), intent(in) :: source
     type(place_type), intent(out) :: place
     real(dp), parameter :: unit = 4.0_dp*epsilon(1.0_dp)
-    real(dp), dimension(size(q)) :: moved, moved_rate
     type(energy_type) :: held
     real(dp) :: mass
     place%count = size(q)
@@ -184,16 +187,14 @@ contains
     end associate
     place%missing_energy = max(0.0_dp, energy - beam_energy(before, q, rate)) + unit*energy
     place%square = before%beta_squared(size(q))%hi
-    moved = q
-    moved_rate = rate
     held = state_energy(before, q, rate)
-    call move_with_energy(before, time, moved, moved_rate, held)
-    place%displacement = accurate_sum(before%struck*moved)
-    place%velocity = accurate_sum(before%struck*moved_rate)
+    call move_with_energy(before, time, q, rate, held)
+    place%displacement = accurate_sum(before%struck*q)
+    place%velocity = accurate_sum(before%struck*rate)
     place%energy = energy
     if (allocated(before%damping)) place%energy = held%value
     place%left = left_of(before, time)
-    call take_part(before%struck*moved_rate, amplitudes(before, moved, moved_rate), place)
+    call take_part(before%struck*rate, amplitudes(before, q, rate), place)
   end subroutine take_place
 
   pure function amplitudes(modes, q, rate) result(amplitude)

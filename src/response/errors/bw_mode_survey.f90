@@ -6,6 +6,7 @@ module bw_mode_survey
   !! The first modes are kept one by one, others as bins of neighbours, 128 to an octave of mode numbers, so that millions take
   !! little memory. Without dimensions: displacements in V l²/h, velocities in V, energies in m_iV².
   use bw_double_double, only: dd
+  use bw_flexibility, only: flexibility_table
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, first_numbers, mode_set, mode_source, values_at
   use bw_monitor, only: monitor_type, stops
@@ -46,6 +47,9 @@ module bw_mode_survey
     integer :: bins = 0                            !! that are full
     type(mode_bin), allocatable :: bin(:)          !! (bins and more)
     type(point_sums), allocatable :: at(:, :)      !! (points, bins and more)
+    type(flexibility_table) :: flexibility         !! of the beam at the points and the struck place, as far as it was asked for
+    real(dp), allocatable :: bound(:)              !! of what all modes beyond these add, if it is known, (points)
+    real(dp) :: bound_energy = 0.0_dp              !! of the motion that it is for
   contains
     procedure :: start
     procedure :: add
@@ -128,6 +132,7 @@ contains
     real(dp), intent(in) :: shapes(:, :)           !! Φ(ξ), or curvatures, (modes, points)
     real(dp), dimension(size(square)) :: moved, moved_rate
     integer :: ended, k, number, p
+    if (allocated(self%bound)) deallocate (self%bound)
     moved = amplitude_of(square, damping, q, rate, self%stretch, .false.)
     moved_rate = amplitude_of(square, damping, q, rate, self%stretch, .true.)
     number = self%count()

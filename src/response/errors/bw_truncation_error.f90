@@ -9,7 +9,8 @@ module bw_truncation_error
   !!
   !! The energy of a light mass lies in modes far beyond the n-th, which move no point far. Of a blow amplitudes are
   !! fΦ_k(ξ)Φ_k(ξ₀)/(M_kβ_k), and by the same inequality their sum is at most f√(T(ξ)T(ξ₀)), T(ξ) = Σ_{k>n}Φ_k(ξ)²/(M_kβ_k). With
-  !! 1/β ≤ ½Σ_j 2ʲβ_n/(β² + 4ʲβ_n²), j ≥ −2, for β ≥ β_n, these are flexibilities at imaginary frequencies again.
+  !! 1/β ≤ ½Σ_j 2ʲb/(β² + 4ʲb²), j ≥ −2, for β ≥ b, these are flexibilities at imaginary frequencies again. All shifts s² are powers of
+  !! 4, b one of 2, so that a few flexibilities serve every n.
   !!
   !! **Estimate.** All modes that are left out seldom add up to the bound: phases are as good as random, or agree at some samples as
   !! far as those of the modes before do. So the last two octaves of the sum are summed apart. Which part of the sum of its
@@ -19,7 +20,7 @@ module bw_truncation_error
   !! shapes.
   use bw_damping, only: damping_law
   use bw_double_double, only: dd
-  use bw_flexibility, only: mean_square_curvature, mean_square_shape, point_flexibility
+  use bw_flexibility, only: mean_square_curvature, mean_square_shape
   use bw_kinds, only: dp
   use bw_modal_flow, only: left_beyond
   use bw_mode_set, only: curvatures
@@ -28,7 +29,8 @@ module bw_truncation_error
   use bw_reach, only: turns
   implicit none (type, external)
   private
-  public :: block_ends, displacement_error, falling_part, find_tail, part_shown, rate_error, spread_of_samples, times_shown
+  public :: block_ends, displacement_error, falling_part, find_rates, find_tail, part_shown, rate_error, spread_of_samples
+  public :: times_shown
 
   real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums asked for up to this times the part that blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same of velocities, in root mean squares
@@ -36,7 +38,7 @@ module bw_truncation_error
   real(dp), parameter :: steady = 1.5_dp           !! tuned: the same of octaves that fall on as the last two do
   integer, parameter :: counted = 5                !! octaves of them: velocities may have no bound, and no sum is larger
   real(dp), parameter :: schwarz = 1.35_dp         !! of the sum of amplitudes, where modes are alike: √(4/3)·π/√8, and a little
-  real(dp), parameter :: shifts(3) = [0.1_dp, 1.0_dp, 10.0_dp]   !! s² over β²: the last for beams with tension, which is left out
+  integer, parameter :: shifts(2) = [-2, 2]        !! j, where s² = 4ʲ is about β²: the last for beams with tension, which is left out
   real(dp), parameter, public :: no_bound = 1.0e100_dp  !! where none is known
   real(dp), parameter :: rounding = 1.0e-13_dp     !! of a flexibility, relatively
   integer, parameter, public :: fewest = 4         !! modes that have two octaves and others before them
@@ -49,7 +51,7 @@ module bw_truncation_error
     real(dp), allocatable :: bound(:)              !! of displacements, at all times of the stretch
     real(dp), allocatable :: reach(:)              !! sum of their amplitudes, about
     real(dp), allocatable :: largest(:)            !! the largest amplitude that is known of one of them
-    real(dp), allocatable :: rate_mean(:)          !! root mean square of velocities, or of curvatures
+    real(dp), allocatable :: rate_mean(:)          !! of `find_rates`: root mean square of velocities, or of curvatures
     real(dp), allocatable :: rate_bound(:)         !! of velocities, where a body at the point makes one
   end type tail_type
 
@@ -62,47 +64,97 @@ contains
     ends = [count/4, count/2, count]
   end function block_ends
 
-  pure subroutine find_tail(survey, beam, law, energy, count, tail, force, place)
-    !! The survey holds the first `count` modes, and as many beyond them as one likes.
-    type(mode_survey), intent(in) :: survey
+  subroutine find_tail(survey, beam, law, energy, count, tail, force, place)
+    !! What is missing of displacements. The survey holds the first `count` modes, and as many beyond them as one likes.
+    type(mode_survey), intent(inout) :: survey     !! gets the flexibilities that are asked for
     type(piece_beam), intent(in) :: beam           !! whose modes they are, without its tension
     type(damping_law), intent(in), optional :: law !! absent: nothing damps
     real(dp), intent(in) :: energy                 !! of all modes there are, m_iV²
     integer, intent(in) :: count                   !! n, the last of a bin
     type(tail_type), intent(out) :: tail
     real(dp), intent(in), optional :: force        !! f, where all modes start from rest position with fΦ_k(ξ₀)/M_k
-    real(dp), intent(in), optional :: place        !! ξ₀
-    real(dp), dimension(size(survey%points)) :: ahead, beyond, plain
-    real(dp) :: left
+    real(dp), intent(in), optional :: place        !! ξ₀: of all tails of a survey or of none
+    real(dp), dimension(size(survey%points)) :: beyond, plain
     integer :: b
     b = survey%bin_of(count)
     tail%count = count
-    ahead = sum(survey%at(:, b + 1:survey%bins)%reach, 2)
-    plain = no_bound
-    if (survey%bin(b)%square > 0.0_dp) plain = schwarz_bound(b)
+    call find_schwarz(b, plain)
     beyond = plain
-    if (survey%bins > b) beyond = no_bound
-    if (survey%bins > b .and. survey%bin(survey%bins)%square > 0.0_dp) beyond = ahead + schwarz_bound(survey%bins)
+    if (survey%bins > b) then                      ! those beyond the survey add the same to every count
+      if (survey%bound_energy < energy .or. survey%bound_energy > energy .or. .not. allocated(survey%bound)) then
+        call find_schwarz(survey%bins, beyond)
+        survey%bound = beyond
+        survey%bound_energy = energy
+      end if
+      beyond = min(no_bound, survey%bound + sum(survey%at(:, b + 1:survey%bins)%reach, 2))
+    end if
     tail%bound = min(plain, beyond)
     tail%reach = min(plain, schwarz*beyond)
     tail%largest = 0.0_dp*plain
     if (survey%bins > b) tail%largest = maxval(survey%at(:, b + 1:survey%bins)%largest, 2)
-    left = left_by_damping(survey, law, survey%bins)
-    tail%rate_mean = sqrt(half_squares(survey, b + 1, survey%bins) &
-                          + left**2*energy_beyond(survey, energy, survey%bins)*mean_shapes(survey, beam))
-    if (survey%quantity /= curvatures) tail%rate_bound = left_by_damping(survey, law, b) &
-      *sqrt(2.0_dp*energy_beyond(survey, energy, b)*mobility_beyond(survey, beam, b))
   contains
-    pure function schwarz_bound(b) result(bound)
+    subroutine find_schwarz(b, bound)
       !! √(2ER) of the modes beyond a bin, or f√(TT) where most of the energy is theirs.
       integer, intent(in) :: b
-      real(dp) :: bound(size(survey%points)), left
+      real(dp), intent(out) :: bound(size(survey%points))
+      real(dp) :: left
+      integer :: ends(2), level
+      logical :: of_blow
+      bound = no_bound
+      if (survey%quantity == curvatures .or. survey%bin(b)%square <= 0.0_dp) return
       left = energy_beyond(survey, energy, b)
+      level = level_of(survey%bin(b)%square)
+      ends = levels_near(level, beam)
+      of_blow = present(force) .and. left > 0.5_dp*energy .and. level + lowest >= lowest_level(beam) &
+        .and. all(beam%piece%compliance%hi <= 0.0_dp)          ! with shear T grows without end
+      if (of_blow) ends = level + [lowest, highest]
+      if (present(place)) then
+        call survey%flexibility%cover(beam, [survey%points, place], ends(1), ends(2))
+      else
+        call survey%flexibility%cover(beam, survey%points, ends(1), ends(2))
+      end if
       bound = sqrt(2.0_dp*left*residual_flexibility(survey, beam, b))
-      if (present(force) .and. left > 0.5_dp*energy) bound = min(bound, bound_of_blow(survey, beam, force, place, b))
+      if (of_blow) bound = min(bound, bound_of_blow(survey, force, b))
       bound = left_by_damping(survey, law, b)*bound
-    end function schwarz_bound
+    end subroutine find_schwarz
   end subroutine find_tail
+
+  pure subroutine find_rates(survey, beam, law, energy, tail)
+    !! The same of velocities, or of curvatures.
+    type(mode_survey), intent(in) :: survey
+    type(piece_beam), intent(in) :: beam
+    type(damping_law), intent(in), optional :: law
+    real(dp), intent(in) :: energy
+    type(tail_type), intent(inout) :: tail
+    integer :: b
+    b = survey%bin_of(tail%count)
+    tail%rate_mean = sqrt(half_squares(survey, b + 1, survey%bins) + left_by_damping(survey, law, survey%bins)**2 &
+                          *energy_beyond(survey, energy, survey%bins)*mean_shapes(survey, beam))
+    if (survey%quantity /= curvatures) tail%rate_bound = left_by_damping(survey, law, b) &
+      *sqrt(2.0_dp*energy_beyond(survey, energy, b)*mobility_beyond(survey, beam, b))
+  end subroutine find_rates
+
+  elemental integer function level_of(square) result(level)
+    !! j of the largest 4ʲ that is at most β².
+    real(dp), intent(in) :: square                 !! β² > 0
+    level = floor(0.5_dp*log(square)/log(2.0_dp))
+  end function level_of
+
+  pure integer function lowest_level(beam) result(level)
+    !! j of the least shift at which a beam that turns is far from the frequency of its turning.
+    type(piece_beam), intent(in) :: beam
+    level = minexponent(1.0_dp)
+    if (beam%spin_squared%hi > 0.0_dp) level = level_of(1.5_dp*beam%spin_squared%hi) + 1
+  end function lowest_level
+
+  pure function levels_near(level, beam) result(ends)
+    !! The first and the last j of the shifts that bound a residual flexibility.
+    integer, intent(in) :: level                   !! of β_n²
+    type(piece_beam), intent(in) :: beam
+    integer :: ends(2)
+    ends(1) = max(level + shifts(1), lowest_level(beam))
+    ends(2) = max(level + shifts(2), ends(1))
+  end function levels_near
 
   pure real(dp) function energy_beyond(survey, energy, b) result(left)
     !! Of the modes beyond a bin, with what rounding may hide of it.
@@ -116,62 +168,59 @@ contains
   pure function residual_flexibility(survey, beam, b) result(residual)
     !! A bound of Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²), the sharpest of those that some shifts give. Tension stiffens a beam: the flexibility of
     !! that without it is a bound, too, and the sharper the higher the frequency.
-    type(mode_survey), intent(in) :: survey
+    type(mode_survey), intent(in) :: survey        !! whose flexibilities cover the shifts
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: b                       !! β² of its last mode is positive
-    real(dp) :: residual(size(survey%points)), whole(size(survey%points)), shift
-    integer :: i
+    real(dp) :: residual(size(survey%points)), shift
+    integer :: ends(2), j
     residual = huge(residual)
-    do i = 1, size(shifts)
-      shift = max(shifts(i)*survey%bin(b)%square, 1.5_dp*beam%spin_squared%hi)
-      whole = point_flexibility(beam, shift, survey%points)
-      residual = min(residual, (1.0_dp + shift/survey%bin(b)%square)*(rounding*whole + max(0.0_dp, whole - taken())))
+    ends = levels_near(level_of(survey%bin(b)%square), beam)
+    do j = ends(1), ends(2)
+      shift = 4.0_dp**j
+      associate (whole => survey%flexibility%at(:size(residual), j))
+        residual = min(residual, (1.0_dp + shift/survey%bin(b)%square)*remaining(whole, taken(survey, b, shift)))
+      end associate
     end do
-  contains
-    pure function taken()
-      !! By the first modes.
-      real(dp) :: taken(size(survey%points))
-      integer :: j
-      taken = 0.0_dp
-      do j = 1, b
-        taken = taken + survey%at(:, j)%share/(survey%bin(j)%mean_square + shift)
-      end do
-    end function taken
   end function residual_flexibility
 
-  pure function bound_of_blow(survey, beam, force, place, b) result(bound)
-    !! f√(T(ξ)T(ξ₀)) of the modes beyond a bin; none with shear, whose T grows without end.
-    type(mode_survey), intent(in) :: survey
-    type(piece_beam), intent(in) :: beam
-    real(dp), intent(in) :: force, place           !! as those of `find_tail`
+  pure function bound_of_blow(survey, force, b) result(bound)
+    !! f√(T(ξ)T(ξ₀)) of the modes beyond a bin.
+    type(mode_survey), intent(in) :: survey        !! whose flexibilities cover the shifts, of the struck place as well
+    real(dp), intent(in) :: force                  !! as that of `find_tail`
     integer, intent(in) :: b                       !! β² of its last mode is positive
-    real(dp) :: bound(size(survey%points))
-    real(dp), dimension(size(survey%points) + 1) :: beyond, left, whole
-    real(dp) :: shift
-    integer :: j
-    bound = no_bound
-    if (survey%quantity == curvatures .or. any(beam%piece%compliance%hi > 0.0_dp)) return
-    if (4.0_dp**lowest*survey%bin(b)%square < 1.5_dp*beam%spin_squared%hi) return
+    real(dp) :: bound(size(survey%points)), shift
+    real(dp), dimension(size(survey%points) + 1) :: beyond, left
+    integer :: j, level
+    level = level_of(survey%bin(b)%square)
     beyond = 0.0_dp
     do j = lowest, highest
-      shift = 4.0_dp**j*survey%bin(b)%square
-      whole = point_flexibility(beam, shift, [survey%points, place])
-      left = rounding*whole + max(0.0_dp, whole - taken())
+      shift = 4.0_dp**(level + j)
+      left = remaining(survey%flexibility%at(:, level + j), [taken(survey, b, shift), &
+        & sum((2.0_dp*survey%bin(:b)%energy/force)/force/(survey%bin(:b)%mean_square + shift))])   ! energies are ½f²Φ_k(ξ₀)²/M_k
       beyond = beyond + 2.0_dp**j*left
     end do
     beyond = beyond + 2.0_dp**highest*left/(sqrt(2.0_dp) - 1.0_dp)
-    bound = 0.5_dp*force*sqrt(survey%bin(b)%square*beyond(:size(bound))*beyond(size(beyond)))
-  contains
-    pure function taken()
-      !! By the first modes: energies are ½f²Φ_k(ξ₀)²/M_k.
-      real(dp) :: taken(size(survey%points) + 1)
-      integer :: i
-      taken = 0.0_dp
-      do i = 1, b
-        taken = taken + [survey%at(:, i)%share, (2.0_dp*survey%bin(i)%energy/force)/force]/(survey%bin(i)%mean_square + shift)
-      end do
-    end function taken
+    bound = 0.5_dp*force*sqrt(4.0_dp**level*beyond(:size(bound))*beyond(size(beyond)))
   end function bound_of_blow
+
+  elemental real(dp) function remaining(whole, taken)
+    !! Of a flexibility, with what rounding may hide of it.
+    real(dp), intent(in) :: whole, taken
+    remaining = rounding*whole + max(0.0_dp, whole - taken)
+  end function remaining
+
+  pure function taken(survey, b, shift)
+    !! What the modes up to a bin take of the flexibility of the points, (points).
+    type(mode_survey), intent(in) :: survey
+    integer, intent(in) :: b
+    real(dp), intent(in) :: shift
+    real(dp) :: taken(size(survey%points))
+    integer :: i
+    taken = 0.0_dp
+    do i = 1, b
+      taken = taken + survey%at(:, i)%share/(survey%bin(i)%mean_square + shift)
+    end do
+  end function taken
 
   pure real(dp) function left_by_damping(survey, law, b) result(left)
     !! Of the amplitudes of modes beyond a bin, at the first sample: 1 where nothing damps.
