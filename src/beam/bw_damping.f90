@@ -16,8 +16,7 @@ module bw_damping
     real(qp) :: ratio = 0.0_qp       !! ζ
     real(qp) :: stiffness = 0.0_qp   !! b
   contains
-    procedure, private :: working_rates, extended_rates
-    generic :: rates => working_rates, extended_rates
+    procedure :: rates
     procedure :: quarter_squares
   end type damping_law
 
@@ -35,20 +34,13 @@ contains
     end if
   end function law_of
 
-  elemental real(dp) function working_rates(self, elastic) result(c)
+  elemental real(dp) function rates(self, elastic) result(c)
     !! c of a mode.
     class(damping_law), intent(in) :: self
     real(dp), intent(in) :: elastic       !! λ = K/M, in (h/l²)²; what rounding leaves below 0 is 0
     c = real(self%mass, dp) + 2.0_dp*real(self%ratio, dp)*sqrt(max(0.0_dp, elastic)) &
       + real(self%stiffness, dp)*max(0.0_dp, elastic)
-  end function working_rates
-
-  elemental real(qp) function extended_rates(self, elastic) result(c)
-    !! The same in binary128.
-    class(damping_law), intent(in) :: self
-    real(qp), intent(in) :: elastic
-    c = self%mass + 2.0_qp*self%ratio*sqrt(max(0.0_qp, elastic)) + self%stiffness*max(0.0_qp, elastic)
-  end function extended_rates
+  end function rates
 
   elemental type(dd) function quarter_squares(self, elastic) result(square)
     !! c²/4 of a mode, to all digits of λ: ζ²λ, or ¼(a + bλ)². At and near the critical damping β² − c²/4 has only those that

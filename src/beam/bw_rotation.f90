@@ -3,8 +3,8 @@ module bw_rotation
   !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing. In either plane
   !! it brings a tension into the beam, which stiffens it.
   use bw_beam_units, only: beam_units
-  use bw_double_double, only: dd, to_dd, to_quad, operator(*)
-  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, to_dd, operator(*)
+  use bw_kinds, only: dp
   use bw_rotation_par, only: rotation_par
   implicit none (type, external)
   private
@@ -29,16 +29,17 @@ contains
     !! |ω| l²/h where rotation acts in the plane of the motion, else 0.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
-    speed = real(full_speed_in_plane(rotation, units), dp)
+    type(dd) :: full
+    full = full_speed_in_plane(rotation, units)
+    speed = full%hi
   end function speed_in_plane
 
-  pure real(qp) function full_speed_in_plane(rotation, units) result(speed)
+  pure type(dd) function full_speed_in_plane(rotation, units) result(speed)
     !! The same speed in all its digits.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
-    speed = 0.0_qp
     if (.not. present(rotation)) return
-    if (acts_in_plane(rotation)) speed = to_quad(dimensionless_speed(rotation, units))
+    if (acts_in_plane(rotation)) speed = dimensionless_speed(rotation, units)
   end function full_speed_in_plane
 
   pure function tension_of(omega, hub_radius, gamma) result(tension)

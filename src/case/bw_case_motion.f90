@@ -1,7 +1,6 @@
 module bw_case_motion
   !! The motion of a case before any history is summed: the impact and what follows it, and how many modes are summed. Those are
   !! what the scene counts, or as many as its tolerance takes; which of the two is asked here alone.
-  use bw_beam_par, only: beam_mass
   use bw_case_counts, only: choose_first, choose_later
   use bw_case_modes, only: case_mode_cache
   use bw_case_notes, only: note_added_energy, note_contacts, note_no_change, note_release, note_rounding
@@ -9,7 +8,7 @@ module bw_case_motion
   use bw_double_double, only: dd, operator(-)
   use bw_impact, only: continuum_velocity
   use bw_initial_state, only: continuum_initial_state, find_initial_state, initial_state, initial_state_cache
-  use bw_kinds, only: dp, qp
+  use bw_kinds, only: dp
   use bw_mode_set, only: configuration_type
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -167,7 +166,7 @@ contains
     type(contacts_type) :: contacts
     type(configuration_type) :: pressed
     if (scene%impact%mass_ratio == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
-    call follow_contacts(motion%modes%configuration(alone)%set, mass_ratio_in_full(scene), scene%impact%restitution, &
+    call follow_contacts(motion%modes%configuration(alone)%set, scene%impact%mass_ratio, scene%impact%restitution, &
                          full_speed_in_plane(scene%rotation, motion%units), &
                          scene%response%duration/motion%units%time%hi, scene%recontact%max_contacts, contacts, monitor)
     if (monitor%stop_requested()) return
@@ -187,13 +186,6 @@ contains
     call move_alloc(contacts%modes, pressed%set)
     motion%modes%configuration = [motion%modes%configuration, pressed]
   end subroutine meet_again
-
-  pure real(qp) function mass_ratio_in_full(scene) result(gamma)
-    !! m_j/m_i of the numbers as they were given.
-    type(scene_type), intent(in) :: scene
-    gamma = scene%impact%mass_ratio
-    if (scene%impact%mass_given) gamma = scene%impact%mass/beam_mass(scene%beam)
-  end function mass_ratio_in_full
 
   pure subroutine in_seconds(scene, motion, contacts)
     !! The times of contacts and their errors; one that lasts to the end of the record ends there exactly.

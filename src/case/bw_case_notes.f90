@@ -28,7 +28,7 @@ module bw_case_notes
   integer, parameter, public :: most_released = 10000
     !! after a change, where each is handed what each before it had
   real(dp), parameter :: rpm = 30.0_dp/pi    !! turns a minute in 1 rad/s
-  real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
+  real(dp), parameter :: noteworthy = 1.0e6_dp     !! an amplification that leaves nothing of data with six digits
 
 contains
 

@@ -12,8 +12,8 @@ module bw_modal_flow
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: flow, turning_square, exponent_of, slow_exponent, fast_exponent, left_beyond, energy_gain, find_angular_frequencies
-  public :: find_growth_rates
+  public :: angle_of, flow, turning_square, exponent_of, slow_exponent, fast_exponent, left_beyond, energy_gain
+  public :: find_angular_frequencies, find_growth_rates
 
   real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
 

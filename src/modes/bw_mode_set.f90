@@ -3,9 +3,9 @@ module bw_mode_set
   !! such sets by the numbers of their modes.
   !!
   !! Everything is without dimensions: lengths in l, times in l²/h, masses in the beam's mass m_i.
-  use bw_kinds, only: dp, qp
+  use bw_kinds, only: dp
   use bw_damping, only: damping_law
-  use bw_double_double, only: dd, sqrt, to_quad, operator(-)
+  use bw_double_double, only: dd, sqrt, operator(-)
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   use bw_scene_pieces, only: struck_beam
@@ -50,18 +50,8 @@ module bw_mode_set
     procedure :: forget_rigid_waves
     procedure :: body_energy => no_body_energy
     procedure :: turnings => no_turnings
-    procedure :: in_full => full_numbers_of_set
+    procedure :: number_errors => errors_of_set
   end type mode_set
-
-  type, public :: full_numbers
-    !! What moves a set of modes, in all the digits that are known of it, with standard errors: it may be off by a few of these.
-    real(qp), allocatable :: square(:)            !! β², (n)
-    real(qp), allocatable :: damping(:)           !! c, 0 where nothing damps, (n)
-    real(qp), allocatable :: mass(:)              !! M, (n)
-    real(dp), allocatable :: square_error(:)      !! of β², (n)
-    real(dp), allocatable :: damping_error(:)     !! of c, (n)
-    real(dp), allocatable :: mass_error(:)        !! of M, relatively, (n)
-  end type full_numbers
 
   type, public :: search_failure
     !! Numbers of modes among which one was not found, the first time that happened. A sum to which such a mode adds nothing is
@@ -266,26 +256,21 @@ contains
     self%damped_squared = self%beta_squared - law%quarter_squares(elastic)
   end subroutine damp
 
-  pure subroutine full_numbers_of_set(self, numbers)
-    !! The numbers of modes that were found in binary64. LAPACK's singular values give β² to rounding of its elastic part, of 200
-    !! modes within 7e-15; their vectors, and with them M, are good to rounding over the gap to the next value, about 2/(kα²).
+  pure subroutine errors_of_set(self, square_error, mass_error)
+    !! Standard errors of the numbers that move modes which were found in binary64: they may be off by a few of these. LAPACK's
+    !! singular values give β² to rounding of its elastic part, of 200 modes within 7e-15; their vectors, and with them M, are
+    !! good to rounding over the gap to the next value, about 2/(kα²).
     class(mode_set), intent(in) :: self
-    type(full_numbers), intent(out) :: numbers
+    real(dp), intent(out) :: square_error(:)      !! of β², (modes)
+    real(dp), intent(out) :: mass_error(:)        !! of M, relatively, beside rounding, (modes)
     real(dp), parameter :: relative_error = 2.0e-15_dp
-    type(dd) :: full(self%count)
-    real(dp) :: elastic(self%count)
+    type(dd) :: elastic(self%count)
     integer :: k
-    full = self%elastic()
-    elastic = full%hi
-    numbers%square = to_quad(self%beta_squared)
-    numbers%square_error = relative_error*(elastic + abs(self%beta_squared%hi))
-    if (allocated(self%square_rounding)) numbers%square_error = max(numbers%square_error, self%square_rounding)
-    numbers%mass = real(self%modal_mass, qp)
-    numbers%mass_error = relative_error + 0.5_dp*epsilon(1.0_dp)*[(k, k=1, self%count)]*sqrt(elastic)
-    numbers%damping = 0.0_qp*numbers%square
-    if (allocated(self%law)) numbers%damping = self%law%rates(real(elastic, qp))
-    numbers%damping_error = relative_error*real(numbers%damping, dp)
-  end subroutine full_numbers_of_set
+    elastic = self%elastic()
+    square_error = relative_error*(elastic%hi + abs(self%beta_squared%hi))
+    if (allocated(self%square_rounding)) square_error = max(square_error, self%square_rounding)
+    mass_error = relative_error + 0.5_dp*epsilon(1.0_dp)*[(k, k=1, self%count)]*sqrt(elastic%hi)
+  end subroutine errors_of_set
 
   pure function no_body_energy(self, q, rate) result(energy)
     !! Energy of what the tip carries, beside that of its mass moving with the deflection: kinetic, and potential. A point

@@ -1,146 +1,157 @@
 module bw_contact_motion
-  !! A beam and a mass that moves freely beside its tip, in binary128: the beam's modes and the mass are oscillators that move
+  !! A beam and a mass that moves freely beside its tip: the beam's modes and the mass are oscillators that move
   !! without each other but at a contact. The mass runs in a guide that turns with the hub, y'' = ω²y in the plane of rotation
   !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_segment.
-  use bw_kinds, only: dp, qp
-  use bw_missing, only: missing, rounded
-  use bw_mode_set, only: first_struck, full_numbers, mode_set
-  use bw_oscillators, only: moving_state, oscillators, weighted_sum
-  use bw_perturbations, only: perturbations
+  use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
+  use bw_kinds, only: dp
+  use bw_missing, only: scaled
+  use bw_modal_flow, only: energy_gain
+  use bw_mode_set, only: first_struck, mode_set
+  use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
+  use bw_segment, only: alone, energy_type, known_energy, sharper, together, operator(+)
   implicit none (type, external)
   private
   public :: motion_of
 
   type, public :: contact_motion
     integer :: modes = 0                          !! of the beam; the mass is the oscillator after them
-    type(oscillators) :: parts
+    type(oscillators) :: parts(together)          !! modes and mass, and modes of both together, found at the first contact that lasts
     type(weighted_sum) :: gap
-    real(qp), allocatable :: inertia(:)           !! M_k, and m_j
-    real(dp), allocatable :: inertia_error(:)     !! by which they may be off, as a part of them
-    real(qp), allocatable :: share(:)             !! of a change of the gap's rate that a blow makes: Φ_k(1)/M_k over their sum
-    real(qp) :: mobility = 0.0_qp                 !! Σφ_k(1)²/M_k + 1/m_j
-    real(qp) :: restitution = 0.0_qp              !! e
-    real(qp) :: omega = 0.0_qp                    !! angular velocity in the plane of the motion, else 0
+    real(dp), allocatable :: inertia(:)           !! M_k, and m_j
+    real(dp) :: heavier = 1.0_dp                  !! than that the mass is, where it is beyond all weights
+    real(dp) :: restitution = 0.0_dp              !! e
     integer :: first = 1                          !! mode of the beam alone that the mass strikes
     type(moving_state) :: state
-    type(perturbations) :: near                   !! what it might be instead
-    real(qp) :: lost = 0.0_qp                     !! energy, in blows
+    type(energy_type) :: energy_left              !! of what the mass brought, after blows and damping
   contains
     procedure :: separation
     procedure :: pull
-    procedure :: jerk
+    procedure :: is_pressed
+    procedure :: yield
+    procedure :: share
     procedure :: strike
+    procedure :: lose
+    procedure :: damp
     procedure :: energy
     procedure :: momentum
-    procedure :: data_error
   end type contact_motion
+
+  real(dp), parameter :: heaviest = 1.0e30_dp     !! beam masses: beside a mass beyond it no digit of the beam's is left
 
 contains
 
   pure type(contact_motion) function motion_of(free, mass_ratio, restitution, omega) result(motion)
     !! The mass arrives with velocity 1 at a beam at rest.
     class(mode_set), intent(in) :: free           !! modes of the beam alone, found for a record without end
-    real(qp), intent(in) :: mass_ratio            !! γ > 0
+    real(dp), intent(in) :: mass_ratio            !! γ > 0
     real(dp), intent(in) :: restitution           !! e
-    real(qp), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
-    type(full_numbers) :: numbers
+    type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
+    real(dp) :: damping(free%count)
     integer :: n
     n = free%count
-    call free%in_full(numbers)
+    damping = 0.0_dp
+    if (allocated(free%damping)) damping = free%damping
     motion%modes = n
     motion%first = first_struck(free)
     motion%restitution = restitution
-    motion%omega = omega
-    motion%inertia = [numbers%mass, mass_ratio]
-    motion%inertia_error = [numbers%mass_error, 0.0_dp]
-    motion%gap%a = [real(free%struck, qp), -1.0_qp]
-    motion%gap%b = 0.0_qp*motion%gap%a
-    motion%parts%square = [numbers%square, -omega**2]
-    motion%parts%c = [numbers%damping, 0.0_qp]
-    motion%parts%square_error = [numbers%square_error, epsilon(1.0_dp)**2*real(omega, dp)**2]
-    motion%parts%c_error = [numbers%damping_error, 0.0_dp]
-    call motion%parts%ready()
-    motion%mobility = sum(motion%gap%a**2/motion%inertia)
-    motion%share = motion%gap%a/motion%inertia/motion%mobility
-    allocate (motion%state%u(n + 1), motion%state%v(n + 1), source=0.0_qp)
-    motion%state%v(n + 1) = 1.0_qp
-    call motion%near%start(n + 1)
+    motion%inertia = [free%modal_mass, min(mass_ratio, heaviest)]
+    motion%heavier = max(1.0_dp, mass_ratio/heaviest)
+    motion%gap = weighted_sum([free%struck, -1.0_dp], spread(0.0_dp, 1, n + 1))
+    motion%parts(alone) = oscillators_of([free%beta_squared, -(omega*omega)], [damping, 0.0_dp])
+    allocate (motion%state%u(n + 1), motion%state%v(n + 1), source=0.0_dp)
+    motion%state%v(n + 1) = 1.0_dp
+    motion%energy_left%value = 0.5_dp*motion%inertia(n + 1)
   end function motion_of
 
-  pure real(qp) function separation(self)
+  pure real(dp) function separation(self)
     !! Rate of the gap: positive where it opens.
     class(contact_motion), intent(in) :: self
-    separation = self%parts%derivative(self%gap, self%state, 1)
+    separation = self%parts(alone)%derivative(self%gap, self%state, 1)
   end function separation
 
-  pure real(qp) function pull(self)
+  pure real(dp) function pull(self)
     !! With which acceleration the gap would close: positive where the mass is pressed against the tip.
     class(contact_motion), intent(in) :: self
-    pull = -self%parts%derivative(self%gap, self%state, 2)
+    pull = -self%parts(alone)%derivative(self%gap, self%state, 2)
   end function pull
 
-  pure real(qp) function jerk(self)
-    !! Third derivative of the gap.
+  pure logical function is_pressed(self)
+    !! The mass is pressed against the tip that it moves with, or will be at once.
     class(contact_motion), intent(in) :: self
-    jerk = self%parts%derivative(self%gap, self%state, 3)
-  end function jerk
+    real(dp) :: pull
+    pull = self%pull()
+    is_pressed = pull > 0.0_dp
+    if (pull == 0.0_dp) is_pressed = self%parts(alone)%derivative(self%gap, self%state, 3) < 0.0_dp
+  end function is_pressed
+
+  pure real(dp) function yield(self)
+    !! The impulse on the tip for a change of the gap's rate: 1/(1/m_j + Σφ_k(1)²/M_k).
+    class(contact_motion), intent(in) :: self
+    associate (n => self%modes)
+      yield = self%inertia(n + 1)/(1.0_dp + self%inertia(n + 1)*sum(self%gap%a(:n)**2/self%inertia(:n)))
+    end associate
+  end function yield
+
+  pure function share(self)
+    !! Changes of velocity for a change of the gap's rate: Φ_k(1)/M_k times `yield`.
+    class(contact_motion), intent(in) :: self
+    real(dp) :: share(self%modes + 1)
+    associate (n => self%modes, yield => self%yield())
+      share = [self%gap%a(:n)/self%inertia(:n)*yield, -(yield/self%inertia(n + 1))]
+    end associate
+  end function share
 
   pure subroutine strike(self, impulse)
-    !! A blow: H = (1+e)u/(1/m_j + Σφ_i(1)²/M_i), u the velocity of approach; the neighbours' too.
+    !! A blow: H = (1+e)u/(1/m_j + Σφ_k(1)²/M_k), u the velocity of approach.
     class(contact_motion), intent(inout) :: self
     real(dp), intent(out) :: impulse
-    real(qp) :: change
-    real(dp) :: share(size(self%share)), off(size(self%share)), parted
-    integer :: p
-    change = -(1.0_qp + self%restitution)*self%separation()
-    impulse = real(change/self%mobility, dp)
-    self%lost = self%lost + 0.5_qp*(1.0_qp - self%restitution**2)*self%separation()**2/self%mobility
-    self%state%v = self%state%v + self%share*change
-    share = real(self%share, dp)
-    do p = 1, size(self%near%lag)
-      associate (v => self%near%v(:, p))
-        off = -self%near%sign(:, p)*self%inertia_error
-        off = share*(off - sum(real(self%gap%a, dp)*share*off))
-        parted = -real(1.0_qp + self%restitution, dp)*dot_product(real(self%gap%a, dp), v)
-        v = v + share*parted + off*real(change, dp)
-      end associate
-    end do
+    real(dp) :: separation
+    separation = self%separation()
+    impulse = -(1.0_dp + self%restitution)*separation*self%yield()
+    call self%lose(0.5_dp*(1.0_dp - self%restitution**2)*separation**2*self%yield())
+    self%state%v = self%state%v - self%share()*((1.0_dp + self%restitution)*separation)
   end subroutine strike
 
+  pure subroutine lose(self, energy)
+    !! In a blow.
+    class(contact_motion), intent(inout) :: self
+    real(dp), intent(in) :: energy
+    if (energy > 0.0_dp) self%energy_left = self%energy_left + energy_type(-energy, 0.0_dp)
+  end subroutine lose
+
+  pure subroutine damp(self, kind, mass, from, time)
+    !! Takes off what damping takes in a time.
+    class(contact_motion), intent(inout) :: self
+    integer, intent(in) :: kind                   !! of the oscillators that move
+    real(dp), intent(in) :: mass(:)               !! theirs
+    type(moving_state), intent(in) :: from
+    real(dp), intent(in) :: time
+    real(dp) :: gain(size(mass))
+    associate (parts => self%parts(kind))
+      if (.not. any(parts%c > 0.0_dp)) return
+      gain = 0.5_dp*mass*energy_gain(parts%beta_squared, parts%c, to_dd(time), from%u, from%v)
+    end associate
+    self%energy_left = self%energy_left + energy_type(accurate_sum(gain), 16*epsilon(gain)*sum(abs(gain)))
+  end subroutine damp
+
   pure real(dp) function energy(self)
-    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows. Without damping it is what the mass brought less
-    !! what blows have taken, of which nothing cancels; with damping it is missing where fewer than three digits are left.
+    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows, or missing where fewer than three digits are left.
     class(contact_motion), intent(in) :: self
-    real(qp), dimension(self%modes + 1) :: moving, bent
-    real(qp), parameter :: worth = 1.0e-28_qp      ! three digits and more above rounding
-    if (all(self%parts%c <= 0.0_qp)) then
-      energy = rounded(0.5_qp*self%inertia(self%modes + 1) - self%lost)
-      return
-    end if
-    moving = self%inertia*self%state%v**2
-    bent = self%inertia*self%parts%square*self%state%u**2
-    energy = missing
-    if (abs(sum(moving + bent)) > worth*sum(moving + abs(bent))) energy = rounded(0.5_qp*sum(moving + bent))
+    real(dp), dimension(self%modes + 1) :: moving, bent
+    type(energy_type) :: of_state
+    moving = 0.5_dp*self%inertia*self%state%v**2
+    bent = 0.5_dp*self%inertia*self%parts(alone)%beta_squared%hi*self%state%u**2
+    of_state = energy_type(accurate_sum(moving + bent), 16*epsilon(moving)*sum(moving + abs(bent)))
+    energy = scaled(known_energy(sharper(self%energy_left, of_state)), self%heavier)
   end function energy
 
-  pure real(qp) function momentum(self)
+  pure real(dp) function momentum(self)
     !! Generalised, of the first mode that the mass strikes, per unit of its displacement there.
     class(contact_motion), intent(in) :: self
     associate (mass => self%modes + 1, k => self%first)
       momentum = self%inertia(k)*self%state%v(k)/self%gap%a(k) + self%inertia(mass)*self%state%v(mass)
     end associate
+    momentum = scaled(momentum, self%heavier)
   end function momentum
-
-  pure real(dp) function data_error(self) result(error)
-    !! By which the numbers that the motion follows from may be off, the worst of them, as a part of themselves. That nothing
-    !! holds a mode is known exactly.
-    class(contact_motion), intent(in) :: self
-    real(dp) :: elastic(self%modes)
-    associate (n => self%modes)
-      elastic = real(self%parts%square(:n) + self%omega**2, dp)
-      where (elastic == 0.0_dp) elastic = huge(elastic)
-      error = maxval(self%parts%square_error(:n)/elastic + self%inertia_error(:n))
-    end associate
-  end function data_error
 
 end module bw_contact_motion

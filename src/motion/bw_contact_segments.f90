@@ -3,194 +3,139 @@ module bw_contact_segments
   !! which both move together in the modes of bw_contact_modes until the force between them falls to zero. Units of bw_segment.
   use bw_contact_modes, only: contact_set
   use bw_contact_motion, only: contact_motion
-  use bw_double_double, only: to_dd
-  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, operator(-)
+  use bw_kinds, only: dp
   use bw_monitor, only: monitor_type
-  use bw_next_zero, only: certain, find_zero
-  use bw_oscillators, only: moving_state, oscillators
-  use bw_perturbations, only: error_from, perturbations
-  use bw_segment, only: alone, segment_type, together
+  use bw_oscillators, only: moving_state, oscillators, weighted_sum
+  use bw_segment, only: alone, together
+  use bw_signal, only: signal_of, signal_type
   implicit none (type, external)
   private
-  public :: follow_flight, follow_contact, judge_rebound
+  public :: elapsed, follow_contact, follow_flight, left_out, mass_stays
 
   real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: rebounds that stay below it are left out
-  real(dp), parameter, public :: slow = 1.0e-9_dp !! of V: a separation below it is none
-
-  integer, parameter, public :: leaves = 0, stays = 1, undecided = 2
+  real(dp), parameter :: slow = 1.0e-9_dp         !! of V: a separation below it is none
+  real(dp), parameter :: never = 1.0e200_dp
 
 contains
 
-  subroutine follow_flight(motion, opening, longest, outcome, segment, sway, monitor)
-    !! To the next contact, to where one is in doubt, or to the end.
+  subroutine follow_flight(motion, released, last, found, monitor)
+    !! To the next contact, or to the end.
     type(contact_motion), intent(inout) :: motion
-    integer, intent(in) :: opening                !! the first derivative of the gap that is not zero now
-    real(dp), intent(in) :: longest               !! time from now to the end
-    integer, intent(out) :: outcome               !! never, certain or in_doubt (bw_next_zero)
-    type(segment_type), intent(out) :: segment      !! the motion until then
-    real(dp), intent(out) :: sway                 !! what the tip's displacement may be in it
-    class(monitor_type), intent(inout), optional :: monitor   !! the outcome means nothing where it asks to stop
+    logical, intent(in) :: released               !! from a contact that lasted: the force between them has gone to zero
+    real(dp), intent(in) :: last                  !! the end of the search
+    logical, intent(out) :: found                 !! a contact before that
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(moving_state) :: from
+    integer :: opening
     from = motion%state
-    call find_zero(motion%parts, motion%gap, motion%near, opening, longest, motion%state, outcome, monitor)
-    call finish(motion, from, segment, sway)
-    if (outcome == certain) call motion%near%meet(motion%parts, motion%gap, motion%state)
+    opening = merge(1, 2, motion%separation() > slow)
+    if (released) opening = 3
+    call find_zero(motion%parts(alone), motion%gap, opening, last, motion%state, found, monitor)
+    call motion%damp(alone, motion%inertia, from, elapsed(from, motion%state))
   end subroutine follow_flight
 
-  subroutine finish(motion, from, segment, sway)
-    !! What there is to say of a flight whose end the state has reached.
-    type(contact_motion), intent(inout) :: motion
-    type(moving_state), intent(in) :: from
-    type(segment_type), intent(out) :: segment
-    real(dp), intent(out) :: sway
-    real(dp) :: error(size(from%u), 2), start_error
-    start_error = error_from(motion%near%lag)
-    call motion%near%move(motion%parts, from, motion%state, error)
-    associate (n => motion%modes)
-      sway = motion%parts%sway(motion%gap%a(:n), from, motion%state)
-      segment = segment_type(alone, to_dd(from%time), count=n, q=real(from%u(:n), dp), rate=real(from%v(:n), dp), &
-                             start_error=start_error, error=error(:n, :))
-    end associate
-  end subroutine finish
+  subroutine find_zero(parts, sum_of, order, last, state, found, monitor)
+    !! The first zero of a sum that is positive from now on.
+    type(oscillators), intent(in) :: parts
+    type(weighted_sum), intent(in) :: sum_of
+    integer, intent(in) :: order                  !! of the first derivative that is not zero now
+    real(dp), intent(in) :: last
+    type(moving_state), intent(inout) :: state    !! moved to the zero, or to the end
+    logical, intent(out) :: found
+    class(monitor_type), intent(inout), optional :: monitor
+    type(signal_type) :: signal
+    real(dp) :: time
+    signal = signal_of(parts, sum_of, state, order)
+    call signal%first_zero((last - state%time%hi) - state%time%lo, found, time, monitor)
+    call parts%move(time, state)
+  end subroutine find_zero
 
-  integer function judge_rebound(motion, longest) result(verdict)
-    !! Whether the mass is pressed against the tip, and all further rebounds would stay below what can be seen: with the
-    !! relative acceleration a they take R = 2s/a/(1−e) in all, s the velocity of separation, and reach no further than
-    !! s²/2a; a must not change in that time.
+  pure real(dp) function elapsed(from, to) result(time)
+    !! Between two states.
+    type(moving_state), intent(in) :: from, to
+    type(dd) :: later
+    later = to%time - from%time
+    time = later%hi
+  end function elapsed
+
+  pure logical function mass_stays(motion, longest) result(stays)
+    !! After a blow the mass is pressed against the tip, and the gap stays closed as far as can be seen: at once, or all further
+    !! rebounds are left out.
     type(contact_motion), intent(in) :: motion
     real(dp), intent(in) :: longest               !! the whole record
-    real(qp) :: separation, pull, settling
+    real(dp) :: separation
     separation = motion%separation()
-    pull = motion%pull()
-    verdict = leaves
-    if (motion%restitution == 0.0_qp .or. separation <= slow) then
-      if (pull > 0.0_qp .or. (pull == 0.0_qp .and. motion%jerk() < 0.0_qp)) verdict = stays
-      if (abs(pull) < error_of_pull(motion)) verdict = undecided
-    else if (motion%restitution < 1.0_qp .and. pull > 0.0_qp) then
-      settling = 2.0_qp*separation/pull/(1.0_qp - motion%restitution)
-      if (separation*settling <= unseen*longest .and. abs(motion%jerk())*settling <= 0.5_qp*pull) verdict = stays
-    end if
-  end function judge_rebound
+    stays = motion%restitution == 0.0_dp .or. separation <= slow
+    if (.not. stays) stays = separation*settling(motion) <= unseen*longest
+    if (stays) stays = motion%is_pressed()
+  end function mass_stays
 
-  pure real(dp) function error_of_pull(motion) result(error)
-    !! By how much the acceleration that presses the mass against the tip may be off, from the neighbours of the motion.
+  pure real(dp) function settling(motion) result(time)
+    !! In which all further rebounds are over: with the relative acceleration a they take R = 2s/a/(1−e) in all, s the velocity
+    !! of separation, and reach no further than s²/2a; a must not change in that time.
     type(contact_motion), intent(in) :: motion
-    real(dp), dimension(size(motion%near%lag)) :: deviation
-    integer :: p
-    do p = 1, size(deviation)
-      associate (u => motion%near%u(:, p), v => motion%near%v(:, p))
-        deviation(p) = sum(real(motion%gap%a, dp)*(real(motion%parts%c, dp)*v + motion%parts%beta_squared%hi*u))
-      end associate
-    end do
-    error = error_from(deviation)
-  end function error_of_pull
+    real(dp) :: jerk, pull
+    time = never
+    pull = motion%pull()
+    if (pull <= 0.0_dp .or. motion%restitution == 1.0_dp) return
+    jerk = motion%parts(alone)%derivative(motion%gap, motion%state, 3)
+    time = 2.0_dp*motion%separation()/pull/(1.0_dp - motion%restitution)
+    if (abs(jerk)*time > 0.5_dp*pull) time = never
+  end function settling
 
-  subroutine follow_contact(motion, modes, longest, outcome, impulse, segment, sway, monitor)
-    !! Beam and mass together, from now until the force between them falls to zero, or is in doubt, or to the end.
+  subroutine follow_contact(motion, modes, last, from, to, impulse, found, monitor)
+    !! Beam and mass together, from now until the force between them falls to zero, or to the end.
     type(contact_motion), intent(inout) :: motion
     type(contact_set), intent(in) :: modes
-    real(dp), intent(in) :: longest               !! time from now to the end
-    integer, intent(out) :: outcome               !! never, certain or in_doubt
-    real(qp), intent(out) :: impulse              !! on the tip in that time, and as the mass comes to rest on it
-    type(segment_type), intent(out) :: segment      !! the motion until then
-    real(dp), intent(out) :: sway                 !! what the tip's displacement may be in it
-    class(monitor_type), intent(inout), optional :: monitor   !! the outcome means nothing where it asks to stop
-    type(moving_state) :: from, z
-    type(perturbations) :: near
-    real(dp) :: error(modes%count, 2), start_error
+    real(dp), intent(in) :: last                  !! the end of the search
+    type(moving_state), intent(out) :: from, to   !! states of the contact modes then
+    real(dp), intent(out) :: impulse              !! on the tip in that time, and as the mass comes to rest on it
+    logical, intent(out) :: found                 !! an end before that
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     integer :: order
-    impulse = -motion%separation()
-    motion%lost = motion%lost + 0.5_qp*motion%separation()**2/motion%mobility
-    start_error = error_from(motion%near%lag)
-    if (.not. allocated(modes%damping)) call omit_rebounds(motion)
-    call project(modes, motion, z, near)
-    from = z
-    order = merge(0, 1, modes%parts%derivative(modes%force, z, 0) > 0.0_qp)
-    call find_zero(modes%parts, modes%force, near, order, longest, z, outcome, monitor)
-    call near%move(modes%parts, from, z, error)
-    if (outcome == certain) call near%meet(modes%parts, modes%force, z)
-    impulse = (impulse + sum(modes%force%a*integral(modes%parts, from, z) + modes%force%b*(z%u - from%u)))/motion%mobility
-    call expand(modes, z, near, motion)
-    sway = modes%parts%sway(modes%tip_in_full, from, z)
-    segment = segment_type(together, to_dd(from%time), count=modes%count, q=real(from%u, dp), rate=real(from%v, dp), &
-                           start_error=start_error, error=error)
+    associate (parts => motion%parts(together), force => modes%force, blow => motion%separation())
+      call motion%lose(0.5_dp*blow**2*motion%yield())
+      from = moving_state(matmul(motion%state%u, modes%onto), matmul(motion%state%v, modes%onto), motion%state%time)
+      to = from
+      order = merge(0, 1, parts%derivative(force, from, 0) > 0.0_dp)
+      call find_zero(parts, force, order, last, to, found, monitor)
+      impulse = (sum(force%a*integral(parts, from, to) + force%b*(to%u - from%u)) - blow)*motion%yield()
+    end associate
+    call motion%damp(together, modes%modal_mass, from, elapsed(from, to))
+    motion%state = moving_state([matmul(modes%mixing, to%u), dot_product(modes%struck, to%u)], &
+                                [matmul(modes%mixing, to%v), dot_product(modes%struck, to%v)], to%time)
   end subroutine follow_contact
 
-  pure subroutine omit_rebounds(motion)
-    !! What that may change. The rebounds' impulses and those of a contact that lasts from now on have the same sum and the
-    !! same first moment about the time at which the gap stays closed, which both end with; their second moments differ by
-    !! sR²(1−e)/3(1+e+e²) over the mobility. (Damped, the contact modes are a model from the first rebound on that is left out.)
-    type(contact_motion), intent(inout) :: motion
-    real(dp), dimension(size(motion%share)) :: change, share
-    real(dp) :: separation, pull, e
-    integer :: p
-    separation = real(motion%separation(), dp)
-    pull = real(motion%pull(), dp)
-    e = real(motion%restitution, dp)
-    if (separation <= 0.0_dp) return
-    share = real(motion%share, dp)
-    change = share*separation
-    if (pull > 0.0_dp .and. e < 1.0_dp) then
-      associate (square => motion%parts%beta_squared%hi, settling => 2.0_dp*separation/pull/(1.0_dp - e))
-        change = 0.5_dp*share*(sum(real(motion%gap%a, dp)*share*square) - square) &
-          *(separation*settling**2*(1.0_dp - e)/(3.0_dp*(1.0_dp + e + e**2)))
-      end associate
-    end if
-    do p = 1, size(motion%near%lag)
-      motion%near%v(:, p) = motion%near%v(:, p) + motion%near%sign(1, p)*change
-    end do
-  end subroutine omit_rebounds
-
-  pure subroutine project(modes, motion, z, near)
-    !! The state of beam and mass in the contact modes: its projection with the weight of both, as a blow without rebound
-    !! leaves it; and the neighbours'.
-    type(contact_set), intent(in) :: modes
+  pure function left_out(motion) result(change)
+    !! By which velocities may be off where rebounds are left out. Their impulses and those of a contact that lasts from
+    !! now on have the same sum and the same first moment about the time at which the gap stays closed, which both end with;
+    !! their second moments differ by sR²(1−e)/3(1+e+e²) over the mobility. Damped, the contact modes are a model from the first
+    !! rebound on that is left out.
     type(contact_motion), intent(in) :: motion
-    type(moving_state), intent(out) :: z
-    type(perturbations), intent(out) :: near
-    z%u = matmul(motion%state%u, modes%onto)
-    z%v = matmul(motion%state%v, modes%onto)
-    z%time = motion%state%time
-    near = motion%near
-    near%u = matmul(transpose(real(modes%onto, dp)), motion%near%u)
-    near%v = matmul(transpose(real(modes%onto, dp)), motion%near%v)
-    near%sign = motion%near%sign(:modes%count, :)
-  end subroutine project
-
-  pure subroutine expand(modes, z, near, motion)
-    !! The same in the modes of the beam alone; the mass is at the tip.
-    type(contact_set), intent(in) :: modes
-    type(moving_state), intent(in) :: z
-    type(perturbations), intent(in) :: near
-    type(contact_motion), intent(inout) :: motion
-    real(dp) :: mixing(modes%count, modes%count), sign(modes%count + 1, size(near%lag))
-    integer :: n
-    n = modes%count
-    motion%state%u = [matmul(modes%mixing, z%u), dot_product(modes%tip_in_full, z%u)]
-    motion%state%v = [matmul(modes%mixing, z%v), dot_product(modes%tip_in_full, z%v)]
-    motion%state%time = z%time
-    mixing = real(modes%mixing, dp)
-    sign = motion%near%sign
-    motion%near = near
-    motion%near%sign = sign
-    deallocate (motion%near%u, motion%near%v)
-    allocate (motion%near%u(n + 1, size(near%lag)), motion%near%v(n + 1, size(near%lag)))
-    motion%near%u(:n, :) = matmul(mixing, near%u)
-    motion%near%v(:n, :) = matmul(mixing, near%v)
-    motion%near%u(n + 1, :) = matmul(modes%struck, near%u)
-    motion%near%v(n + 1, :) = matmul(modes%struck, near%v)
-  end subroutine expand
+    real(dp), dimension(motion%modes + 1) :: change
+    real(dp) :: separation, time
+    separation = max(0.0_dp, motion%separation())
+    change = motion%share()*separation
+    if (any(motion%parts(alone)%c > 0.0_dp)) change = 0.0_dp
+    time = settling(motion)
+    if (time == never) return
+    associate (square => motion%parts(alone)%beta_squared%hi, e => motion%restitution)
+      change = 0.5_dp*(change*sum(motion%gap%a*motion%share()*square) - change*square) &
+        *time**2*(1.0_dp - e)/(3.0_dp*(1.0_dp + e + e**2))
+    end associate
+  end function left_out
 
   pure function integral(parts, from, to) result(sums)
     !! ∫u dt = −(Δv + cΔu)/β².
     type(oscillators), intent(in) :: parts
     type(moving_state), intent(in) :: from, to
-    real(qp) :: sums(size(from%u)), time
-    time = to%time - from%time
-    where (abs(parts%square)*time**2 > 1.0e-6_qp)
-      sums = -((to%v - from%v) + parts%c*(to%u - from%u))/parts%square
+    real(dp) :: sums(size(from%u)), time
+    time = elapsed(from, to)
+    where (abs(parts%beta_squared%hi)*time**2 > 1.0e-4_dp)
+      sums = -((to%v - from%v) + parts%c*(to%u - from%u))/parts%beta_squared%hi
     elsewhere
-      sums = time*(0.5_qp*(from%u + to%u) + time*(from%v - to%v)/12)    ! Hermite's rule
+      sums = time*(0.5_dp*(from%u + to%u) + time*(from%v - to%v)/12)    ! Hermite's rule
     end where
   end function integral
 

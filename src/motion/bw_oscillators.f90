@@ -1,108 +1,137 @@
 module bw_oscillators
-  !! Oscillators that move without each other, ü + cu̇ + β²u = 0, in binary128: the modes of a beam and the mass beside it, or
-  !! the modes of both together; and sums over them, such as the gap between tip and mass or the force that presses them
-  !! together, whose zeros are events. Units of bw_segment.
-  use bw_double_double, only: accurate_sum, dd, to_dd
-  use bw_kinds, only: dp, qp
-  use bw_precise_flow, only: extended_flow
-  use bw_signal, only: signal_type
+  !! Oscillators that move without each other, ü + cu̇ + β²u = 0: the modes of a beam and the mass beside it, or the modes of
+  !! both together. Weighted sums over them are the gap between tip and mass, or the force that presses them together.
+  !! Units of bw_segment.
+  use bw_double_double, only: accurate_sum, dd, sqrt, to_dd, operator(*), operator(+), operator(-)
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: angle_of, flow, turning_square
   implicit none (type, external)
   private
-  public :: reach
+  public :: oscillators_of
 
   type, public :: moving_state
-    real(qp), allocatable :: u(:), v(:)           !! displacements and velocities, (oscillators)
-    real(qp) :: time = 0.0_qp
+    real(dp), allocatable :: u(:), v(:)           !! displacements and velocities, (oscillators)
+    type(dd) :: time
   end type moving_state
 
   type, public :: weighted_sum
     !! Σ(a u + b u̇).
-    real(qp), allocatable :: a(:), b(:)           !! (oscillators)
+    real(dp), allocatable :: a(:), b(:)           !! (oscillators)
   end type weighted_sum
 
   type, public :: oscillators
-    real(qp), allocatable :: square(:)            !! β²
-    real(qp), allocatable :: c(:)                 !! ≥ 0
-    real(dp), allocatable :: square_error(:)      !! by which β² may be off
-    real(dp), allocatable :: c_error(:)           !! the same of c
-    real(qp), allocatable, private :: root(:)     !! √|β² − c²/4|
-    type(dd), allocatable :: beta_squared(:)      !! β² for motions in binary64
+    type(dd), allocatable :: beta_squared(:)      !! β²
+    real(dp), allocatable :: c(:)                 !! ≥ 0
+    type(dd), allocatable :: root(:)              !! √|β² − c²/4|
+    logical, allocatable :: turning(:)            !! β² > c²/4
+    real(dp), allocatable :: rate(:)              !! as many times as this a derivative may be larger than the one before it
   contains
-    procedure :: ready
+    procedure :: advance
     procedure :: move
     procedure :: accelerations
-    procedure :: sway
     procedure :: derivative
-    procedure :: signal
-    procedure :: closest
+    procedure :: amplitude
+    procedure :: extent
   end type oscillators
+
+  real(dp), parameter :: joined_below = 1.0_dp    !! rt below which the two exponentials would cancel
 
 contains
 
-  pure subroutine ready(self)
-    !! To be called once β² and c are set.
-    class(oscillators), intent(inout) :: self
-    self%root = sqrt(abs(self%square - 0.25_qp*self%c**2))
-    self%beta_squared = to_dd(self%square)
-  end subroutine ready
+  pure type(oscillators) function oscillators_of(beta_squared, c) result(parts)
+    !! From β² and c.
+    type(dd), intent(in) :: beta_squared(:)
+    real(dp), intent(in) :: c(:)
+    type(dd) :: square(size(c))
+    square = turning_square(beta_squared, c)
+    parts%beta_squared = beta_squared
+    parts%c = c
+    parts%turning = square%hi > 0.0_dp
+    where (.not. parts%turning) square = -square
+    parts%root = sqrt(square)
+    parts%rate = sqrt(abs(beta_squared%hi))
+    where (.not. parts%turning) parts%rate = parts%rate + c
+  end function oscillators_of
+
+  pure subroutine advance(self, time, u, v, change, velocity)
+    !! By how much displacements change in a time, of which nothing is lost near its start, and the velocities at its end.
+    class(oscillators), intent(in) :: self
+    real(dp), intent(in) :: time                  !! ≥ 0
+    real(dp), intent(in) :: u(:), v(:)            !! at the start
+    real(dp), intent(out) :: change(:), velocity(:)
+    real(dp), parameter :: many = 1.0e7_dp        ! rad, below which the square of what rounding takes off a phase is none
+    type(dd) :: half
+    real(dp) :: c, cosine, less, rate, sine, square
+    integer :: k
+    do k = 1, size(u)
+      c = self%c(k)
+      square = self%root(k)%hi**2
+      half = self%root(k)*(0.5_dp*time)
+      if (self%turning(k)) then
+        if (half%hi > many) half = to_dd(angle_of(half))
+        sine = sin(half%hi) + half%lo*cos(half%hi)
+        cosine = cos(half%hi) - half%lo*sin(half%hi)
+        less = -2.0_dp*sine**2                    ! cos − 1
+        sine = 2.0_dp*sine*cosine/self%root(k)%hi
+      else if (2.0_dp*half%hi < joined_below) then
+        square = -square
+        less = 2.0_dp*sinh(half%hi)**2            ! cosh − 1
+        sine = time
+        if (half%hi > 0.0_dp) sine = time*sinh(half%hi)*cosh(half%hi)/half%hi
+      else
+        change(k) = u(k)
+        velocity(k) = v(k)
+        call flow(self%beta_squared(k), c, to_dd(time), change(k), velocity(k))
+        change(k) = change(k) - u(k)
+        cycle
+      end if
+      rate = v(k) + 0.5_dp*c*u(k)
+      change(k) = u(k)*less + rate*sine
+      velocity(k) = rate + (rate*less - square*u(k)*sine)
+      if (c == 0.0_dp) cycle
+      less = decay_less_one(0.5_dp*c*time)
+      change(k) = change(k) + less*(u(k) + change(k))
+      velocity(k) = velocity(k) + less*velocity(k) - 0.5_dp*c*(u(k) + change(k))
+    end do
+  end subroutine advance
+
+  pure real(dp) function decay_less_one(x) result(less)
+    !! e⁻ˣ − 1 without cancellation, for x ≥ 0 of any size.
+    real(dp), intent(in) :: x
+    if (x < 1.0_dp) then
+      less = -2.0_dp*exp(-0.5_dp*x)*sinh(0.5_dp*x)
+    else
+      less = exp(-x) - 1.0_dp
+    end if
+  end function decay_less_one
 
   pure subroutine move(self, time, state)
     !! The state a time later.
     class(oscillators), intent(in) :: self
-    real(qp), intent(in) :: time                  !! of either sign
+    real(dp), intent(in) :: time                  !! ≥ 0
     type(moving_state), intent(inout) :: state
-    call extended_flow(self%square, self%c, self%root, time, state%u, state%v)
+    real(dp), dimension(size(state%u)) :: change, velocity
+    call self%advance(time, state%u, state%v, change, velocity)
+    state%u = state%u + change
+    state%v = velocity
     state%time = state%time + time
   end subroutine move
 
   pure function accelerations(self, u, v) result(a)
     !! ü, or any derivative from the two before it.
     class(oscillators), intent(in) :: self
-    real(qp), intent(in) :: u(:), v(:)
-    real(qp) :: a(size(u))
-    a = -self%c*v - self%square*u
+    real(dp), intent(in) :: u(:), v(:)
+    real(dp) :: a(size(u))
+    a = -self%c*v - self%beta_squared%hi*u
   end function accelerations
 
-  pure real(dp) function sway(self, weight, from, to)
-    !! How large a weighted sum of displacements may be in a motion between two states.
-    class(oscillators), intent(in) :: self
-    real(qp), intent(in) :: weight(:)             !! of the first oscillators; of others it is 0
-    type(moving_state), intent(in) :: from, to
-    real(dp) :: time
-    integer :: n
-    n = size(weight)
-    time = real(to%time - from%time, dp)
-    sway = max(largest_from(from), largest_from(to))
-
-  contains
-
-    pure real(dp) function largest_from(state) result(largest)
-      !! The sum of the largest magnitudes of all terms, on the way from or to a state.
-      type(moving_state), intent(in) :: state
-      largest = sum(real(abs(weight), dp)*reach(self%beta_squared(:n)%hi, real(self%c(:n), dp), real(state%u(:n), dp), &
-                                                real(state%v(:n), dp), time))
-    end function largest_from
-  end function sway
-
-  elemental real(dp) function reach(beta_squared, c, u, v, time)
-    !! How large the displacement of one that turns may be within a time from a state: its amplitude, or what it comes to at
-    !! its speed where the time is short; of one that does not turn, what it is.
-    real(dp), intent(in) :: beta_squared, c, u, v, time
-    real(dp) :: rate, square
-    reach = abs(u)
-    square = beta_squared - 0.25_dp*c**2
-    if (square <= 0.0_dp) return
-    rate = v + 0.5_dp*c*u
-    reach = min(hypot(u, rate/sqrt(square)), reach + abs(rate)*time)
-  end function reach
-
-  pure real(qp) function derivative(self, sum_of, state, order)
+  pure real(dp) function derivative(self, sum_of, state, order)
     !! Of a sum, 0 for itself.
     class(oscillators), intent(in) :: self
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(in) :: state
     integer, intent(in) :: order                  !! ≥ 0
-    real(qp), dimension(size(state%u)) :: now, next, last
+    real(dp), dimension(size(state%u)) :: now, next, last
     integer :: i
     now = state%u
     next = state%v
@@ -111,50 +140,32 @@ contains
       now = next
       next = self%accelerations(last, now)
     end do
-    derivative = sum(sum_of%a*now + sum_of%b*next)
+    derivative = accurate_sum(sum_of%a*now + sum_of%b*next)
   end function derivative
 
-  pure type(signal_type) function signal(self, sum_of, state, order)
-    !! A sum as a signal in binary64. Of its value and slope at the start nothing is lost to what cancels in them.
+  pure function amplitude(self, u, v)
+    !! Of those that turn; of others their displacement.
     class(oscillators), intent(in) :: self
-    type(weighted_sum), intent(in) :: sum_of
-    type(moving_state), intent(in) :: state
-    integer, intent(in) :: order                  !! of the first derivative that is not zero at the start
-    real(qp), dimension(size(state%u)) :: part, slope
-    real(qp) :: unit
-    integer :: n
-    n = size(state%u)
-    part = sum_of%a*state%u + sum_of%b*state%v
-    slope = sum_of%a*state%v + sum_of%b*self%accelerations(state%u, state%v)
-    unit = scale(1.0_qp, exponent(maxval(abs(part)) + maxval(abs(slope))))
-    signal%unit = real(unit, dp)
-    signal%beta_squared = self%beta_squared
-    signal%c = real(self%c, dp)
-    signal%u = real(part/unit, dp)
-    signal%u_dot = real(slope/unit, dp)
-    signal%u_dot(n) = real(sum(slope)/unit, dp) - accurate_sum(signal%u_dot(:n - 1))
-    if (order == 0) signal%start = real(sum(part)/unit, dp)
-  end function signal
+    real(dp), intent(in) :: u(:), v(:)
+    real(dp) :: amplitude(size(u))
+    amplitude = abs(u)
+    where (self%turning) amplitude = hypot(u, (v + 0.5_dp*self%c*u)/self%root%hi)
+  end function amplitude
 
-  pure subroutine closest(self, sum_of, state, converged)
-    !! Moves a state near a zero of a sum to that zero, by Newton's steps.
+  pure function extent(self, u, v, time)
+    !! How large displacements and velocities may be within a time from a state, of oscillators that turn: their amplitude, or
+    !! what a displacement comes to at its speed where the time is short. Of those that do not turn, what they are.
     class(oscillators), intent(in) :: self
-    type(weighted_sum), intent(in) :: sum_of
-    type(moving_state), intent(inout) :: state
-    logical, intent(out) :: converged
-    integer, parameter :: most = 12
-    real(qp) :: value, slope, step
-    integer :: i
-    converged = .false.
-    do i = 1, most
-      value = self%derivative(sum_of, state, 0)
-      slope = self%derivative(sum_of, state, 1)
-      if (slope >= 0.0_qp) return
-      step = -value/slope
-      converged = abs(step) <= 8.0_qp*epsilon(step)*(state%time + sum(abs(sum_of%a*state%u))/(-slope))
-      if (converged) return
-      call self%move(step, state)
-    end do
-  end subroutine closest
+    real(dp), intent(in) :: u(:), v(:), time
+    real(dp) :: extent(size(u), 2)                !! of displacements and velocities
+    extent(:, 1) = abs(u)
+    extent(:, 2) = abs(v)
+    associate (largest => self%amplitude(u, v))
+      where (self%turning)
+        extent(:, 1) = min(largest, abs(u) + abs(v + 0.5_dp*self%c*u)*time)
+        extent(:, 2) = self%rate*largest
+      end where
+    end associate
+  end function extent
 
 end module bw_oscillators

@@ -4,22 +4,22 @@ module bw_recontact
   !! bw_contact_modes until the force between them falls to zero.
   !!
   !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
-  !! followed in binary128, together with what its errors become (bw_perturbations), and no further than something is known
-  !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip. Nor is
-  !! it followed into a contact beyond the number that is asked for.
+  !! followed together with neighbours (bw_neighbours), and no further than something is known of it: until the tip's
+  !! displacement has fewer than three digits, or until not all of them do the same. Nor is it followed into a contact beyond
+  !! the number that is asked for.
   !!
   !! The gap is v_tip − y ≥ 0. Units of bw_segment: times in l²/h, velocities in V, displacements in V l²/h.
   use bw_contact_modes, only: contact_set, find_contact_modes
   use bw_contact_motion, only: contact_motion, motion_of
-  use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, slow, stays, undecided
-  use bw_event, only: contact_event, event_type
-  use bw_kinds, only: dp, qp
-  use bw_missing, only: rounded
+  use bw_contact_segments, only: elapsed, follow_contact, follow_flight, left_out, mass_stays
+  use bw_double_double, only: dd
+  use bw_event, only: contact_event, event_type, impact_event, no_event
+  use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
-  use bw_next_zero, only: certain, in_doubt, never
-  use bw_perturbations, only: error_from
-  use bw_segment, only: growth_ends, largest_exponent, segment_type
+  use bw_neighbours, only: errors_of, lags_of, neighbours, random_type
+  use bw_oscillators, only: moving_state
+  use bw_segment, only: alone, growth_ends, largest_exponent, segment_type, together
   implicit none (type, external)
   private
   public :: follow_contacts
@@ -35,120 +35,169 @@ module bw_recontact
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
     real(dp) :: amplification = 1.0_dp            !! by the contacts, of a relative change of what the motion follows from
     real(dp), private :: sway = 0.0_dp            !! the largest the tip's displacement may have been
-    real(dp), private :: data_error = 1.0_dp      !! what the error of the motion would be if nothing amplified it
   end type contacts_type
+
+  type :: bundle_type
+    !! The motion, number 0, and its neighbours.
+    type(contact_motion) :: run(0:neighbours)
+    type(moving_state) :: from(0:neighbours), to(0:neighbours)   !! of a segment, in the modes that move in it
+    logical :: ended(0:neighbours) = .false.      !! before the search did
+    type(random_type) :: random
+    real(dp) :: last = 0.0_dp                     !! the end of the search
+  end type bundle_type
 
 contains
 
   subroutine follow_contacts(free, mass_ratio, restitution, omega, longest, most, contacts, monitor)
     !! From the impact on, with the mass arriving at a beam at rest.
     class(mode_set), intent(in) :: free           !! modes of the beam alone, found for a record without end
-    real(qp), intent(in) :: mass_ratio            !! γ > 0
+    real(dp), intent(in) :: mass_ratio            !! γ > 0
     real(dp), intent(in) :: restitution           !! e
-    real(qp), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
+    type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     real(dp), intent(in) :: longest               !! the record
     integer, intent(in) :: most                   !! contacts that are followed
     type(contacts_type), intent(out) :: contacts
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
-    type(contact_motion) :: motion
+    type(bundle_type) :: bundle
     type(event_type) :: event
-    real(dp) :: impact, last
-    integer :: opening, outcome, verdict
-    motion = motion_of(free, mass_ratio, restitution, omega)
-    contacts%data_error = error_from([motion%data_error()])
-    last = min(longest, growth_ends(free))
-    if (omega > 0.0_qp) last = min(last, largest_exponent/real(omega, dp))
+    bundle%run(0) = motion_of(free, mass_ratio, restitution, omega)
+    call bundle%random%vary(free, bundle%run)
+    bundle%last = min(longest, growth_ends(free))
+    if (omega%hi > 0.0_dp) bundle%last = min(bundle%last, largest_exponent/omega%hi)
     allocate (contacts%events(0), contacts%segments(0))
-    call motion%strike(impact)                    ! which is another event
-    event = started_event(motion)
-    verdict = judge_rebound(motion, longest)
+    bundle%from = bundle%run%state
+    bundle%to = bundle%from
+    call strike(bundle, event)
+    event = event_type(impact_event, energy_before=event%energy_after, momentum_before=event%momentum_after)    ! listed elsewhere
     do
-      if (stops(monitor)) return
-      opening = first_opening(motion)
-      if (verdict == undecided) then
-        outcome = in_doubt
-        contacts%known_until = event%time - event%time_error
-        exit
-      else if (verdict == stays) then
-        call add_contact(free, motion, last, event, contacts, outcome, monitor)
-        if (outcome /= certain) exit
-        opening = 3                               ! for the force between beam and mass, the second, has gone to zero
-      end if
-      call add_flight(free%struck, motion, opening, last, most, contacts, outcome, monitor)
-      if (outcome /= certain .or. contacts%cut) exit
-      event = started_event(motion)
-      call motion%strike(event%impulse)
-      verdict = judge_rebound(motion, longest)
-      if (verdict /= leaves) cycle
-      call end_event(motion, event)
-      contacts%events = [contacts%events, event]
+      call add_contact(free, bundle, longest, event, contacts, monitor)
+      if (stops(monitor) .or. contacts%known_until < huge(longest) .or. contacts%lasting) exit
+      call add_flight(free%struck, bundle, event, most, contacts, monitor)
+      if (stops(monitor) .or. contacts%known_until < huge(longest) .or. .not. bundle%ended(0)) exit
+      call strike(bundle, event)
     end do
-    if (outcome == never .and. last < longest) then
+    if (contacts%known_until == huge(longest) .and. bundle%last < longest) then
       contacts%out_of_range = .true.
-      contacts%known_until = last
+      contacts%known_until = bundle%last
       if (contacts%lasting) contacts%events = contacts%events(:size(contacts%events) - 1)     ! its end is beyond that
       contacts%lasting = .false.
     end if
   end subroutine follow_contacts
 
-  subroutine add_contact(free, motion, last, event, contacts, outcome, monitor)
-    !! A contact that lasts: an event and a segment more, or `known_until` where the event's end is not known.
+  subroutine strike(bundle, event)
+    !! A blow, after which the event is over unless the mass stays.
+    type(bundle_type), intent(inout) :: bundle
+    type(event_type), intent(out) :: event
+    real(dp) :: before(bundle%run(0)%modes + 1, 2), impulse
+    integer :: i
+    event%kind = contact_event
+    event%time = bundle%run(0)%state%time%hi
+    event%time_error = largest_lag(bundle)
+    event%energy_before = bundle%run(0)%energy()
+    event%momentum_before = bundle%run(0)%momentum()
+    before = extent_of(bundle, alone)
+    do i = neighbours, 0, -1
+      call bundle%run(i)%strike(impulse)
+    end do
+    bundle%to = bundle%run%state
+    call bundle%random%blur(max(before, extent_of(bundle, alone)), bundle%run)
+    event%impulse = impulse
+    call end_event(bundle, event)
+  end subroutine strike
+
+  pure subroutine end_event(bundle, event)
+    !! What there is after it.
+    type(bundle_type), intent(in) :: bundle
+    type(event_type), intent(inout) :: event
+    event%end_time = bundle%run(0)%state%time%hi
+    event%end_error = largest_lag(bundle)
+    event%energy_after = bundle%run(0)%energy()
+    event%momentum_after = bundle%run(0)%momentum()
+  end subroutine end_event
+
+  subroutine add_contact(free, bundle, longest, event, contacts, monitor)
+    !! A contact that lasts, if the mass stays after a blow: an event and a segment more, or `known_until` where it is not known
+    !! whether it stays, or until when.
     class(mode_set), intent(in) :: free
-    type(contact_motion), intent(inout) :: motion
-    real(dp), intent(in) :: last                  !! the end of the search
-    type(event_type), intent(inout) :: event      !! as it began
+    type(bundle_type), intent(inout) :: bundle
+    real(dp), intent(in) :: longest               !! the whole record
+    type(event_type), intent(inout) :: event      !! as the blow left it; `no_event` where it is over now
     type(contacts_type), intent(inout) :: contacts
-    integer, intent(out) :: outcome               !! certain where the contact ends before the search
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
-    real(qp) :: impulse
-    real(dp) :: sway
-    logical :: worthless
+    real(dp) :: impulse
+    logical :: stays(0:neighbours)
+    integer :: i
+    stays = [(mass_stays(bundle%run(i), longest), i=0, neighbours)]
+    bundle%from = bundle%run%state
+    if (any(stays .neqv. stays(0))) contacts%known_until = earliest(bundle%from)
+    if (.not. all(stays)) return
     if (.not. allocated(contacts%modes)) then
       allocate (contacts%modes)
-      call find_contact_modes(free, motion, contacts%modes, monitor)
+      call find_contact_modes(free, bundle%run(0), contacts%modes, monitor)
+      if (stops(monitor)) return
+      call bundle%random%press(contacts%modes, bundle%run)
     end if
-    outcome = in_doubt
-    if (stops(monitor)) return
-    call follow_contact(motion, contacts%modes, real(last - motion%state%time, dp), outcome, impulse, segment, sway, monitor)
-    call judge(contacts%modes%struck, segment, sway, contacts, worthless)
-    if (outcome == in_doubt .or. worthless) then
-      outcome = in_doubt
-      contacts%known_until = event%time - event%time_error
-      return
-    end if
-    event%impulse = rounded(event%impulse + impulse)
-    call end_event(motion, event)
-    contacts%lasting = outcome == never
+    call bundle%random%push(left_out(bundle%run(0)), bundle%run)
+    do i = neighbours, 0, -1
+      call follow_contact(bundle%run(i), contacts%modes, bundle%last, bundle%from(i), bundle%to(i), impulse, bundle%ended(i), &
+                          monitor)
+    end do
+    segment = segment_of(bundle, together, contacts%modes%count)
+    call judge(contacts%modes%struck, bundle, together, segment, contacts)
+    if (any(bundle%ended .neqv. bundle%ended(0))) contacts%known_until = earliest(bundle%from)
+    if (contacts%known_until < huge(longest)) return
+    associate (motion => bundle%run(0))
+      call bundle%random%blur(motion%parts(alone)%extent(motion%state%u, motion%state%v, elapsed(bundle%from(0), bundle%to(0))), &
+                              bundle%run)
+    end associate
+    event%kind = contact_event
+    event%impulse = event%impulse + impulse
+    call end_event(bundle, event)
+    contacts%lasting = .not. bundle%ended(0)
     call add_segment(segment, contacts%segments)
     contacts%events = [contacts%events, event]
+    event%kind = no_event
   end subroutine add_contact
 
-  subroutine add_flight(tip, motion, opening, last, most, contacts, outcome, monitor)
-    !! A free flight: a segment more, and `known_until` where nothing is known of it or of what follows.
+  subroutine add_flight(tip, bundle, event, most, contacts, monitor)
+    !! A free flight: a segment more, after the event of a blow that it starts with; and `known_until` where nothing is known of it or of what
+    !! follows.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
-    type(contact_motion), intent(inout) :: motion
-    integer, intent(in) :: opening                !! the first derivative of the gap that is not zero
-    real(dp), intent(in) :: last                  !! the end of the search
+    type(bundle_type), intent(inout) :: bundle
+    type(event_type), intent(in) :: event         !! listed if it is a contact
     integer, intent(in) :: most                   !! contacts that are followed
     type(contacts_type), intent(inout) :: contacts
-    integer, intent(out) :: outcome               !! certain where a contact ends it
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
-    real(dp) :: sway
-    logical :: worthless
-    call follow_flight(motion, opening, real(last - motion%state%time, dp), outcome, segment, sway, monitor)
-    call judge(tip, segment, sway, contacts, worthless)
-    if (worthless) then
-      outcome = in_doubt
-      contacts%known_until = segment%start%hi - segment%start_error
-      return
-    end if
-    contacts%cut = outcome == certain .and. size(contacts%events) == most
-    if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
-    if (contacts%cut) contacts%known_until = real(motion%state%time, dp) - error_from(motion%near%lag)
+    integer :: i
+    bundle%from = bundle%run%state
+    do i = 0, neighbours
+      call follow_flight(bundle%run(i), event%kind == no_event, bundle%last, bundle%ended(i), monitor)
+    end do
+    bundle%to = bundle%run%state
+    segment = segment_of(bundle, alone, size(tip))
+    call judge(tip, bundle, alone, segment, contacts)
+    if (contacts%known_until < huge(tip)) return
+    if (event%kind == contact_event) contacts%events = [contacts%events, event]
     call add_segment(segment, contacts%segments)
+    contacts%cut = bundle%ended(0) .and. size(contacts%events) == most
+    if (contacts%cut .or. any(bundle%ended .neqv. bundle%ended(0))) contacts%known_until = earliest(bundle%to)
   end subroutine add_flight
+
+  pure type(segment_type) function segment_of(bundle, kind, count) result(segment)
+    !! The motion until the next event, with its errors on the way.
+    type(bundle_type), intent(in) :: bundle
+    integer, intent(in) :: kind                   !! of the modes that move
+    integer, intent(in) :: count                  !! of them
+    real(dp) :: error(size(bundle%from(0)%u), 2), time
+    time = elapsed(bundle%from(0), bundle%to(0))
+    error = max(errors_of(bundle%run, kind, bundle%from, time), errors_of(bundle%run, kind, bundle%to, time))
+    associate (from => bundle%from(0))
+      segment = segment_type(kind, from%time, count=count, q=from%u(:count), rate=from%v(:count), &
+                             start_error=maxval(abs(lags_of(bundle%from))), error=error(:count, :))
+    end associate
+  end function segment_of
 
   pure subroutine add_segment(segment, segments)
     !! Add a segment to a list. The arrays of the others are handed on, not copied.
@@ -170,46 +219,47 @@ contains
     call move_alloc(more, segments)
   end subroutine add_segment
 
-  pure integer function first_opening(motion) result(order)
-    !! The first derivative of the gap that is not zero after a blow.
-    type(contact_motion), intent(in) :: motion
-    order = merge(1, 2, motion%separation() > slow)
-  end function first_opening
-
-  subroutine judge(tip, segment, sway, contacts, worthless)
-    !! How much of the tip's displacement is known in a segment, of the largest that there has been.
+  subroutine judge(tip, bundle, kind, segment, contacts)
+    !! How much of the tip's displacement is known in a segment, of the largest that there has been: with fewer than three digits
+    !! nothing is known from its start on.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1), (modes)
+    type(bundle_type), intent(in) :: bundle
+    integer, intent(in) :: kind                   !! of the modes that move
     type(segment_type), intent(in) :: segment
-    real(dp), intent(in) :: sway                  !! the largest in the segment
     type(contacts_type), intent(inout) :: contacts
-    logical, intent(out) :: worthless             !! fewer than three digits
     real(dp), parameter :: three_digits = 1.0e-3_dp
-    real(dp) :: error
-    contacts%sway = max(contacts%sway, sway)
+    real(dp) :: error, extent(size(bundle%from(0)%u), 2)
+    extent = extent_of(bundle, kind)
+    contacts%sway = max(contacts%sway, sum(abs(tip)*extent(:size(tip), 1)))
     error = sum(abs(tip)*segment%error(:, 1))
-    worthless = error > three_digits*contacts%sway
-    if (worthless .or. contacts%sway == 0.0_dp) return                 ! below the range of numbers nothing is amplified
-    contacts%amplification = error/contacts%sway/contacts%data_error
+    if (error > three_digits*contacts%sway) then
+      contacts%known_until = earliest(bundle%from)
+    else if (contacts%sway > 0.0_dp) then                              ! below the range of numbers nothing is amplified
+      contacts%amplification = error/contacts%sway/bundle%random%data_error
+    end if
   end subroutine judge
 
-  type(event_type) function started_event(motion) result(event)
-    !! What there is before a blow.
-    type(contact_motion), intent(in) :: motion
-    event%kind = contact_event
-    event%time = real(motion%state%time, dp)
-    event%time_error = error_from(motion%near%lag)
-    event%energy_before = motion%energy()
-    event%momentum_before = rounded(motion%momentum())
-  end function started_event
+  pure function extent_of(bundle, kind) result(extent)
+    !! How large displacements and velocities were in a segment.
+    type(bundle_type), intent(in) :: bundle
+    integer, intent(in) :: kind                   !! of the modes that move
+    real(dp) :: extent(size(bundle%from(0)%u), 2), time
+    time = elapsed(bundle%from(0), bundle%to(0))
+    associate (parts => bundle%run(0)%parts(kind), from => bundle%from(0), to => bundle%to(0))
+      extent = max(parts%extent(from%u, from%v, time), parts%extent(to%u, to%v, time))
+    end associate
+  end function extent_of
 
-  subroutine end_event(motion, event)
-    !! What there is after it.
-    type(contact_motion), intent(in) :: motion
-    type(event_type), intent(inout) :: event
-    event%end_time = real(motion%state%time, dp)
-    event%end_error = error_from(motion%near%lag)
-    event%energy_after = motion%energy()
-    event%momentum_after = rounded(motion%momentum())
-  end subroutine end_event
+  pure real(dp) function largest_lag(bundle) result(lag)
+    !! Of the neighbours behind the motion, or before it.
+    type(bundle_type), intent(in) :: bundle
+    lag = maxval(abs(lags_of(bundle%run%state)))
+  end function largest_lag
+
+  pure real(dp) function earliest(state) result(time)
+    !! Until when the motion and all neighbours have done the same.
+    type(moving_state), intent(in) :: state(0:)
+    time = minval(state%time%hi)
+  end function earliest
 
 end module bw_recontact

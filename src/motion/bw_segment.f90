@@ -15,7 +15,7 @@ module bw_segment
   implicit none (type, external)
   private
   public :: beam_energy, growth_ends, growth_error, known_energy, leaves_range, mass_energy, move, move_with_energy
-  public :: state_energy, operator(+)
+  public :: sharper, state_energy, operator(+)
 
   integer, parameter, public :: alone = 1, together = 2
     !! configurations: the beam alone, and with a mass that it has captured or that is pressed against it

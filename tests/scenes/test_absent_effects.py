@@ -17,8 +17,7 @@ ABSENT = {
     "release": ["bw_release", "bw_projection"],
     "recontact": [
         *("bw_recontact", "bw_contact_motion", "bw_contact_segments", "bw_contact_modes"),
-        *("bw_next_zero", "bw_signal", "bw_safe_step"),
-        *("bw_oscillators", "bw_precise_flow", "bw_perturbations"),
+        *("bw_signal", "bw_oscillators", "bw_neighbours"),
     ],
     "pieces": [
         *("bw_piece_beam", "bw_scene_pieces", "bw_piece_source", "bw_piece_set"),

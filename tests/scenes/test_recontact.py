@@ -11,6 +11,9 @@ from workplace import captured_beam
 RESPONSE = {"duration": 0.02, "samples": 4000, "points": [0.5, 1.0], "velocity": True}
 
 
+BEAM_MASS = 7870.0 * np.pi / 4 * 0.037**2  # kg
+
+
 def struck_beam(e, **groups):
     impact = {"mass_ratio": 0.2, "restitution": e}
     scene = captured_beam(capture=None, modes=None, impact=impact, response=RESPONSE, **groups)
@@ -154,7 +157,7 @@ def test_of_two_masses_beyond_all_weights_the_heavier_makes_no_difference(here, 
     results_of = []
     for mass_ratio in [1e60, 1e200, 1e307]:
         impact = {"mass_ratio": mass_ratio, "restitution": e}
-        here.scene("a", {**struck_beam(e, recontact={}), "impact": impact, "response": {**RESPONSE, "duration": 0.05}})
+        here.scene("a", {**struck_beam(e, recontact={}), "impact": impact, "response": {**RESPONSE, "duration": 0.04}})
         results_of.append(here.run("a", "--overwrite", status=4 if e == 0.5 else 0))
         numbers = [variable.values for variable in results_of[-1].variables.values() if variable.values.dtype.kind == "f"]
         assert all(np.isfinite(values).all() for values in numbers)
@@ -167,8 +170,8 @@ def test_of_two_masses_beyond_all_weights_the_heavier_makes_no_difference(here, 
 
 
 def test_an_energy_keeps_its_digits_while_beam_and_mass_grow_together(here):
-    """By 1e45, pressed together: of the Jacobi energy's parts, which cancel, no digit is left. With a trace of damping, which
-    takes more than there was of it and yet less than a rounding of the parts, it is fill."""
+    """By 1e45, pressed together: of the Jacobi energy's parts, which cancel, no digit is left. A trace of damping takes more than
+    there was of it, and yet less than a rounding of the parts: −a∫∫ρA v̇² dx dt."""
     impact, rotation = {"mass_ratio": 3.0, "restitution": 0.3}, {"angular_velocity": 120.0}
     scene = {**struck_beam(0.3, recontact={}), "impact": impact, "rotation": rotation}
     scene["response"] = {**RESPONSE, "duration": 1.0, "samples": 100}
@@ -178,12 +181,15 @@ def test_an_energy_keeps_its_digits_while_beam_and_mass_grow_together(here):
     assert np.abs(result["displacement"]).max() > 1e40
     assert (np.diff(result["energy_after"][: last + 1]) <= 0).all()
     assert result["energy_after"][last] == pytest.approx(result["energy_before"][last], rel=1e-6)  # rebounds that are left out
-    here.scene("b", {**scene, "damping": {"ratio": 1e-40}})
+    xi = np.linspace(0, 1, 101)
+    response = {**scene["response"], "samples": 2000, "points": xi.tolist()}
+    here.scene("b", {**scene, "response": response, "damping": {"mass_proportional": 1e-38}})
     damped = here.run("b")
     last = (damped["event_kind"] > 0).sum() - 1
-    assert not results.is_fill(damped["energy_before"][: last + 1]).any()
-    assert results.is_fill(damped["energy_after"][last])
-    assert "energy: a motion that grows" in damped.attributes["notes"]
+    power = 1e-38 * BEAM_MASS * np.trapezoid(damped["velocity"] ** 2, xi, axis=0)
+    lost = np.trapezoid(power, damped["time"]) * power[-1] / power[-2]  # grows on through the step after the last sample
+    assert lost > 1e10 * damped["energy_before"][0]
+    assert damped["energy_after"][last] == pytest.approx(-lost, rel=2e-2)  # the rule between samples
 
 
 def test_the_smallest_restitution_is_none(here):
@@ -201,7 +207,7 @@ def test_the_smallest_restitution_is_none(here):
 
 
 def test_where_contacts_leave_nothing_that_is_known_it_is_said_and_the_rest_is_fill(here):
-    """Twelve modes, e = 1: 83 contacts amplify the last of 32 digits to the third."""
+    """Twelve modes, e = 1: 36 contacts amplify the last of 16 digits to the third."""
     impact = {"mass_ratio": 2.0, "restitution": 1.0}
     scene = {**struck_beam(1.0, recontact={"max_contacts": 1000}), "impact": impact, "modes": {"before": 12}}
     here.scene("a", {**scene, "response": {**RESPONSE, "duration": 0.2}})
@@ -212,7 +218,7 @@ def test_where_contacts_leave_nothing_that_is_known_it_is_said_and_the_rest_is_f
     assert result["case_status"] == flags["ill_conditioned"]
     said = re.search(r"after (\d+) contacts, .* nothing is known of the motion from t = (\S+) s on", result.attributes["notes"])
     start, _ = contacts(result)
-    assert len(start) == int(said[1]) > 40
+    assert len(start) == int(said[1]) > 30
     known = result["time"] < float(said[2])
     assert 0 < known.sum() < len(known)
     errors = result["event_time_error"][1 : 1 + len(start)]
@@ -223,7 +229,7 @@ def test_where_contacts_leave_nothing_that_is_known_it_is_said_and_the_rest_is_f
     assert (result["displacement_error"] < 1e-2 * np.abs(result["displacement"][:, known]).max(axis=1)).all()
     assert (result["velocity_error"] < np.abs(result["velocity"][:, known]).max(axis=1)).all()
     assert results.is_fill(result["event_time"][1 + len(start) :]).all()
-    assert errors[0] < 1e-18
+    assert errors[0] < 1e-15 * start[0] * 10
     assert errors[-1] > 1e-9
     assert "amplify every change of the data" in result.attributes["notes"]
     assert ended.stderr.count("warning") == 3  # and that a velocity is in doubt by a jump

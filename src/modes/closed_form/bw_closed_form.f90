@@ -1,12 +1,12 @@
 module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21, with the velocities of
   !! their waves, Eqs 32 and 33. Without dimensions: lengths in l, times in l²/h, velocities in h/l.
-  use bw_kinds, only: dp, qp
-  use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
   use bw_missing, only: missing, no_number
   use bw_mode_cache, only: cached_set, shape_table
-  use bw_mode_set, only: full_numbers, mode_set
+  use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
@@ -28,7 +28,7 @@ module bw_closed_form
     procedure :: overlap_of_beam
     procedure :: overlap_far_below
     procedure :: elastic => closed_form_elastic
-    procedure :: in_full => closed_form_in_full
+    procedure :: number_errors => closed_form_errors
   end type closed_form_set
 
 contains
@@ -259,27 +259,15 @@ contains
     if (allocated(self%omega)) squares = squares + self%omega*self%omega
   end function closed_form_elastic
 
-  pure subroutine closed_form_in_full(self, numbers)
-    !! The numbers to the digits of double-double ones, of modes whose roots were all refined (`longest` without end). Without a
-    !! mass at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
+  pure subroutine closed_form_errors(self, square_error, mass_error)
+    !! Roots that were all refined (`longest` without end) have the digits of double-double numbers. Without a mass at the tip
+    !! M = Φ(1)²/4, whatever the rounding of Φ(1).
     class(closed_form_set), intent(in) :: self
-    type(full_numbers), intent(out) :: numbers
-    real(dp), parameter :: relative_error = 2.0e-32_dp     ! of β²; of 200 modes within 8e-32
+    real(dp), intent(out) :: square_error(:), mass_error(:)
     type(dd) :: elastic(self%count)
     elastic = self%elastic()
-    numbers%square = to_quad(self%beta_squared)
-    numbers%square_error = relative_error*elastic%hi
-    numbers%mass = real(self%struck, qp)**2/4
-    numbers%mass_error = 0.0_dp*self%struck
-    if (self%gamma > 0.0_dp) then
-      numbers%mass = real(self%modal_mass, qp)
-      numbers%mass_error = 1.0e-14_dp + numbers%mass_error
-    end if
-    numbers%damping = 0.0_qp*numbers%square
-    if (allocated(self%law)) then                ! α_k⁴ = β_k² + ω², and α² of the first is the critical speed
-      numbers%damping = self%law%rates(numbers%square + (to_quad(self%critical_speed)**2 - numbers%square(1)))
-    end if
-    numbers%damping_error = relative_error*real(numbers%damping, dp)
-  end subroutine closed_form_in_full
+    square_error = 1.0e-31_dp*elastic%hi
+    mass_error = merge(1.0e-14_dp, 0.0_dp, self%gamma > 0.0_dp)
+  end subroutine closed_form_errors
 
 end module bw_closed_form

@@ -5,10 +5,10 @@ module bw_piece_set
   !! Shapes have ∫Φ² dξ = 1 of the beam's part and a tip value of sign (−1)^k. The modal mass holds all mass and inertia:
   !! M_k = ∫ρAΦ² + ρIΨ² dx + Σ mΦ² + JΨ², Ψ the turning of the sections.
   use bw_damping, only: damping_law
-  use bw_double_double, only: dd, to_quad, operator(+), operator(*)
-  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, operator(+), operator(*)
+  use bw_kinds, only: dp
   use bw_missing, only: no_number
-  use bw_mode_set, only: full_numbers, mode_set
+  use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_piece_overlap, only: overlap_sums, piece_modes
   use bw_piece_shape, only: beam_place, deflections_inside, gap_to_end, place_of, states_inside
@@ -31,7 +31,7 @@ module bw_piece_set
     procedure :: coupling
     procedure :: body_energy => energy_of_body
     procedure :: turnings
-    procedure :: in_full => full_numbers_of_pieces
+    procedure :: number_errors => errors_of_pieces
   end type piece_set
 
 contains
@@ -213,21 +213,15 @@ contains
     ratio = ratio*real(law%stiffness, dp)
   end function coupling
 
-  pure subroutine full_numbers_of_pieces(self, numbers)
-    !! β² has the digits of double-double where it was found for a record without end; shapes, and with them M, those of binary64.
+  pure subroutine errors_of_pieces(self, square_error, mass_error)
+    !! Squares have the digits of double-double numbers where they were found for a record without end, fewer next to another
+    !! mode; shapes, and with them M, those of binary64.
     class(piece_set), intent(in) :: self
-    type(full_numbers), intent(out) :: numbers
-    real(dp), parameter :: square_error = 1.0e-24_dp     ! of the elastic part, relatively; next to another mode less is known
-    real(dp), parameter :: mass_error = 1.0e-14_dp       ! relatively
+    real(dp), intent(out) :: square_error(:), mass_error(:)
     type(dd) :: elastic(self%count)
     elastic = self%elastic()
-    numbers%square = to_quad(self%beta_squared)
-    numbers%square_error = square_error*(elastic%hi + abs(self%beta_squared%hi))
-    numbers%mass = real(self%modal_mass, qp)
-    numbers%mass_error = spread(mass_error, 1, self%count)
-    numbers%damping = 0.0_qp*numbers%square
-    if (allocated(self%law)) numbers%damping = self%law%rates(to_quad(elastic))
-    numbers%damping_error = mass_error*real(numbers%damping, dp)
-  end subroutine full_numbers_of_pieces
+    square_error = 1.0e-24_dp*(elastic%hi + abs(self%beta_squared%hi))
+    mass_error = 1.0e-14_dp
+  end subroutine errors_of_pieces
 
 end module bw_piece_set
