@@ -9,9 +9,10 @@ module bw_band
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
   use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pole_at, psi, psi_bend, psi_by_rate, psi_slope
+  use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, enough_for, fill_rows, holds, line_columns, still_columns
+  public :: band_around, enough_for, fill_rows, holds, line_columns, still_columns, tapered_band
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 1024         !! tuned: sums that tell enough of a broad line
@@ -38,6 +39,8 @@ module bw_band
     integer :: length = 1                    !! samples in a block
     real(dp) :: longest = 1                  !! samples of the longest stretch
     logical :: is_real = .true.              !! the rows are real sums
+    logical :: tapered = .false.             !! the rows are bins of a tapered transform instead, real parts above imaginary ones
+    integer :: bins(2) = 0                   !! the first and the last of these
     type(band_part), allocatable :: part(:)
   end type band_type
 
@@ -99,6 +102,30 @@ contains
       call find_weights(band, band%part(b))
     end do
   end function band_around
+
+  pure function tapered_band(count, image, first, noise) result(band)
+    !! The band of these bins of the tapered transform of a record.
+    integer, intent(in) :: count             !! samples of the record
+    integer, intent(in) :: first
+    complex(dp), intent(in) :: image(first:, :) !! (bins, S)
+    real(dp), intent(in) :: noise            !! standard deviation of a real number of the image
+    type(band_type) :: band
+    integer :: s
+    band%tapered = .true.
+    band%bins = [first, ubound(image, 1)]
+    band%longest = count
+    allocate (band%part(1))
+    associate (part => band%part(1))
+      part%stretch = 1
+      part%used = count
+      allocate (part%turn(0))
+      allocate (part%root(2*size(image, 1), 1), source=noise)
+      allocate (part%rows(2*size(image, 1), size(image, 2)))
+      do s = 1, size(image, 2)
+        part%rows(:, s) = parts(image(:, s))/noise
+      end do
+    end associate
+  end function tapered_band
 
   pure logical function holds(band, line, m)
     !! Whether the sums of a band see a line where it is m steps after a blow.
@@ -223,6 +250,10 @@ contains
     complex(dp), dimension(size(part%turn), 0:slopes) :: own, mirror
     type(line_type) :: turned
     integer :: k
+    if (band%tapered) then
+      columns = tapered_columns(line, part%used, band%bins, slopes)/part%root(1, 1)
+      return
+    end if
     if (part%stretch == 0 .and. .not. line%steady) then
       columns = 0
       return

@@ -4,7 +4,7 @@ module bw_band_fit
   use bw_band, only: band_type, enough_for, holds, line_columns, still_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: line_type, pole_at, psi, psi_slope
+  use bw_line, only: highest, line_type, pole_at, psi, psi_slope
   use bw_line_projection, only: find_step, project, projected_type
   implicit none (type, external)
   private
@@ -22,16 +22,17 @@ module bw_band_fit
 
 contains
 
-  subroutine fit_band(band, with_still, most_steps, lines, reduced)
+  subroutine fit_band(band, with_still, most_steps, lines, reduced, slowest)
     !! Refit poles and courses of the lines by Gauss and Newton; a step is shortened until it lowers the squares.
     type(band_type), intent(in) :: band          !! with rows that hold these lines
     logical, intent(in) :: with_still            !! an offset and a slope are fitted too
     integer, intent(in) :: most_steps
     type(line_type), intent(inout) :: lines(:)   !! amplitudes are not used
     type(reduced_type), allocatable, intent(out) :: reduced(:)   !! (parts)
+    real(dp), intent(in), optional :: slowest    !! part of the squares: a step that leaves more is the last
     type(reduced_type), allocatable :: trial(:)
     type(line_type) :: moved(size(lines))
-    real(dp) :: step(unknown_place(lines, size(lines) + 1) - 1), gain, factor, left
+    real(dp) :: step(unknown_place(lines, size(lines) + 1) - 1), gain, factor, left, before
     integer :: i, j
     reduced = reduce(band, lines, with_still)
     left = squares_left(reduced)
@@ -50,7 +51,10 @@ contains
       if (j > most_halvings) exit
       lines = moved
       call move_alloc(trial, reduced)
+      before = left
       left = squares_left(reduced)
+      if (.not. present(slowest)) cycle
+      if (left > slowest*before) exit
     end do
   end subroutine fit_band
 
@@ -240,6 +244,10 @@ contains
       i = unknown_place(lines, k)
       associate (z => moved(k)%pole)
         z = z + cmplx(step(i), step(i + 1), dp)
+        if (band%tapered) then                   ! whose lines may grow, and meet their mirror images
+          z = cmplx(max(-highest/span, min(highest/span, z%re)), min(abs(z%im), 2*pi - abs(z%im)), dp)
+          cycle
+        end if
         z = cmplx(min(z%re, most_growth/max(band%longest, 1.0_dp*enough_for(1))), max(1/span, min(pi - 1/span, z%im)), dp)
       end associate
       do c = 1, size(lines(k)%courses)

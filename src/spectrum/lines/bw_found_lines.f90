@@ -3,8 +3,6 @@ module bw_found_lines
   !!
   !! A record without noise, as a simulation's, has its lines from its transform to the last digit; what is left is rounding, and
   !! stands for the noise.
-  use bw_constants, only: pi
-  use bw_damped_line, only: damped_line
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -34,7 +32,7 @@ contains
     real(dp), intent(in) :: false_alarm            !! that noise alone makes any line
     type(found_lines), intent(out) :: found
     class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
-    type(damped_line), allocatable :: lines(:)
+    type(line_type), allocatable :: lines(:)
     type(residual_type) :: left
     logical :: pure
     found%distinct = find_distinct(samples)
@@ -53,25 +51,14 @@ contains
   subroutine take_lines(samples, lines, found)
     !! Take the lines of a record without noise. One that does not oscillate and is steady is an offset.
     type(samples_type), intent(in) :: samples
-    type(damped_line), intent(in) :: lines(:)
+    type(line_type), intent(in) :: lines(:)
     type(found_lines), intent(inout) :: found
-    type(line_type) :: line
-    integer :: k, sensors
-    sensors = size(samples%value, 2)
-    associate (model => found%model)
-      allocate (model%stretches(2, 0:1), model%still(2, sensors, 0:1), model%lines(0))
+    associate (model => found%model, sensors => size(samples%value, 2))
+      allocate (model%stretches(2, 0:1), model%still(2, sensors, 0:1))
       model%stretches = reshape([1, 0, 1, samples%count], [2, 2])
       model%still = 0
-      allocate (line%courses(0), line%amplitude(sensors, 2))
-      do k = 1, size(lines)
-        associate (own => lines(k))
-          if (own%steady .and. .not. own%frequency > 0) cycle
-          line%pole = cmplx(-own%decay, 2*pi*own%frequency, dp)
-          line%amplitude(:, 1) = 0
-          line%amplitude(:, 2) = own%amplitude*exp(min(own%decay, 0.0_dp)*(samples%count - 1))
-          model%lines = [model%lines, line]
-        end associate
-      end do
+      model%lines = pack(lines, .not. (lines%steady .and. .not. lines%pole%im > 0))
+      model%lines%steady = .false.
       call renew(samples, 0.0_dp, .false., model, 0)
       model%noise%filter = model%noise%filter/(safety*taper_costs)
       model%white = model%white/(safety*taper_costs)

@@ -8,13 +8,14 @@ module bw_line_bounds
   !! another: a residual that is the part ρ of the line may hide one that moves it by √ρ bins, and its ratio by the part √ρ.
   !! That is told apart.
   use bw_constants, only: pi
-  use bw_damped_line, only: damped_line, line_in_record, place_in_bins, position_of, strength_of
+  use bw_band, only: tapered_band
+  use bw_band_fit, only: reduce
   use bw_kinds, only: dp
+  use bw_line, only: line_type
+  use bw_line_errors, only: amplitude_deviation, line_errors, line_errors_of, pole_deviation
   use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in, unknowns
   use bw_pure_record, only: rounding, safety
-  use bw_tapered_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
-  use bw_tapered_fit, only: half_of, reduce, tapered_band
-  use bw_tapered_line, only: main_lobe
+  use bw_tapered_line, only: growth_of, line_in_record, main_lobe, position_of, strength_of
   use bw_tapered_residual, only: residual_type
   implicit none (type, external)
   private
@@ -43,8 +44,8 @@ contains
 
   subroutine bound_errors(fitted, others, density, residual, lines, explained)
     !! Find the errors of a group's lines, and what hidden lines may add to them.
-    type(damped_line), intent(in) :: fitted(:)
-    type(damped_line), intent(in) :: others(:)   !! of the group, which count as a part of what is left
+    type(line_type), intent(in) :: fitted(:)
+    type(line_type), intent(in) :: others(:)   !! of the group, which count as a part of what is left
     real(dp), intent(in) :: density              !! lines per bin of the whole record
     type(residual_type), intent(in) :: residual
     type(bounded_line), allocatable, intent(out) :: lines(:)  !! one for each
@@ -54,7 +55,7 @@ contains
     integer :: bins(2), i
     bins = band_of(group_type([fitted, others], [integer ::]), residual%count)
     allocate (image(bins(1):bins(2), size(residual%tapered, 2)), source=group_image(residual, others, bins))
-    expected = group_noise(residual, fitted, 0.0_dp)
+    expected = group_noise(residual, fitted)
     free = max(1.0_dp, numbers_in(residual, bins)/correlated - sum(unknowns(fitted, size(image, 2))))
     left = norm2(abs(image))
     noise = max(left/sqrt(free), expected)
@@ -73,7 +74,7 @@ contains
     lines%position_error = min(lines%position_error, real(residual%count, dp)) + rounding*lines%position
     lines%ratio_error = min(lines%ratio_error, sqrt(huge(1.0_dp))) + 4*epsilon(1.0_dp)*abs(lines%ratio)
     do i = 1, size(fitted)
-      associate (c => fitted(i)%amplitude)
+      associate (c => fitted(i)%amplitude(:, 2))
         lines(i)%ratio_error = lines(i)%ratio_error + abs(aimag(c(2)*conjg(c(1))))/max(abs(c(1))**2, tiny(1.0_dp))
       end associate
     end do
@@ -81,7 +82,7 @@ contains
 
   pure function own_bins(line, count, bins) result(own)
     !! The first and last of the group's bins that are in the band of this line by itself too.
-    type(damped_line), intent(in) :: line
+    type(line_type), intent(in) :: line
     integer, intent(in) :: count, bins(2)      !! samples; of the group
     integer :: own(2)
     own = band_of(group_type([line], [integer ::]), count)
@@ -91,28 +92,24 @@ contains
   pure function settled(fitted, count) result(lines)
     !! The lines; a steady one that is at 0 or the Nyquist frequency but for rounding is put there: it has no phase, and its errors
     !! must not be asked for one.
-    type(damped_line), intent(in) :: fitted(:)
+    type(line_type), intent(in) :: fitted(:)
     integer, intent(in) :: count
-    type(damped_line) :: lines(size(fitted))
-    complex(dp) :: amplitude(size(fitted(1)%amplitude))
-    real(dp) :: offset
-    integer :: i, bin
+    type(line_type) :: lines(size(fitted))
+    real(dp) :: position
+    integer :: i
     lines = fitted
     do i = 1, size(lines)
-      call place_in_bins(lines(i), count, bin, offset)
-      if (.not. lines(i)%steady .or. abs(offset) > at_edge) cycle
-      if (bin /= 0 .and. 2*bin /= count) cycle
-      amplitude = lines(i)%amplitude%re
-      lines(i) = line_in_record(bin, 0.0_dp, 0.0_dp, count)
-      lines(i)%amplitude = amplitude
-      lines(i)%steady = .true.
+      position = position_of(lines(i), count)
+      if (.not. lines(i)%steady .or. min(position, count/2.0_dp - position) > at_edge) cycle
+      lines(i)%pole = merge((0.0_dp, 0.0_dp), cmplx(0, pi, dp), 4*position < count)
+      lines(i)%amplitude = lines(i)%amplitude%re
     end do
   end function settled
 
   function lines_in_noise(fitted, residual, bins, noise) result(lines)
     !! Find the ratio of each line, and the errors of position, strength and ratio that noise makes. A ratio whose first sensor does
     !! not move but for rounding does not exist: it is 0 with a huge error.
-    type(damped_line), intent(in) :: fitted(:)
+    type(line_type), intent(in) :: fitted(:)
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
     real(dp), intent(in) :: noise(:)           !! standard deviation of a real number of the image beside each line, (line)
@@ -120,21 +117,21 @@ contains
     type(line_errors) :: errors
     real(dp) :: direction(2, 2)
     integer :: i
-    errors = line_errors_of(reduce(tapered_band(residual%count, group_image(residual, fitted, bins), bins(1)), fitted), &
-      & [1.0_dp, 1.0_dp])
+    errors = line_errors_of(fitted, reduce(tapered_band(residual%count, group_image(residual, fitted, bins), bins(1), 1.0_dp), &
+      & fitted, .false.))
     do i = 1, size(fitted)
-      associate (line => lines(i), c => fitted(i)%amplitude)
+      associate (line => lines(i), c => fitted(i)%amplitude(:, 2), deviation => pole_deviation(errors, i, 0.0_dp))
         line%position = position_of(fitted(i), residual%count)
-        line%growth = -fitted(i)%decay*residual%count
+        line%growth = growth_of(fitted(i), residual%count)
         line%steady = fitted(i)%steady
-        line%strength = strength_of(fitted(i))
-        line%position_error = noise_times(frequency_deviation(errors, i), noise(i)*residual%count/(2*pi*half_of(residual%count)))
-        direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/line%strength
-        line%strength_error = noise_times(amplitude_deviation(errors, i, direction), noise(i))
+        line%strength = strength_of(fitted(i), residual%count)
+        line%position_error = noise_times(deviation(2), noise(i)*residual%count/(2*pi))
+        direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/norm2(abs(c))
+        line%strength_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
         line%ratio_error = huge(1.0_dp)
         if (abs(c(1)) > still*abs(c(2))) then
           call ratio_of(c, line%ratio, direction)
-          line%ratio_error = noise_times(amplitude_deviation(errors, i, direction), noise(i))
+          line%ratio_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
         end if
       end associate
     end do

@@ -1,9 +1,10 @@
 module bw_line_peaks
   !! This module makes peaks that can be told apart of fitted lines, each with bounds on its errors.
-  use bw_damped_line, only: damped_line, position_of, strength_of
   use bw_kinds, only: dp
+  use bw_line, only: line_type
   use bw_line_bounds, only: bound_errors, bounded_line
   use bw_line_group, only: band_of, group_image_of, group_type, resolution
+  use bw_tapered_line, only: position_of, strength_of
   use bw_tapered_residual, only: residual_type
   use bw_tapered_search, only: line_groups
   implicit none (type, external)
@@ -44,7 +45,7 @@ contains
 
   function peaks_of(lines, residual) result(peaks)
     !! The peaks that the lines make, with bounds on their errors; lines that cannot be told apart are one peak.
-    type(damped_line), intent(in) :: lines(:)
+    type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual  !! what these lines leave
     type(peak_type), allocatable :: peaks(:)
     type(group_type), allocatable :: group(:)
@@ -66,11 +67,11 @@ contains
     logical, allocatable :: faint(:)
     logical :: explained
     associate (group => lines_together)
-      faint = are_faint(position_of(group%lines, residual%count), strength_of(group%lines))
+      faint = are_faint(position_of(group%lines, residual%count), strength_of(group%lines, residual%count))
       allocate (strong(0))
       if (any(faint)) call bound_errors(pack(group%lines, .not. faint), pack(group%lines, faint), density, residual, strong, &
         & explained)
-      call bound_errors(group%lines, [damped_line ::], density, residual, lines, explained)
+      call bound_errors(group%lines, [line_type ::], density, residual, lines, explained)
       allocate (peaks, source=merged(group, lines, strong, residual, explained))
     end associate
   end function peaks_of_group
@@ -132,7 +133,7 @@ contains
 
   logical function exceed(lines, residual, bins)
     !! Whether the lines together, which may all but cancel, put clearly more into a bin than is left in any.
-    type(damped_line), intent(in) :: lines(:)
+    type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
     exceed = maxval(abs(group_image_of(residual, lines, bins))) > &

@@ -3,10 +3,10 @@ module bw_line_poles
   !! poles are the lines. They come from a Loewner pencil of all sensors' bins.
   !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
   use bw_constants, only: pi
-  use bw_damped_line, only: damped_line, line_in_record
   use bw_kinds, only: dp
   use bw_lapack, only: zgeev, zgesvd
-  use bw_tapered_line, only: line_image
+  use bw_line, only: highest, line_type
+  use bw_tapered_line, only: line_image, line_in_record
   use bw_tapered_residual, only: plain_bins, residual_type
   implicit none (type, external)
   private
@@ -16,7 +16,6 @@ module bw_line_poles
   integer, parameter :: most_beside = 40
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image
   real(dp), parameter :: grows = 1.0e-3_dp     !! over the record; slower motion at 0 is a drift, which is a line's too
-  real(dp), parameter :: most_growth = 300     !! over the record
   integer, parameter :: spare = 4  !! columns behind each matrix: zgemv of OpenBLAS 0.3.21 reads past the last one
                                    !! (github.com/OpenMathLib/OpenBLAS/issues/5000)
   real(dp), parameter :: rounding = 1.0e-13_dp  !! of singular values
@@ -33,7 +32,7 @@ contains
   subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
     !! Make a pencil over so many bins that its rank, which counts the lines, is well below its size.
     type(residual_type), intent(in) :: residual
-    type(damped_line), intent(in) :: own(:)
+    type(line_type), intent(in) :: own(:)
     integer, intent(in) :: bins(2)
     real(dp), intent(in) :: noise
     type(pencil_type), intent(out) :: pencil
@@ -51,7 +50,7 @@ contains
   function group_pencil(residual, own, bins, beside) result(pencil)
     !! The pencil of the group's bins and of `beside` more at either end, on both sides of 0 where the group is near it.
     type(residual_type), intent(in) :: residual
-    type(damped_line), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
+    type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
     integer, intent(in) :: bins(2), beside
     type(pencil_type) :: pencil
     complex(dp), allocatable :: image(:, :)
@@ -66,7 +65,7 @@ contains
     end if
     allocate (image(first:last, size(residual%plain, 2)), source=plain_bins(residual, first, last))
     do i = 1, size(own)
-      image = image + line_image(own(i), residual%count, first, last, .false.)
+      image = image + line_image(own(i), residual%count, [first, last], .false.)
     end do
     pencil = pencil_of(image, first, residual%count)
   end function group_pencil
@@ -76,7 +75,7 @@ contains
     !! 0 that grows is a real exponential: put there exactly, it stays, having no phase and no slope by its offset.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank, bins(2)
-    type(damped_line), allocatable :: lines(:)
+    type(line_type), allocatable :: lines(:)
     real(dp), allocatable :: position(:), growth(:)
     integer :: i
     allocate (lines(0))
@@ -84,8 +83,8 @@ contains
     where (abs(position) < at_edge .and. abs(growth) > grows) position = 0
     do i = 1, size(position)
       if (position(i) < max(bins(1) - 1.0_dp, -at_edge) .or. position(i) > bins(2) + 1) cycle
-      if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > most_growth) cycle
-      lines = [lines, line_in_record(nint(position(i)), position(i) - nint(position(i)), growth(i), pencil%count)]
+      if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > highest) cycle
+      lines = [lines, line_in_record(position(i), growth(i), pencil%count)]
     end do
   end function pole_lines
 

@@ -5,13 +5,13 @@ module bw_pure_record
   !! The search in noise (bw_line_search) does not make this one needless. It finds lines that are two bins apart or more as
   !! exactly, at ten to fifty times the time; where 2 to 8 lie 0.2 to 3 bins apart it ends with another number of lines in a third
   !! of the records, for it takes lines up and splits them only where noise would not have made them.
-  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_lapack, only: dgelsy
+  use bw_line, only: line_type
   use bw_line_group, only: group_type, refit_group
   use bw_monitor, only: monitor_type, stops
   use bw_samples, only: samples_type
-  use bw_tapered_residual, only: find_residual, residual_type, strength
+  use bw_tapered_residual, only: chance, find_residual, residual_type, rounding_of, strength
   use bw_tapered_search, only: find_pure_lines
   implicit none (type, external)
   private
@@ -33,7 +33,7 @@ contains
   subroutine find_lines_if_pure(samples, lines, left, pure, monitor)
     !! Find the lines of an even record without noise, an offset being one of frequency 0.
     type(samples_type), intent(in) :: samples
-    type(damped_line), allocatable, intent(out) :: lines(:)
+    type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: left     !! what they leave
     logical, intent(out) :: pure                 !! false: there is noise, and no use in the lines
     class(monitor_type), intent(inout), optional :: monitor
@@ -45,35 +45,37 @@ contains
     associate (record => samples%value(:samples%count, :))
       call find_pure_lines(record, lines, left, monitor)
       if (stops(monitor)) return
-      if (size(record, 1) <= whole .and. .not. explained(record, left)) then
+      if (size(record, 1) <= whole .and. .not. explained(record, lines, left)) then
         if (looks_pure(samples)) call take_whole(record, lines, left)
       end if
-      pure = pure .or. explained(record, left)
+      pure = pure .or. explained(record, lines, left)
     end associate
   end subroutine find_lines_if_pure
 
-  pure logical function explained(record, left)
+  pure logical function explained(record, lines, left)
     !! Whether lines leave no more than rounding.
     real(dp), intent(in) :: record(:, :)
+    type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: left
     integer :: s
-    explained = maxval(strength(left)) <= unexplained*norm2([(norm2(record(:, s)), s=1, size(record, 2))])
+    explained = maxval(strength(left)) <= max(chance*rounding_of(lines, left%count), &
+      & unexplained*norm2([(norm2(record(:, s)), s=1, size(record, 2))]))
   end function explained
 
   subroutine take_whole(record, lines, left)
     !! Find all lines of a short record at once, where there is no bin between them to part them at; they are kept if they
     !! explain it.
     real(dp), intent(in) :: record(:, :)
-    type(damped_line), allocatable, intent(inout) :: lines(:)
+    type(line_type), allocatable, intent(inout) :: lines(:)
     type(residual_type), intent(inout) :: left
     type(residual_type) :: fresh
     type(group_type) :: group
-    call find_residual(record, [damped_line ::], fresh)
+    call find_residual(record, [line_type ::], fresh)
     allocate (group%lines(0))
     group%peaks = [0, size(record, 1)/2]
-    call refit_group(fresh, group, 0.0_dp)
+    call refit_group(fresh, group)
     call find_residual(record, group%lines, fresh)
-    if (.not. explained(record, fresh)) return
+    if (.not. explained(record, group%lines, fresh)) return
     call move_alloc(group%lines, lines)
     left = fresh
   end subroutine take_whole

@@ -2,114 +2,127 @@ module bw_tapered_line
   !! The transform of a line through the taper sin⁶(πj/N), in closed form at whole bins: ten bins away it is below a millionth,
   !! so that lines in other bins need not be known. Without the taper it is there for the poles of a few bins.
   use bw_constants, only: pi
-  use bw_damped_line, only: damped_line, place_in_bins
   use bw_kinds, only: dp
+  use bw_line, only: line_type
   implicit none (type, external)
   private
-  public :: line_image, parts, sidelobe, tapered_columns
+  public :: growth_of, line_image, line_in_record, parts, position_of, sidelobe, strength_of, tapered_columns
 
   real(dp), parameter, public :: main_lobe = 10/32.0_dp  !! mean of the taper
   real(dp), parameter, public :: taper_costs = 4.2_dp
     !! deviations of frequencies fitted to tapered bins, of those fitted to samples: √(Σw⁴u² Σu²)/Σw²u², w = sin⁶(πj/N), |u| ≤ 1
-  real(dp), parameter :: difference = 1.0e-4_dp  !! bins; slopes need a few digits only, images are exact
+  real(dp), parameter :: nearest = 1.0e-4_dp   !! of 1/N; a slope needs a few digits only, and loses them nearer to its bin
   real(dp), parameter :: taper(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! sin⁶(πj/N) as a row of bins
 
 contains
 
-  pure function tapered_columns(line, count, first, last, order) result(columns)
-    !! The bins first … last of u^m e^(−dτ) cos 2πfτ and of −u^m e^(−dτ) sin 2πfτ, which are a line of amplitude 1 and one of
-    !! amplitude i, for m = 0 … order ≤ 1, with imaginary parts below real ones, (2 bins, 2, 0:order); u = −1 … 1.
-    type(damped_line), intent(in) :: line
+  pure type(line_type) function line_in_record(position, growth, count) result(line)
+    !! A line without amplitude of so many periods in a record of so many samples, and that logarithm of its growth over it.
+    real(dp), intent(in) :: position, growth
+    integer, intent(in) :: count
+    line%pole = cmplx(growth, 2*pi*position, dp)/count
+    allocate (line%courses(0))
+  end function line_in_record
+
+  elemental real(dp) function position_of(line, count) result(position)
+    !! How many periods of a line are in a record of so many samples.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count
+    position = line%pole%im*count/(2*pi)
+  end function position_of
+
+  elemental real(dp) function growth_of(line, count) result(growth)
+    !! The logarithm of a line's growth over a record of so many samples.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count
+    growth = line%pole%re*count
+  end function growth_of
+
+  elemental real(dp) function strength_of(line, count) result(strength)
+    !! The amplitudes of all sensors together, where they are largest in a record of so many samples; it is never 0.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count
+    strength = sqrt(tiny(1.0_dp))
+    if (allocated(line%amplitude)) &
+      & strength = max(strength, norm2(abs(line%amplitude(:, 2)))*exp(max(0.0_dp, line%pole%re*(count - 1))))
+  end function strength_of
+
+  pure function tapered_columns(line, count, bins, slopes) result(columns)
+    !! The bins first … last of a line of amplitude 1 and of one of amplitude i, and their slopes by the pole, with imaginary parts
+    !! below real ones, (2 bins, 2, 0:slopes); slopes ≤ 1.
+    type(line_type), intent(in) :: line
     integer, intent(in) :: count               !! samples in the record, N
-    integer, intent(in) :: first, last, order
-    real(dp) :: columns(2*(last - first + 1), 2, 0:order)
-    complex(dp), dimension(last - first + 1) :: row, mirror
-    integer :: bin, m
-    real(dp) :: offset, growth
-    growth = -line%decay*count
-    call place_in_bins(line, count, bin, offset)
-    do m = 0, order
-      row = moment(bin, offset, growth, count, first, last, m)/2
-      mirror = moment(-bin, -offset, growth, count, first, last, m)/2
-      columns(:, 1, m) = parts(row + mirror)
-      columns(:, 2, m) = parts((0, 1)*(row - mirror))
+    integer, intent(in) :: bins(2), slopes
+    real(dp) :: columns(2*(bins(2) - bins(1) + 1), 2, 0:slopes)
+    complex(dp), dimension(bins(2) - bins(1) + 1, 0:1) :: row, mirror
+    integer :: m
+    row = transform(line%pole, count, bins, .true.)/2
+    mirror = transform(conjg(line%pole), count, bins, .true.)/2
+    do m = 0, slopes
+      columns(:, 1, m) = parts(row(:, m) + mirror(:, m))
+      columns(:, 2, m) = parts((0, 1)*(row(:, m) - mirror(:, m)))
     end do
   end function tapered_columns
 
-  pure function line_image(line, count, first, last, tapered) result(image)
+  pure function line_image(line, count, bins, tapered) result(image)
     !! The bins first … last of a line's transform at all sensors, (bins, S).
-    type(damped_line), intent(in) :: line
-    integer, intent(in) :: count, first, last
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count, bins(2)
     logical, intent(in) :: tapered
-    complex(dp) :: image(first:last, size(line%amplitude))
-    complex(dp) :: row(first:last), mirror(first:last)
-    integer :: bin, s
-    real(dp) :: offset, growth
-    growth = -line%decay*count
-    call place_in_bins(line, count, bin, offset)
-    row = transform(bin, offset, growth, count, first, last, tapered)/2
-    mirror = transform(-bin, -offset, growth, count, first, last, tapered)/2
+    complex(dp) :: image(bins(1):bins(2), size(line%amplitude, 1))
+    complex(dp), dimension(bins(1):bins(2), 0:1) :: row, mirror
+    integer :: s
+    row = transform(line%pole, count, bins, tapered)/2
+    mirror = transform(conjg(line%pole), count, bins, tapered)/2
     do s = 1, size(image, 2)
-      image(:, s) = line%amplitude(s)*row + conjg(line%amplitude(s))*mirror
+      image(:, s) = line%amplitude(s, 2)*row(:, 0) + conjg(line%amplitude(s, 2))*mirror(:, 0)
     end do
   end function line_image
 
-  pure function moment(bin, offset, growth, count, first, last, order) result(row)
-    !! The tapered transform of u^m e^(p j/N), m = 0 or 1, p = growth + 2πi(bin + offset): u is 2j/(N − 1) − 1, and the factor
-    !! j/N is a derivative by p.
-    integer, intent(in) :: bin, count, first, last, order
-    real(dp), intent(in) :: offset, growth
-    complex(dp) :: row(first:last)
-    row = transform(bin, offset, growth, count, first, last, .true.)
-    if (order == 0) return
-    row = (transform(bin, offset + difference, growth, count, first, last, .true.) &
-      & - transform(bin, offset - difference, growth, count, first, last, .true.))/cmplx(0, 2*pi*difference, dp) &
-      & *(count/(count - 1.0_dp)) - row
-  end function moment
-
-  pure function transform(bin, offset, growth, count, first, last, tapered) result(row)
-    !! The geometric sum Σ_j w_j e^((growth + 2πi (bin − m + offset)) j/N) at the bins m = first … last, over e^(growth (N − 1)/N)
-    !! where that grows.
-    integer, intent(in) :: bin, count, first, last
-    real(dp), intent(in) :: offset, growth
+  pure function transform(pole, count, bins, tapered) result(row)
+    !! The sums Σ_j w_j e^(zj − 2πi mj/N) at the bins m, z being the pole, and their slopes by z, (bins, 0:1).
+    complex(dp), intent(in) :: pole
+    integer, intent(in) :: count, bins(2)
     logical, intent(in) :: tapered
-    complex(dp) :: row(first:last)
-    complex(dp) :: plain(first - 3:last + 3), numerator, denominator
-    integer :: m, away
-    if (growth > 0) then
-      numerator = -exp(cmplx(growth/count, 2*pi*offset, dp))*exp_less_one(cmplx(-growth, -2*pi*offset, dp))
-    else
-      numerator = exp_less_one(cmplx(growth, 2*pi*offset, dp))
-    end if
-    do m = first - 3, last + 3
+    complex(dp) :: row(bins(1):bins(2), 0:1)
+    complex(dp) :: plain(bins(1) - 3:bins(2) + 3, 0:1), numerator, denominator
+    real(dp) :: offset, growth
+    integer :: bin, m, away
+    offset = pole%im*count/(2*pi)
+    bin = nint(offset)
+    offset = offset - bin
+    numerator = exp_less_one(growth_by(pole%re*count), 2*pi*offset)
+    growth = growth_by(pole%re)
+    do m = bins(1) - 3, bins(2) + 3
       away = modulo(bin - m + count/2, count) - count/2
-      denominator = exp_less_one(cmplx(growth, 2*pi*(away + offset), dp)/count)
-      if (abs(denominator) > 0) then
-        plain(m) = numerator/denominator
-      else
-        plain(m) = count
-      end if
+      denominator = exp_less_one(growth, 2*pi*(away + offset)/count)
+      plain(m, 0) = count
+      plain(m, 1) = count*(count - 1.0_dp)/2
+      if (max(abs(denominator%re), abs(denominator%im)) > 0) plain(m, 0) = numerator/denominator
+      if (max(abs(denominator%re), abs(denominator%im)) > nearest/count) &
+        & plain(m, 1) = (count*(1 + numerator) - plain(m, 0)*(1 + denominator))/denominator
     end do
-    if (.not. tapered) then
-      row = plain(first:last)
-    else
-      do m = first, last
-        row(m) = sum(taper*plain(m - 3:m + 3))
-      end do
-    end if
+    row = plain(bins(1):bins(2), :)
+    if (.not. tapered) return
+    do m = bins(1), bins(2)
+      row(m, :) = matmul(taper, plain(m - 3:m + 3, :))
+    end do
   end function transform
 
-  pure complex(dp) function exp_less_one(z)
-    !! The number e^z − 1, without cancellation near 0.
-    complex(dp), intent(in) :: z
-    real(dp) :: half, growth
-    half = sin(z%im/2)
-    if (abs(z%re) < 1) then
-      growth = 2*exp(z%re/2)*sinh(z%re/2)
-    else
-      growth = exp(z%re) - 1
-    end if
-    exp_less_one = cmplx(growth*cos(z%im) - 2*half*half, exp(z%re)*sin(z%im), dp)
+  pure real(dp) function growth_by(exponent)
+    !! The number e^x − 1, without cancellation near 0.
+    real(dp), intent(in) :: exponent
+    growth_by = exp(exponent) - 1
+    if (abs(exponent) < 1) growth_by = 2*exp(exponent/2)*sinh(exponent/2)
+  end function growth_by
+
+  pure complex(dp) function exp_less_one(growth, turn)
+    !! The number e^(x + iφ) − 1, without cancellation near 0.
+    real(dp), intent(in) :: growth             !! e^x − 1
+    real(dp), intent(in) :: turn               !! φ
+    real(dp) :: half
+    half = sin(turn/2)
+    exp_less_one = cmplx(growth - (1 + growth)*2*half**2, (1 + growth)*2*half*cos(turn/2), dp)
   end function exp_less_one
 
   elemental real(dp) function sidelobe(distance)

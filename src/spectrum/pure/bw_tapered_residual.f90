@@ -2,19 +2,20 @@ module bw_tapered_residual
   !! What is left of a record when lines are taken out, and which peaks still stand out of it.
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
   use bw_constants, only: pi
-  use bw_damped_line, only: damped_line, line_in_record, subtract_lines
   use bw_fourier, only: transform_in_place
   use bw_kinds, only: dp
+  use bw_line, only: line_type
+  use bw_model, only: add_lines
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: local_maxima, vertex
-  use bw_tapered_line, only: main_lobe, sidelobe
+  use bw_tapered_line, only: line_in_record, main_lobe, position_of, sidelobe, strength_of
   implicit none (type, external)
   private
-  public :: find_residual, peak_lines, plain_bins, strength, visible_peaks
+  public :: find_residual, peak_lines, plain_bins, rounding_of, strength, visible_peaks
 
   integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
   integer, parameter :: most_peaks = 64        !! taken up at a time
-  real(dp), parameter :: chance = 8            !! noise does not reach so many standard deviations in 10¹² bins
+  real(dp), parameter, public :: chance = 8    !! noise does not reach so many standard deviations in 10¹² bins
   real(dp), parameter :: faintest = 1.0e-13_dp !! of the record's peak; rounded phases make lines of up to 1e-14
   real(dp), parameter :: guard = 4             !! a peak stands out of so many times the sidelobes of stronger ones
 
@@ -33,7 +34,7 @@ contains
     !! Transform what the lines leave of the record, and judge its noise. The lines are subtracted in the memory of the
     !! transforms, so that a long record is not stored more often than it must be.
     real(dp), intent(in) :: record(0:, :)      !! (N, S)
-    type(damped_line), intent(in) :: lines(:)
+    type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without taper and with it
@@ -53,9 +54,7 @@ contains
     left(:n, :) = record
     do i = 1, size(lines)
       if (stops(monitor)) return
-      do s = 1, sensors
-        call subtract_lines(lines(i:i), s, left(:n, s))
-      end do
+      call add_lines(reshape([1, 0, 1, n], [2, 2]), lines(i:i), -1.0_dp, left)
     end do
     call copy(left(:n, :), seen(:n, :))        ! an assignment of pointers would go through a third array
     call apply_taper(seen(:n, :))
@@ -65,8 +64,15 @@ contains
       call transform_in_place(n, residual%plain(:, s))
     end do
     residual%noise = max(rounding, quiet_level(strength(residual)))
-    residual%threshold = max(chance*residual%noise, faintest*largest*n*main_lobe/2)
+    residual%threshold = max(chance*residual%noise, chance*rounding_of(lines, n), faintest*largest*n*main_lobe/2)
   end subroutine find_residual
+
+  pure real(dp) function rounding_of(lines, count)
+    !! What the strongest line leaves in a bin, as its samples and its phase in a record of so many samples are rounded.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: count
+    rounding_of = epsilon(1.0_dp)*count*main_lobe/2*maxval([0.0_dp, (1 + position_of(lines, count))*strength_of(lines, count)])
+  end function rounding_of
 
   pure subroutine copy(from, to)
     !! Copy between arrays that do not overlap.
@@ -169,7 +175,7 @@ contains
     !! A line without amplitude at each peak; its offset comes from a parabola through the logarithms of three bins.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peaks(:)
-    type(damped_line) :: lines(size(peaks))
+    type(line_type) :: lines(size(peaks))
     real(dp) :: value(-1:1), offset
     integer :: i, m
     do i = 1, size(peaks)
@@ -178,7 +184,7 @@ contains
         value = [(norm2(abs(residual%tapered(peaks(i) + m, :))), m=-1, 1)]
         offset = vertex(value)
       end if
-      lines(i) = line_in_record(peaks(i), offset, 0.0_dp, residual%count)
+      lines(i) = line_in_record(peaks(i) + offset, 0.0_dp, residual%count)
     end do
   end function peak_lines
 

@@ -2,12 +2,12 @@ module bw_tapered_search
   !! All lines of a record that holds lines and their rounding, and no noise, as that of a simulation: peaks are taken up the
   !! strongest first, lines that share bins of the tapered transform are fitted together, and what is left of the record is
   !! searched again until nothing stands out.
-  use bw_damped_line, only: damped_line, position_of
   use bw_kinds, only: dp
-  use bw_line_group, only: band_of, drop_needless, group_type, refit_group
+  use bw_line, only: line_type
+  use bw_line_group, only: group_type, refit_group
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
-  use bw_tapered_line, only: line_image, sidelobe
+  use bw_tapered_line, only: position_of
   use bw_tapered_residual, only: find_residual, residual_type, strength, visible_peaks
   implicit none (type, external)
   private
@@ -16,7 +16,6 @@ module bw_tapered_search
   integer, parameter :: max_rounds = 16
   integer, parameter :: most_lines = 200
   real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
-  real(dp), parameter :: faintest = 1.0e-12_dp !! of the strongest line; less is made of rounding
   integer, parameter :: beside = 3             !! bins; within the main lobe
   real(dp), parameter :: line_work = 0.045_dp  !! of a line taken from the record, over that of two tapered transforms; measured
 
@@ -32,7 +31,7 @@ contains
   subroutine find_pure_lines(record, lines, residual, monitor)
     !! Find the lines of a record, by ascending position, and what they leave of it; both are of no use where the monitor stops.
     real(dp), intent(in) :: record(0:, :)      !! (N, S), not zero everywhere
-    type(damped_line), allocatable, intent(out) :: lines(:)
+    type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
     class(monitor_type), intent(inout), optional :: monitor
     integer, allocatable :: peak(:)
@@ -57,9 +56,6 @@ contains
       call find_residual(record, lines, residual, monitor)
       work = work + residual_work(size(lines))
     end do
-    call thin_out(record, lines, residual, monitor)
-    if (stops(monitor)) return
-    call drop_rounding(record, lines, residual, monitor)
   end subroutine find_pure_lines
 
   pure real(dp) function residual_work(lines) result(work)
@@ -67,54 +63,6 @@ contains
     integer, intent(in) :: lines
     work = 1.0_dp + lines*line_work
   end function residual_work
-
-  subroutine thin_out(record, lines, residual, monitor)
-    !! Leave out lines that those beside them do without.
-    real(dp), intent(in) :: record(0:, :)      !! (N, S)
-    type(damped_line), allocatable, intent(inout) :: lines(:)
-    type(residual_type), intent(inout) :: residual
-    class(monitor_type), intent(inout), optional :: monitor
-    type(group_type), allocatable :: group(:)
-    type(damped_line), allocatable :: needed(:)
-    integer :: i
-    allocate (group, source=line_groups(lines, [integer ::], residual%count))
-    allocate (needed(0))
-    do i = 1, size(group)
-      call drop_needless(residual, group(i))
-      needed = [needed, group(i)%lines]
-    end do
-    if (size(needed) == size(lines)) return
-    call move_alloc(needed, lines)
-    call find_residual(record, lines, residual, monitor)
-  end subroutine thin_out
-
-  subroutine drop_rounding(record, lines, residual, monitor)
-    !! Leave out the lines that are rounding of the strongest one, and let those beside them take their places back.
-    real(dp), intent(in) :: record(0:, :)
-    type(damped_line), allocatable, intent(inout) :: lines(:)
-    type(residual_type), intent(inout) :: residual
-    class(monitor_type), intent(inout), optional :: monitor
-    type(closed_type), allocatable :: closed(:)
-    real(dp) :: seen(size(lines))
-    integer :: i
-    allocate (closed(0))
-    seen = [(highest_bin(lines(i), residual%count), i=1, size(lines))]
-    if (all(seen > faintest*maxval(seen))) return
-    lines = pack(lines, seen > faintest*maxval(seen))
-    call find_residual(record, lines, residual, monitor)
-    if (stops(monitor)) return
-    call fit_groups(residual, [integer ::], lines, closed, monitor)
-    if (.not. stops(monitor)) call find_residual(record, lines, residual, monitor)
-  end subroutine drop_rounding
-
-  pure real(dp) function highest_bin(line, count) result(highest)
-    !! The bin of a line that is nearest to it: less than its amplitude where that is reached at an end of the record.
-    type(damped_line), intent(in) :: line
-    integer, intent(in) :: count               !! samples
-    integer :: bin
-    bin = nint(position_of(line, count))
-    highest = norm2(abs(line_image(line, count, bin, bin, .true.)))
-  end function highest_bin
 
   pure function open_peaks(peak, position, closed) result(open)
     !! The peaks that are not where a further line has already failed to help, among the same neighbours.
@@ -140,10 +88,10 @@ contains
     !! Fit each group of lines and new peaks; peaks that made no line are closed.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peak(:)
-    type(damped_line), allocatable, intent(inout) :: lines(:)
+    type(line_type), allocatable, intent(inout) :: lines(:)
     type(closed_type), allocatable, intent(inout) :: closed(:)
     class(monitor_type), intent(inout), optional :: monitor
-    type(damped_line), allocatable :: fitted(:)
+    type(line_type), allocatable :: fitted(:)
     type(group_type), allocatable :: group(:)
     integer :: i, j, lines_before
     allocate (group, source=line_groups(lines, peak, residual%count))
@@ -151,7 +99,7 @@ contains
     do i = 1, size(group)
       if (stops(monitor)) return
       lines_before = size(group(i)%lines)
-      call refit_group(residual, group(i), leakage(residual, group(i), peak))
+      call refit_group(residual, group(i))
       fitted = [fitted, group(i)%lines]
       if (size(group(i)%lines) > lines_before) cycle
       do j = 1, size(group(i)%peaks)
@@ -162,24 +110,9 @@ contains
     lines = fitted
   end subroutine fit_groups
 
-  pure real(dp) function leakage(residual, group, peak)
-    !! The leakage that peaks outside the group may put into one of its bins.
-    type(residual_type), intent(in) :: residual
-    type(group_type), intent(in) :: group
-    integer, intent(in) :: peak(:)
-    integer :: i, bins(2), gap
-    bins = band_of(group, residual%count)
-    leakage = 0
-    do i = 1, size(peak)
-      if (any(group%peaks == peak(i))) cycle
-      gap = max(bins(1) - peak(i), peak(i) - bins(2), 4)
-      leakage = leakage + norm2(abs(residual%tapered(peak(i), :)))*sidelobe(real(gap, dp))
-    end do
-  end function leakage
-
   pure function line_groups(lines, peak, count) result(group)
     !! The groups of lines and peaks by ascending position, parted where more than `apart` bins are free.
-    type(damped_line), intent(in) :: lines(:)
+    type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: peak(:)
     integer, intent(in) :: count               !! samples
     type(group_type), allocatable :: group(:)

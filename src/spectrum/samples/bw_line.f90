@@ -11,7 +11,7 @@ module bw_line
   public :: bend_of, find_wave, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
 
   integer, parameter :: table = 64            !! samples between two exponentials that are computed anew
-  real(dp), parameter :: highest = 250        !! logarithm of a factor, whose square with powers of time is a number
+  real(dp), parameter, public :: highest = 250        !! logarithm of a factor, whose square with powers of time is a number
 
   type, public :: course_type
     real(dp) :: rate = 0                      !! g, per step; 0: ψ = m² all along

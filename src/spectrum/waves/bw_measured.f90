@@ -3,8 +3,8 @@ module bw_measured
   !! lines are those of a record without noise, and what two amplitudes tell of a wave is what any sensors tell (bw_sensor_waves);
   !! errors are bounds, which stand where a record has standard deviations.
   use bw_constants, only: two_pi
-  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
+  use bw_line, only: line_type
   use bw_line_group, only: resolution
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
   use bw_measured_notes, only: measured_notes
@@ -79,7 +79,7 @@ contains
     type(peak_type), allocatable, intent(out) :: peaks(:)
     class(monitor_type), intent(inout), optional :: monitor
     type(samples_type) :: samples
-    type(damped_line), allocatable :: lines(:)
+    type(line_type), allocatable :: lines(:)
     type(residual_type) :: left
     logical :: pure
     integer :: power
