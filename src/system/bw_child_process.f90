@@ -10,7 +10,7 @@ module bw_child_process
   !!     end if
   !!     call child%receive(numbers, good)    ! as often as all is good
   !!     call child%hear(texts, error)
-  use, intrinsic :: iso_c_binding, only: c_int, c_loc
+  use, intrinsic :: iso_c_binding, only: c_loc
   use bw_descriptors, only: close_file, write_text
   use bw_error, only: error_type, fail, status_bad_file, status_done, status_fault
   use bw_kinds, only: dp, i8
@@ -46,14 +46,12 @@ contains
     integer, intent(in) :: seconds                   !! limit of processor time
     type(error_type), allocatable, intent(inout) :: error
     integer(i8), intent(in), optional :: bytes       !! what it may take of memory beside the usual
-    integer(c_int) :: channel
     integer(i8) :: room
-    self%number = bw_fork(channel)
-    self%channel = int(channel)
+    self%number = bw_fork(self%channel)
     self%limit = seconds
     room = usual_bytes
     if (present(bytes)) room = room + bytes
-    if (self%number == 0) call bw_confine(int(seconds, c_int))
+    if (self%number == 0) call bw_confine(seconds)
     if (self%number == 0) call bw_confine_memory(room)
     if (self%number < 0) call fail(error, status_bad_file, 'cannot be read: the system refuses another process for it')
   end subroutine begin
@@ -71,10 +69,10 @@ contains
     integer(i8), target :: count
     integer :: problem
     count = size(numbers, kind=i8)
-    problem = bw_write(int(self%channel, c_int), c_loc(count), 8_i8)
-    if (problem == 0 .and. count > 0) problem = bw_write(int(self%channel, c_int), c_loc(numbers), 8*count)
-    if (problem /= 0) call bw_leave(int(status_bad_file, c_int))
-    call bw_confine(int(self%limit, c_int))
+    problem = bw_write(self%channel, c_loc(count), 8_i8)
+    if (problem == 0 .and. count > 0) problem = bw_write(self%channel, c_loc(numbers), 8*count)
+    if (problem /= 0) call bw_leave(status_bad_file)
+    call bw_confine(self%limit)
   end subroutine send
 
   subroutine receive(self, numbers, good)
@@ -83,9 +81,9 @@ contains
     real(dp), intent(inout), contiguous, target :: numbers(:)
     logical, intent(out) :: good
     integer(i8), target :: count
-    good = bw_receive(int(self%channel, c_int), c_loc(count), 8_i8) == 8
+    good = bw_receive(self%channel, c_loc(count), 8_i8) == 8
     if (good) good = count == size(numbers, kind=i8)
-    if (good .and. count > 0) good = bw_receive(int(self%channel, c_int), c_loc(numbers), 8*count) == 8*count
+    if (good .and. count > 0) good = bw_receive(self%channel, c_loc(numbers), 8*count) == 8*count
   end subroutine receive
 
   subroutine tell(self, texts, error)
@@ -103,7 +101,7 @@ contains
       end do
       if (problem == 0) problem = write_text(self%channel, last_word)
     end if
-    call bw_leave(int(merge(status_done, status_bad_file, problem == 0), c_int))
+    call bw_leave(merge(status_done, status_bad_file, problem == 0))
   end subroutine tell
 
   subroutine hear(self, texts, error)
@@ -118,7 +116,7 @@ contains
     integer :: ended, first, letters, status, ignored, n, i
     integer(i8) :: have
     do
-      have = bw_receive(int(self%channel, c_int), c_loc(piece), int(most_at_once, i8))
+      have = bw_receive(self%channel, c_loc(piece), int(most_at_once, i8))
       call told%append(piece(:have))
       if (have < most_at_once) exit
     end do

@@ -1,12 +1,12 @@
 module bw_descriptors
   !! Open files by the system's descriptors: what a call has written lies with the system and survives the process. A
   !! `problem` is that of `bw_files`.
-  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_char
+  use, intrinsic :: iso_c_binding, only: c_int64_t, c_loc, c_null_char
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read, path_state
   use bw_kinds, only: i1, i8
-  use bw_system_calls, only: bw_close, bw_flush, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, is_directory, &
-    is_file, new_file, to_change, to_read
+  use bw_system_calls, only: bw_close, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, is_directory, &
+    is_file, new_file, to_change, to_read, flush_file => bw_flush
   implicit none (type, external)
   private
   public :: open_file, open_regular, close_file, read_bytes, write_text, flush_file, look_at_open
@@ -22,9 +22,7 @@ contains
     character(*), intent(in) :: path
     integer, intent(in) :: way
     integer, intent(out) :: descriptor     !! −1 where there is a problem
-    integer(c_int) :: opened
-    problem = bw_open(path//c_null_char, int(way, c_int), opened)
-    descriptor = int(opened)
+    problem = bw_open(path//c_null_char, way, descriptor)
   end function open_file
 
   subroutine open_regular(path, descriptor, error)
@@ -51,7 +49,7 @@ contains
     !! Close a file. Some file systems tell only now that what was written could not be kept.
     integer, intent(inout) :: descriptor   !! −1 afterwards; nothing is done with −1
     problem = 0
-    if (descriptor >= 0) problem = bw_close(int(descriptor, c_int))
+    if (descriptor >= 0) problem = bw_close(descriptor)
     descriptor = -1
   end function close_file
 
@@ -61,7 +59,7 @@ contains
     integer(i8), intent(in) :: offset      !! from 0
     integer(i1), intent(inout), contiguous, target :: bytes(:)
     integer(i8), intent(out) :: have       !! how many there are
-    problem = bw_read(int(descriptor, c_int), c_loc(bytes), size(bytes, kind=i8), offset, have)
+    problem = bw_read(descriptor, c_loc(bytes), size(bytes, kind=i8), offset, have)
   end function read_bytes
 
   integer function write_text(descriptor, text) result(problem)
@@ -69,28 +67,22 @@ contains
     integer, intent(in) :: descriptor      !! `standard_output`, `standard_error`, or an open file's
     character(*), intent(in), target :: text
     problem = 0
-    if (len(text) > 0) problem = bw_write(int(descriptor, c_int), c_loc(text), len(text, i8))
+    if (len(text) > 0) problem = bw_write(descriptor, c_loc(text), len(text, i8))
   end function write_text
-
-  integer function flush_file(descriptor) result(problem)
-    !! Flush all of a file onto the disk, so that it outlives the machine.
-    integer, intent(in) :: descriptor
-    problem = bw_flush(int(descriptor, c_int))
-  end function flush_file
 
   integer function look_at_open(descriptor, state) result(problem)
     !! Find out which file a descriptor is.
     integer, intent(in) :: descriptor
     type(path_state), intent(out) :: state
     integer(c_int64_t) :: found(5)
-    problem = bw_look_at_open(int(descriptor, c_int), found)
+    problem = bw_look_at_open(descriptor, found)
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
   end function look_at_open
 
   logical function is_terminal(descriptor)
     !! Whether a stream goes to a terminal, where somebody may be reading along.
     integer, intent(in) :: descriptor      !! `standard_output` or `standard_error`
-    is_terminal = bw_is_terminal(int(descriptor, c_int)) == 1
+    is_terminal = bw_is_terminal(descriptor) == 1
   end function is_terminal
 
 end module bw_descriptors

@@ -56,7 +56,7 @@ contains
     !! The name of this host.
     character(:), allocatable :: name
     character(256) :: buffer
-    call bw_host(buffer, int(len(buffer), c_int))
+    call bw_host(buffer, len(buffer))
     name = buffer(:index(buffer, c_null_char) - 1)
   end function own_host
 
@@ -85,7 +85,7 @@ contains
       if (.not. allocated(error)) cycle
       if (problem /= 0 .or. .not. self%other_is_brief .or. i == attempts) return
       deallocate (error)
-      call bw_pause(int(wait_microseconds, c_int))
+      call bw_pause(wait_microseconds)
     end do
     call fail(error, status_bad_file, path//': other runs take and leave this lock all the time')
   end subroutine take
@@ -100,7 +100,7 @@ contains
       text_of(bw_beginning_of(bw_process()))//' '//trim(merge(for_moments, for_a_run//'    ', self%is_brief))//new_line('a')// &
       'host, process and beginning (in ticks of /proc) of a run of beamwave; once it is no longer there, this file may be '// &
       'removed'//new_line('a'))
-    if (problem == 0) problem = bw_lock(int(self%descriptor, c_int), to_write)
+    if (problem == 0) problem = bw_lock(self%descriptor, to_write)
     if (bw_kind_of_error(problem) == error_not_offered) problem = 0
   end subroutine write_draft
 
@@ -130,7 +130,7 @@ contains
     problem = open_file(self%path, to_change, descriptor)
     if (problem == 0) problem = look_at_open(descriptor, opened)
     if (problem == 0) then
-      locked = bw_lock(int(descriptor, c_int), to_write)
+      locked = bw_lock(descriptor, to_write)
       select case (bw_kind_of_error(locked))
       case (error_is_held)
         call self%refuse(self%path, descriptor, '', error)
@@ -176,7 +176,7 @@ contains
     integer :: descriptor, ignored
     self%is_refused = .false.
     if (open_file(path, to_change, descriptor) /= 0) return
-    select case (bw_kind_of_error(bw_lock(int(descriptor, c_int), to_write)))
+    select case (bw_kind_of_error(bw_lock(descriptor, to_write)))
     case (error_is_held)
       call self%refuse(path, descriptor, '', error)
     case (error_not_offered)
@@ -202,7 +202,7 @@ contains
   logical function is_locked_to_write(descriptor)
     !! Whether another program says by a lock that it changes this file.
     integer, intent(in) :: descriptor
-    is_locked_to_write = bw_kind_of_error(bw_lock(int(descriptor, c_int), to_read)) == error_is_held
+    is_locked_to_write = bw_kind_of_error(bw_lock(descriptor, to_read)) == error_is_held
   end function is_locked_to_write
 
   subroutine read_holder(descriptor, host, process, beginning, is_brief)

@@ -1,7 +1,7 @@
 module bw_files
   !! Files and directories by their names. What fails gives a `problem`, the system's error number, which `reason` puts into
   !! words; 0 means that all is well. That nothing of a name is there is told from not being able to know.
-  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_null_char, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int64_t, c_null_char, c_ptr
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
   use bw_system_calls, only: bw_do, bw_error_text, bw_kind_of_error, bw_list, bw_look_at, bw_release, error_not_there, &
@@ -30,7 +30,7 @@ contains
     type(path_state), intent(out) :: state
     logical, intent(in), optional :: itself      !! present: a link is looked at, not what it leads to
     integer(c_int64_t) :: found(5)
-    problem = bw_look_at(path//c_null_char, merge(1_c_int, 0_c_int, present(itself)), found)
+    problem = bw_look_at(path//c_null_char, merge(1, 0, present(itself)), found)
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
   end function look_at
@@ -76,7 +76,7 @@ contains
 
   integer function on_path(what, path) result(problem)
     !! Do with a path what `bw_do` can.
-    integer(c_int), intent(in) :: what
+    integer, intent(in) :: what
     character(*), intent(in) :: path
     problem = bw_do(what, path//c_null_char, c_null_char)
   end function on_path
@@ -149,7 +149,7 @@ contains
     integer, intent(in) :: problem
     character(:), allocatable :: text
     character(longest_reason) :: buffer
-    call bw_error_text(int(problem, c_int), buffer, int(len(buffer), c_int))
+    call bw_error_text(problem, buffer, len(buffer))
     text = buffer(:index(buffer, c_null_char) - 1)
   end function reason
 

@@ -4,7 +4,7 @@ module bw_scene_reader
   !!
   !! The way is text ► tokens (bw_scene_lexer) ► groups and statements (bw_scene_parser) ► values (bw_scene_fill, each statement
   !! by bw_scene_items, bw_scene_entries and bw_scene_scalars) ► the scene.
-  use, intrinsic :: iso_c_binding, only: c_int, c_loc
+  use, intrinsic :: iso_c_binding, only: c_loc
   use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_files, only: cannot_be_read, look_at, path_state
@@ -134,7 +134,7 @@ contains
     allocate (buffer(most_piped + 1))
     have = 0
     do
-      more = bw_listen(int(descriptor, c_int), c_loc(buffer(have + 1)), size(buffer, kind=i8) - have, int(patience, c_int))
+      more = bw_listen(descriptor, c_loc(buffer(have + 1)), size(buffer, kind=i8) - have, patience)
       if (more < 0) call fail(error, status_bad_file, path//': is no file, and nothing comes out of it')
       if (more <= 0) exit
       have = have + more
