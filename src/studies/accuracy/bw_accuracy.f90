@@ -1,28 +1,26 @@
 module bw_accuracy
   !! What accuracy costs on a scene: tolerances and fixed counts, each with its true error and its seconds.
   use bw_kinds, only: dp, i8
-  use bw_accuracy_ladder, only: ladder_of, leave_out_of_reach, scene_of_rung, take_errors, take_seconds
+  use bw_accuracy_ladder, only: ladder_of, leave_out, scene_of_rung, take_errors, take_seconds
   use bw_case_result, only: case_done, case_result
-  use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
+  use bw_converged, only: converge, converged_run, converged_tolerance
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
   use bw_missing, only: is_missing
   use bw_absent_effects, only: model_errors
   use bw_monitor, only: part_monitor, progress_type
   use bw_note, only: kind_of
   use bw_outcome, only: outcome_type
-  use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_too_long, rung_type
+  use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_type
   use bw_price_report, only: price_report
   use bw_scene, only: scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
-  use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run
+  use bw_timed_runs, only: repeat_runs, run_once, timed_run
   implicit none (type, external)
   private
   public :: measure_accuracy
 
   real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
-  real(dp), parameter :: patience = 3.0_dp     !! s; a rung that takes longer is run once, and finer ones are left out
-  real(dp), parameter :: steepest_count = 3.0_dp   !! of seconds over the number of modes, as a power: LAPACK's
   real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
 
   type :: accuracy_study
@@ -96,7 +94,7 @@ contains
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
-    call leave_out_of_reach(state%converged, state%runs, state%list%rungs)
+    call leave_out(state%converged, state%runs, state%list%rungs)
     call run_rungs(progress, state, whole)
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)
@@ -105,22 +103,17 @@ contains
   end subroutine measure
 
   subroutine run_rungs(progress, state, whole)
-    !! Run each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
+    !! Run each rung once, for its error. These runs find cold caches: their time does not count.
     class(progress_type), intent(inout), target :: progress
     type(accuracy_study), intent(inout) :: state
     logical, intent(out) :: whole
     type(case_result) :: result
     type(part_monitor) :: part
     type(timed_run) :: first
-    type(foresight) :: foreseen
     integer :: i
     whole = .true.
     do i = 1, size(state%runs)
       associate (rung => state%list%rungs(i), run => state%runs(i))
-        if (i > 1) then
-          if (rung%ladder /= state%list%rungs(i - 1)%ladder) foreseen = foresight()
-        end if
-        if (run%is_timed .and. next_seconds(foreseen, rung) > patience) call leave_out(state, i)
         if (.not. run%is_timed) cycle
         part = part_monitor(progress, measuring*(0.5_dp + 0.5_dp*i/size(state%runs)), 0.0_dp)
         first = timed_run(run%scene)
@@ -129,43 +122,9 @@ contains
         if (.not. whole) return
         call take_errors(result, state%converged, rung)
         run%is_timed = rung%status /= rung_out_of_reach
-        call foreseen%book(fineness(rung), first%seconds%total())
-        if (first%seconds%total() <= patience) cycle
-        if (run%is_timed) run = first            ! it is not run again
-        run%is_timed = .false.
-        call leave_out(state, i + 1)
       end associate
     end do
   end subroutine run_rungs
-
-  pure real(dp) function next_seconds(foreseen, rung) result(seconds)
-    !! How long the run of a rung will take, s, by those of the coarser rungs of its ladder; 0 for the first.
-    type(foresight), intent(in) :: foreseen
-    type(rung_type), intent(in) :: rung
-    seconds = foreseen%next_seconds(fineness(rung), merge(steepest_count, steepest_tolerance, is_missing(rung%tolerance)))
-  end function next_seconds
-
-  pure real(dp) function fineness(rung)
-    !! A measure of how fine a rung is, which grows along its ladder.
-    type(rung_type), intent(in) :: rung
-    if (is_missing(rung%tolerance)) then
-      fineness = rung%mode_count
-    else
-      fineness = 1.0_dp/rung%tolerance
-    end if
-  end function fineness
-
-  pure subroutine leave_out(state, first)
-    !! Leave out a rung and the finer ones of its ladder, which would take too long.
-    type(accuracy_study), intent(inout) :: state
-    integer, intent(in) :: first
-    integer :: i
-    do i = first, size(state%runs)
-      if (state%list%rungs(i)%ladder /= state%list%rungs(max(1, first - 1))%ladder) exit
-      if (state%runs(i)%is_timed) state%list%rungs(i)%status = rung_too_long
-      state%runs(i)%is_timed = .false.
-    end do
-  end subroutine leave_out
 
   subroutine take_account(scene, state)
     !! Put everything that was measured into the list.

@@ -1,7 +1,8 @@
 module bw_accuracy_ladder
   !! The rungs of a study of accuracy, and how one of them is measured.
   use bw_case_result, only: case_diverged, case_not_converged, case_result
-  use bw_converged, only: converged_run
+  use bw_converged, only: converged_run, patience
+  use bw_forecast, only: takes_at_most
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_price_list, only: by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
@@ -11,7 +12,7 @@ module bw_accuracy_ladder
   use bw_timed_runs, only: timed_run
   implicit none (type, external)
   private
-  public :: ladder_of, scene_of_rung, take_errors, take_seconds, leave_out_of_reach
+  public :: ladder_of, scene_of_rung, take_errors, take_seconds, leave_out
 
   integer, parameter :: coarsest = 2, finest = 11      !! decades of the tolerances
   integer, parameter, public :: counts(*) = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
@@ -45,22 +46,23 @@ contains
     end if
   end function scene_of_rung
 
-  subroutine leave_out_of_reach(converged, runs, rungs)
-    !! Mark the rungs that are not run: tolerances that the program refuses, and those for which a run takes too long.
+  subroutine leave_out(converged, runs, rungs)
+    !! Mark the rungs that are not run: tolerances that the program refuses, and what takes too long by the model of costs.
     type(converged_run), intent(in) :: converged
     type(timed_run), intent(inout) :: runs(:)
     type(rung_type), intent(inout) :: rungs(:)
     integer :: i
     do i = 1, size(rungs)
-      if (is_missing(rungs(i)%tolerance)) cycle
-      if (rungs(i)%tolerance < converged%reach) then
+      if (is_missing(rungs(i)%tolerance)) then
+        if (.not. takes_at_most(runs(i)%scene, rungs(i)%mode_count, patience)) rungs(i)%status = rung_too_long
+      else if (rungs(i)%tolerance < converged%reach) then
         rungs(i)%status = rung_out_of_reach
       else if (rungs(i)%tolerance < converged%tolerance) then
         rungs(i)%status = rung_too_long
       end if
       runs(i)%is_timed = rungs(i)%status == rung_measured
     end do
-  end subroutine leave_out_of_reach
+  end subroutine leave_out
 
   pure subroutine take_errors(result, converged, rung)
     !! Put into a rung what its run yielded beside the converged run.

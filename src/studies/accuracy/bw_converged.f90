@@ -4,6 +4,7 @@ module bw_converged
   use bw_case_result, only: case_not_converged, case_result
   use bw_case_tolerance, only: plan_case
   use bw_error, only: error_type, fail, status_not_trusted
+  use bw_forecast, only: takes_at_most
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_modes_par, only: coarsest_tolerance
@@ -13,15 +14,13 @@ module bw_converged
   use bw_scene, only: scene_type
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
-  use bw_timed_runs, only: foresight
   implicit none (type, external)
   private
   public :: converge, find_reach
 
   real(dp), parameter, public :: converged_tolerance = 1.0e-13_dp   !! a hundredth of the finest rung
-  integer, parameter :: first_decade = 6, decades = 2   !! of the tolerances of the runs that come ever nearer to it
-  real(dp), parameter :: patience = 5.0_dp           !! s of the processor; a run that would take longer is not made
-  real(dp), parameter, public :: steepest_tolerance = 1.0_dp   !! of seconds over 1/tolerance, as a power
+  real(dp), parameter :: coarsest = 1.0e-6_dp        !! of the converged run, however long it takes
+  real(dp), parameter, public :: patience = 3.0_dp   !! s, by the model of costs; a run that takes longer is not made
   integer, parameter :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
 
   type, public :: converged_run
@@ -35,67 +34,45 @@ module bw_converged
 contains
 
   subroutine converge(scene, monitor, run, whole, error)
-    !! Make runs of ever finer tolerances, up to the finest in reach or until the next would take too long. The last is the
-    !! converged run.
-    !! **Errors**: `status_bad_input` where no tolerance is in reach.
+    !! Run with the finest tolerance in reach, or with the finest power of ten that does not take too long by the model of costs; every
+    !! root is in extended precision where there are not too many, so that the run does not share what others leave out.
+    !! **Errors**: `status_bad_input` where no tolerance is in reach, `status_not_trusted` where the run does not keep its own.
     type(scene_type), intent(in) :: scene       !! without sweeps
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(out) :: run
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: fine
-    type(foresight) :: foreseen
-    real(dp) :: seconds
-    integer :: decade
-    whole = .true.
+    type(case_cache) :: cache
+    type(stopwatch) :: watch
+    integer :: count
     call find_reach(scene, monitor, run%reach, error)
-    whole = .not. monitor%stop_requested()
-    if (allocated(error) .or. .not. whole) return
-    do decade = first_decade, huge(decade) - decades, decades
-      run%tolerance = tolerance_of(decade, run%reach)
-      fine = with_tolerance(scene, run%tolerance)
-      call run_fine(fine, monitor, run, seconds, whole, error)
+    run%tolerance = run%reach
+    do
+      whole = .not. monitor%stop_requested()
       if (allocated(error) .or. .not. whole) return
-      if (run%tolerance == run%reach) exit
-      call foreseen%book(1.0_dp/run%tolerance, seconds)
-      if (foreseen%next_seconds(1.0_dp/tolerance_of(decade + decades, run%reach), steepest_tolerance) > patience) exit
+      fine = with_tolerance(scene, run%tolerance)
+      call plan_case(fine, monitor, count, error)
+      if (allocated(error)) return
+      if (takes_at_most(fine, count, patience) .or. run%tolerance >= coarsest) then
+        fine%modes%extended = count <= most_extended
+        call run_case(fine, layout_of(fine), watch, monitor, cache, run%result, whole)
+        if (.not. whole) return
+        if (run%result%status /= case_not_converged) exit
+        run%reach = coarser(run%tolerance)              ! the plan of a run may promise a little more than the run keeps
+        if (run%reach > coarsest_tolerance) call fail(error, status_not_trusted, fine%file//': no converged run: '// &
+                                                      run%result%notes(size(run%result%notes))%text)
+      end if
+      run%tolerance = coarser(run%tolerance)
     end do
     call take_peak(run)
   end subroutine converge
 
-  pure real(dp) function tolerance_of(decade, reach) result(tolerance)
-    !! The tolerance of a decade: a power of ten, or the finest in reach where that is near.
-    integer, intent(in) :: decade
-    real(dp), intent(in) :: reach
-    real(dp), parameter :: near = 20.0_dp       ! a decade, and something for rounding
-    tolerance = 10.0_dp**(-decade)
-    if (tolerance < near*reach) tolerance = reach
-  end function tolerance_of
-
-  subroutine run_fine(fine, monitor, run, seconds, whole, error)
-    !! Make one run, with every root in extended precision where there are not too many.
-    !! **Errors**: `status_not_trusted` where it does not keep its tolerance.
-    type(scene_type), intent(inout) :: fine
-    class(monitor_type), intent(inout) :: monitor
-    type(converged_run), intent(inout) :: run
-    real(dp), intent(out) :: seconds            !! of the processor, which other work on the machine changes least
-    logical, intent(out) :: whole               !! false where the monitor asked to stop
-    type(error_type), allocatable, intent(out) :: error
-    type(case_cache) :: cache
-    type(stopwatch) :: watch
-    integer :: count
-    real(dp) :: began, ended
-    whole = .true.
-    call cpu_time(began)
-    call plan_case(fine, monitor, count, error)
-    if (allocated(error)) return
-    fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
-    call run_case(fine, layout_of(fine), watch, monitor, cache, run%result, whole)
-    call cpu_time(ended)
-    seconds = ended - began
-    if (.not. whole .or. run%result%status /= case_not_converged) return
-    call fail(error, status_not_trusted, fine%file//': no converged run: '//run%result%notes(size(run%result%notes))%text)
-  end subroutine run_fine
+  pure real(dp) function coarser(tolerance)
+    !! The next power of ten.
+    real(dp), intent(in) :: tolerance
+    coarser = 10.0_dp**floor(log10(tolerance) + 1.0_dp + sqrt(epsilon(1.0_dp)))
+  end function coarser
 
   pure subroutine take_peak(run)
     !! Find the peak, and the run's own estimate of its error over it.
