@@ -2,10 +2,10 @@ module bw_missing
   !! The number that stands for 'does not exist' in arrays of results, and as `_FillValue` in files.
   !! A plain finite number, so that it passes floating-point traps.
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-  use bw_kinds, only: dp, qp
+  use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: is_missing, no_number, rounded, scaled
+  public :: is_missing, no_number, scaled
 
   real(dp), parameter, public :: missing = 9.9692099683868690e+36_dp  !! NetCDF's own fill value for doubles
 
@@ -24,13 +24,6 @@ contains
     if (is_missing(value)) return
     if (abs(value) <= huge(value)/max(1.0_dp, abs(unit))) scaled = value*unit
   end function scaled
-
-  elemental real(dp) function rounded(value)
-    !! A number of binary128 in binary64; what is larger than any of these does not exist.
-    real(qp), intent(in) :: value
-    rounded = missing
-    if (abs(value) <= huge(rounded)) rounded = real(value, dp)
-  end function rounded
 
   elemental real(dp) function no_number()
     !! NaN: what cannot be, which the gate before the file reports as a fault of the program.

@@ -4,17 +4,17 @@ module bw_damping
   !! tension that it brings damps anything.
   use bw_beam_units, only: beam_units
   use bw_damping_par, only: by_ratio, damping_par
-  use bw_double_double, only: dd, to_dd, to_quad, operator(+), operator(*)
-  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, to_dd, operator(+), operator(*)
+  use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: law_of
 
   type, public :: damping_law
     !! c = a + 2ζ√λ + bλ with λ = K/M, in the beam's unit of time l²/h.
-    real(qp) :: mass = 0.0_qp        !! a
-    real(qp) :: ratio = 0.0_qp       !! ζ
-    real(qp) :: stiffness = 0.0_qp   !! b
+    real(dp) :: mass = 0.0_dp        !! a
+    real(dp) :: ratio = 0.0_dp       !! ζ
+    real(dp) :: stiffness = 0.0_dp   !! b
   contains
     procedure :: rates
     procedure :: quarter_squares
@@ -29,8 +29,8 @@ contains
     if (by_ratio(damping)) then
       law%ratio = damping%ratio
     else
-      law%mass = damping%mass_proportional*to_quad(units%time)
-      law%stiffness = damping%stiffness_proportional/to_quad(units%time)
+      law%mass = damping%mass_proportional*units%time%hi
+      law%stiffness = damping%stiffness_proportional/units%time%hi
     end if
   end function law_of
 
@@ -38,8 +38,7 @@ contains
     !! c of a mode.
     class(damping_law), intent(in) :: self
     real(dp), intent(in) :: elastic       !! λ = K/M, in (h/l²)²; what rounding leaves below 0 is 0
-    c = real(self%mass, dp) + 2.0_dp*real(self%ratio, dp)*sqrt(max(0.0_dp, elastic)) &
-      + real(self%stiffness, dp)*max(0.0_dp, elastic)
+    c = self%mass + 2.0_dp*self%ratio*sqrt(max(0.0_dp, elastic)) + self%stiffness*max(0.0_dp, elastic)
   end function rates
 
   elemental type(dd) function quarter_squares(self, elastic) result(square)
@@ -48,12 +47,12 @@ contains
     class(damping_law), intent(in) :: self
     type(dd), intent(in) :: elastic       !! λ, in (h/l²)²
     type(dd) :: half
-    square = dd(0.25_dp*real(self%mass, dp)**2, 0.0_dp)
+    square = dd(0.25_dp*self%mass**2, 0.0_dp)
     if (elastic%hi < 0.0_dp) return
-    if (self%ratio > 0.0_qp) then
-      square = to_dd(real(self%ratio, dp))*real(self%ratio, dp)*elastic
+    if (self%ratio > 0.0_dp) then
+      square = to_dd(self%ratio)*self%ratio*elastic
     else
-      half = to_dd(0.5_dp*real(self%mass, dp)) + elastic*(0.5_dp*real(self%stiffness, dp))
+      half = to_dd(0.5_dp*self%mass) + elastic*(0.5_dp*self%stiffness)
       square = half*half
     end if
   end function quarter_squares

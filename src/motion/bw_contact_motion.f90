@@ -15,7 +15,7 @@ module bw_contact_motion
 
   type, public :: contact_motion
     integer :: modes = 0                          !! of the beam; the mass is the oscillator after them
-    type(oscillators) :: parts(together)          !! modes and mass, and modes of both together, found at the first contact that lasts
+    type(oscillators) :: parts(together)          !! modes and mass; modes of both together from the first contact that lasts on
     type(weighted_sum) :: gap
     real(dp), allocatable :: inertia(:)           !! M_k, and m_j
     real(dp) :: heavier = 1.0_dp                  !! than that the mass is, where it is beyond all weights
@@ -135,7 +135,7 @@ contains
   end subroutine damp
 
   pure real(dp) function energy(self)
-    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows, or missing where fewer than three digits are left.
+    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows; missing where fewer than three digits are known.
     class(contact_motion), intent(in) :: self
     real(dp), dimension(self%modes + 1) :: moving, bent
     type(energy_type) :: of_state

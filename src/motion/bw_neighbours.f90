@@ -4,9 +4,9 @@ module bw_neighbours
   !! come to be from the motion is its error; where they do something else, nothing is known of it any more.
   !!
   !! Numbers are off at random, the same in every run, and by nothing on the average of all neighbours: so the motion is amid
-  !! them. Contacts amplify one direction more than all others, in which the truth is off by a normal deviation and the n neighbours
-  !! by n − 1 independent ones. Student's distribution then says that of 10⁴ motions one is further off than the furthest
-  !! of them; one neighbour alone, which may happen to be off in a harmless direction, would say so of one in 20.
+  !! them. Contacts amplify one direction more than all others. In that direction the truth is off by a normal deviation, and
+  !! the n neighbours by eight times n − 1 independent ones. By Student's distribution one motion in 10⁴ is then further off than
+  !! the furthest of them; beside one neighbour alone, which may be off in a harmless direction, it would be one in twelve.
   use bw_contact_modes, only: contact_set
   use bw_contact_motion, only: contact_motion
   use bw_double_double, only: dd, operator(+), operator(-)
@@ -21,9 +21,10 @@ module bw_neighbours
   integer, parameter, public :: neighbours = 6
   real(dp), parameter :: spread = 8.0_dp          !! standard errors
 
-  type, public :: random_type
+  type, public :: scatter_type
+    !! By how much neighbours are off.
     integer(i8), private :: seed = 88172645463325252_i8   !! any but 0
-    real(dp), allocatable, private :: slant(:, :)         !! rounding that is always the same, as `draw` has it, (oscillators, neighbours)
+    real(dp), allocatable, private :: slant(:, :)         !! rounding that is always the same, (oscillators, neighbours)
     real(dp) :: data_error = 0.0_dp                       !! of the worst number of neighbours that are varied, relatively
   contains
     procedure, private :: draw
@@ -32,13 +33,13 @@ module bw_neighbours
     procedure :: press
     procedure :: blur
     procedure :: push
-  end type random_type
+  end type scatter_type
 
 contains
 
   pure subroutine draw(self, off)
     !! By how many standard errors numbers are off in the neighbours: evenly distributed, by Marsaglia's generator.
-    class(random_type), intent(inout) :: self
+    class(scatter_type), intent(inout) :: self
     real(dp), intent(out) :: off(:, :)             !! (numbers, neighbours)
     integer :: i, j
     do j = 1, size(off, 2)
@@ -56,7 +57,7 @@ contains
 
   pure subroutine vary(self, free, run)
     !! Makes neighbours of a motion, off by the errors of the modes and of the mass.
-    class(random_type), intent(inout) :: self
+    class(scatter_type), intent(inout) :: self
     class(mode_set), intent(in) :: free            !! modes of the beam alone
     type(contact_motion), intent(inout) :: run(0:) !! the motion, and its neighbours
     real(dp), dimension(free%count) :: square_error, mass_error
@@ -78,7 +79,7 @@ contains
 
   pure subroutine press(self, modes, run)
     !! Gives modes of beam and mass together to a motion and its neighbours.
-    class(random_type), intent(inout) :: self
+    class(scatter_type), intent(inout) :: self
     class(contact_set), intent(in) :: modes
     type(contact_motion), intent(inout) :: run(0:)
     real(dp), dimension(modes%count) :: square_error, mass_error
@@ -89,7 +90,7 @@ contains
 
   pure subroutine vary_parts(self, kind, square_error, rate_error, run)
     !! Oscillators of the neighbours.
-    class(random_type), intent(inout) :: self
+    class(scatter_type), intent(inout) :: self
     integer, intent(in) :: kind
     real(dp), intent(in) :: square_error(:), rate_error(:)    !! of β²; of c, relatively, beside rounding
     type(contact_motion), intent(inout) :: run(0:)
@@ -107,7 +108,7 @@ contains
 
   pure subroutine blur(self, extent, run)
     !! Rounding of the states that neighbours have come to: another each time, and that of one coefficient always the same.
-    class(random_type), intent(inout) :: self
+    class(scatter_type), intent(inout) :: self
     real(dp), intent(in) :: extent(:, :)           !! of displacements and velocities in what led there, (oscillators, 2)
     type(contact_motion), intent(inout) :: run(0:)
     real(dp), dimension(size(extent, 1), neighbours) :: off, off_rate
@@ -124,7 +125,7 @@ contains
 
   pure subroutine push(self, change, run)
     !! Changes the velocities of the neighbours by what is not known of those of the motion.
-    class(random_type), intent(inout) :: self
+    class(scatter_type), intent(inout) :: self
     real(dp), intent(in) :: change(:)              !! of all at once, (oscillators)
     type(contact_motion), intent(inout) :: run(0:)
     real(dp) :: off(1, neighbours)

@@ -17,7 +17,7 @@ module bw_recontact
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
-  use bw_neighbours, only: errors_of, lags_of, neighbours, random_type
+  use bw_neighbours, only: errors_of, lags_of, neighbours, scatter_type
   use bw_oscillators, only: moving_state
   use bw_segment, only: alone, growth_ends, largest_exponent, segment_type, together
   implicit none (type, external)
@@ -42,7 +42,7 @@ module bw_recontact
     type(contact_motion) :: run(0:neighbours)
     type(moving_state) :: from(0:neighbours), to(0:neighbours)   !! of a segment, in the modes that move in it
     logical :: ended(0:neighbours) = .false.      !! before the search did
-    type(random_type) :: random
+    type(scatter_type) :: scatter
     real(dp) :: last = 0.0_dp                     !! the end of the search
   end type bundle_type
 
@@ -61,7 +61,7 @@ contains
     type(bundle_type) :: bundle
     type(event_type) :: event
     bundle%run(0) = motion_of(free, mass_ratio, restitution, omega)
-    call bundle%random%vary(free, bundle%run)
+    call bundle%scatter%vary(free, bundle%run)
     bundle%last = min(longest, growth_ends(free))
     if (omega%hi > 0.0_dp) bundle%last = min(bundle%last, largest_exponent/omega%hi)
     allocate (contacts%events(0), contacts%segments(0))
@@ -100,7 +100,7 @@ contains
       call bundle%run(i)%strike(impulse)
     end do
     bundle%to = bundle%run%state
-    call bundle%random%blur(max(before, extent_of(bundle, alone)), bundle%run)
+    call bundle%scatter%blur(max(before, extent_of(bundle, alone)), bundle%run)
     event%impulse = impulse
     call end_event(bundle, event)
   end subroutine strike
@@ -136,9 +136,9 @@ contains
       allocate (contacts%modes)
       call find_contact_modes(free, bundle%run(0), contacts%modes, monitor)
       if (stops(monitor)) return
-      call bundle%random%press(contacts%modes, bundle%run)
+      call bundle%scatter%press(contacts%modes, bundle%run)
     end if
-    call bundle%random%push(left_out(bundle%run(0)), bundle%run)
+    call bundle%scatter%push(left_out(bundle%run(0)), bundle%run)
     do i = neighbours, 0, -1
       call follow_contact(bundle%run(i), contacts%modes, bundle%last, bundle%from(i), bundle%to(i), impulse, bundle%ended(i), &
                           monitor)
@@ -148,7 +148,7 @@ contains
     if (any(bundle%ended .neqv. bundle%ended(0))) contacts%known_until = earliest(bundle%from)
     if (contacts%known_until < huge(longest)) return
     associate (motion => bundle%run(0))
-      call bundle%random%blur(motion%parts(alone)%extent(motion%state%u, motion%state%v, elapsed(bundle%from(0), bundle%to(0))), &
+      call bundle%scatter%blur(motion%parts(alone)%extent(motion%state%u, motion%state%v, elapsed(bundle%from(0), bundle%to(0))), &
                               bundle%run)
     end associate
     event%kind = contact_event
@@ -161,8 +161,8 @@ contains
   end subroutine add_contact
 
   subroutine add_flight(tip, bundle, event, most, contacts, monitor)
-    !! A free flight: a segment more, after the event of a blow that it starts with; and `known_until` where nothing is known of it or of what
-    !! follows.
+    !! A free flight: a segment more, after the event of the blow that it starts with; and `known_until` where nothing is known
+    !! of it or of what follows.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
     type(bundle_type), intent(inout) :: bundle
     type(event_type), intent(in) :: event         !! listed if it is a contact
@@ -235,7 +235,7 @@ contains
     if (error > three_digits*contacts%sway) then
       contacts%known_until = earliest(bundle%from)
     else if (contacts%sway > 0.0_dp) then                              ! below the range of numbers nothing is amplified
-      contacts%amplification = error/contacts%sway/bundle%random%data_error
+      contacts%amplification = error/contacts%sway/bundle%scatter%data_error
     end if
   end subroutine judge
 

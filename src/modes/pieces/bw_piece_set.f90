@@ -210,7 +210,7 @@ contains
         if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(gram(i, j))/sqrt(rate(i)*rate(j)))
       end do
     end do
-    ratio = ratio*real(law%stiffness, dp)
+    ratio = ratio*law%stiffness
   end function coupling
 
   pure subroutine errors_of_pieces(self, square_error, mass_error)

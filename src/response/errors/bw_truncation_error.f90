@@ -229,7 +229,7 @@ contains
     integer, intent(in) :: b
     left = 1.0_dp
     if (.not. present(law)) return
-    left = left_beyond(dd(survey%bin(b)%square), survey%bin(b)%damping, real(law%stiffness, dp), survey%stretch%start)
+    left = left_beyond(dd(survey%bin(b)%square), survey%bin(b)%damping, law%stiffness, survey%stretch%start)
   end function left_by_damping
 
   pure function mobility_beyond(survey, beam, b) result(mobility)

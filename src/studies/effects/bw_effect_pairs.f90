@@ -13,7 +13,7 @@ module bw_effect_pairs
     plain
   use bw_input_name, only: has_word
   use bw_input_table, only: group_table, name_row, name_table
-  use bw_missing, only: is_missing, missing, rounded
+  use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
@@ -225,9 +225,9 @@ contains
       area = sum(area_of(piece)*piece%length)/length
       second_moment = sum(second_moment_of(piece)*piece%length)/length
       modulus = sum(piece%youngs_modulus*second_moment_of(piece)*piece%length)/length/second_moment
-      values = 'length = '//text_of(beam%length)//', density = '//text_of(rounded(beam_mass(beam)/length/area))// &
-        ', youngs_modulus = '//text_of(rounded(modulus))//', area = '//text_of(rounded(area))// &
-        ', second_moment = '//text_of(rounded(second_moment))
+      values = 'length = '//text_of(beam%length)//', density = '//text_of(real(beam_mass(beam)/length/area, dp))// &
+        ', youngs_modulus = '//text_of(real(modulus, dp))//', area = '//text_of(real(area, dp))// &
+        ', second_moment = '//text_of(real(second_moment, dp))
     end associate
   end function mean_beam
 
