@@ -17,35 +17,38 @@ module bw_case_drift
   public :: drift_errors, rounding_errors
 
   type :: moving_type
-    !! Modes that are in memory, the state that they start from, and when they are seen.
-    class(mode_set), allocatable :: modes
+    !! The state that the first modes in memory start from, and when they are seen; of no modes where nobody sees them.
     real(dp), allocatable :: q(:), rate(:)
     type(stretch_type) :: stretch
   end type moving_type
 
 contains
 
-  function moving_in(scene, motion, i, grid) result(moving)
-    !! In a segment; none where no sample shows it. Of very many modes the first.
+  function moving_in(scene, motion, i, grid, most) result(moving)
+    !! In a segment; none where no sample shows it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i
     type(time_grid), intent(in) :: grid
+    integer, intent(in) :: most                 !! modes that are wanted
     type(moving_type) :: moving
-    integer :: samples(2)
+    integer :: n, samples(2)
     samples = samples_of_segment(motion, i, grid)
     if (i == 1) samples(1) = 2
+    allocate (moving%q(0), moving%rate(0))
     if (samples(1) > samples(2) .and. .not. (i == 1 .and. scene%response%samples == 1)) return
-    associate (segment => motion%timeline%segments(i))
-      allocate (moving%modes, source=motion%modes%configuration(segment%configuration)%set)
+    associate (segment => motion%timeline%segments(i), &
+               modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
       moving%stretch = stretch_of(grid, samples(1), samples(2), segment%start)
+      n = min(most, modes%count)
       if (allocated(segment%rate)) then
-        moving%rate = segment%rate(:segment%count)
+        n = min(most, segment%count)
+        moving%rate = segment%rate(:n)
       else
-        moving%rate = segment%force*moving%modes%struck/moving%modes%modal_mass
+        moving%rate = segment%force*modes%struck(:n)/modes%modal_mass(:n)
       end if
       moving%q = 0.0_dp*moving%rate
-      if (allocated(segment%q)) moving%q = segment%q(:segment%count)
+      if (allocated(segment%q)) moving%q = segment%q(:n)
     end associate
   end function moving_in
 
@@ -66,17 +69,19 @@ contains
     errors = 0.0_dp
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     do i = 1, size(motion%timeline%segments)
-      moving = moving_in(scene, motion, i, grid)
-      if (.not. allocated(moving%modes)) cycle
-      if (.not. allocated(moving%modes%square_rounding)) cycle
-      swing = 0.0_dp*moving%q
-      c = 0.0_dp
-      do k = 1, size(swing)
-        if (allocated(moving%modes%damping)) c = moving%modes%damping(k)
-        swing(k) = min(2.0_dp, phase_drift(moving%modes, k, moving%modes%square_rounding(k), grid)) &
-          *amplitude_of(moving%modes%beta_squared(k), c, moving%q(k), moving%rate(k), moving%stretch, velocity)
-      end do
-      errors = max(errors, matmul(swing, abs(values_at(moving%modes, quantity, 1, size(swing), scene%response%points))))
+      associate (modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
+        if (.not. allocated(modes%square_rounding)) cycle
+        moving = moving_in(scene, motion, i, grid, modes%count)
+        if (size(moving%q) == 0) cycle
+        swing = 0.0_dp*moving%q
+        c = 0.0_dp
+        do k = 1, size(swing)
+          if (allocated(modes%damping)) c = modes%damping(k)
+          swing(k) = min(2.0_dp, phase_drift(modes, k, modes%square_rounding(k), grid)) &
+            *amplitude_of(modes%beta_squared(k), c, moving%q(k), moving%rate(k), moving%stretch, velocity)
+        end do
+        errors = max(errors, matmul(swing, abs(values_at(modes, quantity, 1, size(swing), scene%response%points))))
+      end associate
     end do
     errors = errors*abs(scene%impact%approach_velocity)
     if (.not. velocity) errors = errors*motion%units%time%hi
@@ -105,13 +110,15 @@ contains
     errors = 0.0_dp
     phase = 0.0_dp
     do i = 1, size(motion%timeline%segments)
-      moving = moving_in(scene, motion, i, grid)
-      if (.not. allocated(moving%modes)) cycle
-      phase = max(phase, phase_error(scene, moving%modes, grid))
-      c = 0.0_dp
-      if (allocated(moving%modes%damping)) c = moving%modes%damping(1)
-      errors = max(errors, amplitude_of(moving%modes%beta_squared(1), c, moving%q(1), moving%rate(1), moving%stretch, velocity) &
-        *abs(reshape(values_at(moving%modes, response%sampling%quantity, 1, 1, scene%response%points), [size(errors)])))
+      moving = moving_in(scene, motion, i, grid, 1)
+      if (size(moving%q) == 0) cycle
+      associate (modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
+        phase = max(phase, phase_error(scene, modes, grid))
+        c = 0.0_dp
+        if (allocated(modes%damping)) c = modes%damping(1)
+        errors = max(errors, amplitude_of(modes%beta_squared(1), c, moving%q(1), moving%rate(1), moving%stretch, velocity) &
+          *abs(reshape(values_at(modes, response%sampling%quantity, 1, 1, scene%response%points), [size(errors)])))
+      end associate
     end do
     errors = (response%sum_error + phase)*max(peak, errors*unit)
   end function rounding_errors
