@@ -244,7 +244,7 @@ contains
           if (agree > 1.0_dp) fall = steepest(source, agreeing=.true.)
           if (any(expected(fall) > allowed)) then  ! no need to find millions of modes that are not enough
             segment%count = last
-            motion%reached = maxval(expected(min(power, fall)))/motion%peak
+            call motion%reach(scene%modes%tolerance, maxval(expected(min(power, fall)))/motion%peak)
             return
           end if
         end if
@@ -257,7 +257,7 @@ contains
       if (count <= looked_ahead) call survey%add_source(source, segment%force, 2*count, monitor)
       if (monitor%stop_requested()) return
       segment%count = least_count()
-      motion%reached = maxval(errors_with(segment%count))/motion%peak
+      call motion%reach(scene%modes%tolerance, maxval(errors_with(segment%count))/motion%peak)
     end associate
   contains
     function errors_with(count) result(errors)
@@ -445,7 +445,7 @@ contains
         end if
       end do
       next%count = enough
-      motion%reached = max(motion%reached, motion%aim*scene%modes%tolerance*max(error_with(enough), doubt))
+      call motion%reach(scene%modes%tolerance, motion%aim*scene%modes%tolerance*max(error_with(enough), doubt))
     end subroutine cut_to_least
   end subroutine choose_later
 

@@ -48,7 +48,7 @@ contains
     sampling%quantity = quantity
     allocate (histories%response)
     known = motion%modes%resolved
-    if (known .and. motion%reached > scene%modes%tolerance) then
+    if (known .and. .not. motion%within) then
       histories%status = case_not_converged
       call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion)//'; no histories are given')
       known = .false.

@@ -37,6 +37,7 @@ contains
     type(segment_type) :: segment
     if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes, whose survey serves on
     motion%reached = 0.0_dp
+    motion%within = .true.
     motion%initial = initial_state()
     motion%timeline = timeline_type()
     allocate (motion%initial%events(0), motion%timeline%events(0), motion%timeline%segments(0))
@@ -125,10 +126,10 @@ contains
         next%energy = energy_after(projection, after%set, speed)
         energy = energy_at(before, last, next%start - last%start)
       else
-        if (motion%reached > scene%modes%tolerance) return
+        if (.not. motion%within) return
         call choose_later(scene, motion, last, next, projection, monitor, modes_cache)
         if (monitor%stop_requested()) return
-        if (motion%reached > scene%modes%tolerance) return
+        if (.not. motion%within) return
         energy = energy_type(projection%place%energy, epsilon(speed)*projection%place%energy)
       end if
       next%q = projection%q_after

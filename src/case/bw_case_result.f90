@@ -48,8 +48,11 @@ module bw_case_result
     real(dp) :: seen_peak = 0.0_dp                  !! the largest displacement of a sum of fewer modes; 0: there was none
     real(dp), allocatable :: seen_part(:, :)        !! of the sum of its amplitudes that a block of its came to, (points, segments)
     real(dp) :: reached = 0.0_dp                    !! the error of the displacement over its peak that is expected of them
+    logical :: within = .true.                      !! it is within the tolerance; counts that are given always are
     integer :: ending = case_done                   !! why the motion is not known to its end, as a status
     type(string), allocatable :: notes(:)
+  contains
+    procedure :: reach
   end type case_motion
 
   type, public :: block_type
@@ -100,6 +103,7 @@ module bw_case_result
     class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
     integer :: mode_count = 0                         !! how many were summed
     real(dp) :: reached = 0.0_dp                      !! with a tolerance: the estimated error of the displacement over its peak
+    logical :: within = .true.                        !! it is within the tolerance
     integer :: profile_points = 0                     !! places along the beam of mode shapes and velocity jump; 0: of neither
     class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
@@ -119,6 +123,14 @@ module bw_case_result
   end type case_result
 
 contains
+
+  pure subroutine reach(self, tolerance, error)
+    !! Take in the error that the modes of a segment are expected to leave.
+    class(case_motion), intent(inout) :: self
+    real(dp), intent(in) :: tolerance, error        !! of the displacement over its peak
+    self%reached = max(self%reached, error)
+    self%within = self%reached <= tolerance
+  end subroutine reach
 
   pure function octave_of(histories, points, rates) result(largest)
     !! The largest value that the last octave of modes comes to in any segment, or the largest velocity, (points).

@@ -24,7 +24,7 @@ module bw_case_tolerance
 contains
 
   subroutine plan_case(scene, monitor, count, error, reached)
-    !! How many modes a scene with a tolerance will sum.
+    !! How many modes a scene with a tolerance will sum; 0 of one that counts them.
     !! **Errors**: `status_bad_input` where the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
     class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
@@ -32,6 +32,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
     type(case_motion), allocatable :: motion
+    count = 0
+    if (.not. by_tolerance(scene%modes)) return
     call plan_motion(scene, monitor, motion, count, error)
     if (present(reached)) reached = motion%reached
   end subroutine plan_case
@@ -61,7 +63,7 @@ contains
     call follow_motion(scene, motion, monitor)
     if (monitor%stop_requested()) return
     if (failure%first == 0 .and. size(motion%timeline%segments) > 0) count = motion%timeline%segments(1)%count
-    if (failure%first > 0 .or. motion%reached <= scene%modes%tolerance) return
+    if (failure%first > 0 .or. motion%within) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
     if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group

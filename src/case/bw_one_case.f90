@@ -65,7 +65,7 @@ contains
       call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
     else
       call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
-      if (.not. whole .or. scene%modes%asked .or. result%reached <= scene%modes%tolerance) return
+      if (.not. whole .or. scene%modes%asked .or. result%within) return
       relaxed = scene
       relaxed%modes%tolerance = relaxed_tolerance(result%reached)
       if (.not. is_missing(relaxed%modes%tolerance)) call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
@@ -174,6 +174,7 @@ contains
     result%units = motion%units
     result%can_grow = motion%modes%can_grow
     result%reached = motion%reached
+    result%within = motion%within
     result%status = errors%status
     call move_alloc(motion%timeline%events, result%events)
     call move_alloc(motion%timeline%segments, result%segments)

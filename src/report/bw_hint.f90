@@ -7,7 +7,7 @@ module bw_hint
   use bw_beam_units, only: beam_units, units_of
   use bw_damping_par, only: usual_ratio
   use bw_error, only: error_type
-  use bw_modes_par, only: by_tolerance, default_tolerance
+  use bw_modes_par, only: wanted_tolerance
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_text, only: percent, shortest, text_of
@@ -55,12 +55,12 @@ contains
     real(dp) :: tolerance
     integer(i8) :: case
     integer :: i, r
-    tolerance = default_tolerance
+    tolerance = wanted_tolerance(scene%modes)
     do i = 1, merge(1, 2, size(scene%sweeps) == 0)
       case = merge(1_i8, case_count(scene), i == 1)
       call case_scene(scene, case, one, error)
       if (allocated(error)) cycle
-      if (by_tolerance(one%modes)) tolerance = one%modes%tolerance
+      tolerance = wanted_tolerance(one%modes)
       call find_remarks(one, now)
       do r = 1, size(found)
         if (now(r)%weight <= found(r)%weight) cycle

@@ -8,7 +8,7 @@ module bw_modes_par
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: build_modes, by_tolerance, is_relaxed, relaxed_tolerance, complete_modes
+  public :: build_modes, by_tolerance, is_relaxed, relaxed_tolerance, complete_modes, wanted_tolerance
 
   type, public :: modes_par
     integer :: before = 0   !! modes of the beam before the impact, ≥ 1
@@ -141,6 +141,13 @@ contains
     type(modes_par), intent(in) :: modes
     is_relaxed = by_tolerance(modes) .and. .not. modes%asked .and. modes%tolerance /= default_tolerance
   end function is_relaxed
+
+  pure real(dp) function wanted_tolerance(modes) result(tolerance)
+    !! The tolerance, the default where modes are counted.
+    type(modes_par), intent(in) :: modes
+    tolerance = default_tolerance
+    if (by_tolerance(modes)) tolerance = modes%tolerance
+  end function wanted_tolerance
 
   pure logical function by_tolerance(modes)
     !! The program chooses how many modes are summed.

@@ -6,7 +6,6 @@ module bw_forecast
   use bw_error, only: error_type
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
-  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_note, only: kind_of
   use bw_notes, only: notes_type
@@ -109,9 +108,8 @@ contains
     few = scene
     few%modes%tolerance = missing
     few%modes%before = few_modes
-    few%modes%after = few_modes
     if (scene%modes%before > 0) few%modes%before = min(few_modes, scene%modes%before)
-    if (.not. by_tolerance(scene%modes)) few%modes%after = min(few_modes, scene%modes%after)
+    few%modes%after = min(few_modes, scene%modes%after)
     if (allocated(few%recontact)) deallocate (few%recontact)
     if (.not. allocated(few%response)) return
     if (part < 1.0_dp) few%response%duration = part*scene%response%duration

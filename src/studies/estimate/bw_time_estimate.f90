@@ -61,7 +61,7 @@ contains
       tolerated = planned
       if (index > 1) call case_scene(scene, index - 1, one, error)
       call case_scene(scene, index, one, error)
-      if (.not. allocated(error) .and. others_left > 0 .and. by_tolerance(one%modes)) call plan_case(one, monitor, tolerated, error)
+      if (.not. allocated(error) .and. others_left > 0) call plan_case(one, monitor, tolerated, error)
       if (allocated(error)) return
       total = total + merge(0.0_dp, case_counts(one, tolerated), index > 1 .and. shared_terms(one))
     end subroutine add
