@@ -127,11 +127,13 @@ contains
     !! By the model of bw_sum_choice: histories, and the moments of as many points.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: modes
+    real(dp) :: tolerance
     integer :: histories
+    tolerance = merge(0.0_dp, sum_tolerance, allocated(scene%damping))         ! the transform sums no damped modes
     associate (response => scene%response)
       histories = size(response%points)
-      seconds = sum_seconds(int(modes), response%samples, merge(2*histories, histories, response%velocity), sum_tolerance)
-      if (response%bending_moment) seconds = seconds + sum_seconds(int(modes), response%samples, histories, sum_tolerance)
+      seconds = sum_seconds(int(modes), response%samples, merge(2*histories, histories, response%velocity), tolerance)
+      if (response%bending_moment) seconds = seconds + sum_seconds(int(modes), response%samples, histories, tolerance)
     end associate
   end function seconds_of_sums
 
