@@ -198,7 +198,7 @@ contains
   pure integer(i8) function case_bytes(scene) result(bytes)
     !! Memory of the modes of a case, while they are found and then: measured, all but what its results take.
     type(scene_type), intent(in) :: scene          !! without sweeps
-    integer, parameter :: of_mode = 18, of_piece = 6, of_pair = 4, of_matrix = 7, of_vector = 10, of_search = 1500   ! numbers
+    integer, parameter :: of_mode = 18, of_piece = 6, of_pair = 3, of_matrix = 7, of_vector = 10, of_search = 1500   ! numbers
     real(dp) :: numbers, before, after
     before = scene%modes%before
     after = scene%modes%after
