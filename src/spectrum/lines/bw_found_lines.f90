@@ -7,10 +7,10 @@ module bw_found_lines
   use bw_kinds, only: dp
   use bw_line, only: line_type
   use bw_line_search, only: find_lines, line_outcome
-  use bw_model, only: find_left, model_type, renew
+  use bw_model, only: find_misfit, model_type, renew
   use bw_monitor, only: monitor_type, stops
   use bw_pure_record, only: find_lines_if_pure, safety
-  use bw_samples, only: place_of, samples_type
+  use bw_samples, only: samples_type
   use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
   implicit none (type, external)
@@ -72,18 +72,11 @@ contains
     type(model_type), intent(in) :: model
     real(dp) :: deviation(size(samples%value, 2)), left(samples%count, size(samples%value, 2))
     logical :: valid(samples%count)
-    integer :: s, b, n
+    integer :: s
     valid = .true.
     if (allocated(samples%valid)) valid = samples%valid
-    call find_left(samples, model, left)
+    call find_misfit(samples, model, left)
     do s = 1, size(left, 2)
-      do b = 0, ubound(model%stretches, 2)
-        associate (first => model%stretches(1, b), still => model%still(:, s, b))
-          do n = first, model%stretches(2, b)
-            left(n, s) = left(n, s) - still(1) - still(2)*(place_of(samples, n) - place_of(samples, first))
-          end do
-        end associate
-      end do
       deviation(s) = sqrt(sum(left(:, s)**2, mask=valid)/max(1, count(valid)))
     end do
   end function deviations_of

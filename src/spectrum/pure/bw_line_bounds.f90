@@ -1,12 +1,11 @@
 module bw_line_bounds
   !! This module tells how far fitted lines may be from the true ones.
   !!
-  !! A bound is `safety` standard deviations of the fit. The noise is what the fit leaves in the group's bins, never less than
-  !! rounding; where that is more than noise, it is what is left in the bins that the line itself reaches, since what is not
-  !! explained elsewhere does not move it. The bound holds for a line that is alone. A line that lies d bins beside this one
-  !! and is taken for a part of it moves it by up to d bins and leaves about d² of it in the residual, or d where its ratio is
-  !! another: a residual that is the part ρ of the line may hide one that moves it by √ρ bins, and its ratio by the part √ρ.
-  !! That is told apart.
+  !! A bound is `safety` standard deviations of the fit. The noise is what the fit leaves in the bins that the line itself reaches,
+  !! since what is not explained elsewhere does not move it, and never less than rounding. The bound holds for a line that is alone.
+  !! A line that lies d bins beside this one and is taken for a part of it moves it by up to d bins and leaves about d² of it in
+  !! the residual, or d where its ratio is another: a residual that is the part ρ of the line may hide one that moves it by √ρ
+  !! bins, and its ratio by the part √ρ. That is told apart.
   use bw_constants, only: pi
   use bw_band, only: tapered_band
   use bw_band_fit, only: reduce
@@ -15,7 +14,7 @@ module bw_line_bounds
   use bw_line_errors, only: amplitude_deviation, line_errors, line_errors_of, pole_deviation
   use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in, unknowns
   use bw_pure_record, only: rounding, safety
-  use bw_tapered_line, only: growth_of, line_in_record, main_lobe, position_of, strength_of
+  use bw_tapered_line, only: growth_of, main_lobe, position_of, strength_of
   use bw_tapered_residual, only: residual_type
   implicit none (type, external)
   private
@@ -57,17 +56,13 @@ contains
     allocate (image(bins(1):bins(2), size(residual%tapered, 2)), source=group_image(residual, others, bins))
     expected = group_noise(residual, fitted)
     free = max(1.0_dp, numbers_in(residual, bins)/correlated - sum(unknowns(fitted, size(image, 2))))
-    left = norm2(abs(image))
-    noise = max(left/sqrt(free), expected)
-    explained = all(noise <= unexplained*expected)
-    if (.not. explained) then
-      do i = 1, size(fitted)
-        associate (own => own_bins(fitted(i), residual%count, bins))
-          left(i) = norm2(abs(image(own(1):own(2), :)))
-          noise(i) = max(left(i)/sqrt(free*numbers_in(residual, own)/numbers_in(residual, bins)), expected)
-        end associate
-      end do
-    end if
+    do i = 1, size(fitted)
+      associate (own => own_bins(fitted(i), residual%count, bins))
+        left(i) = norm2(abs(image(own(1):own(2), :)))
+        noise(i) = max(left(i)/sqrt(free*numbers_in(residual, own)/numbers_in(residual, bins)), expected)
+      end associate
+    end do
+    explained = norm2(abs(image)) <= unexplained*expected*sqrt(free)
     allocate (lines, source=lines_in_noise(settled(fitted, residual%count), residual, bins, safety*noise))
     lines%hidden = sqrt(left/(lines%strength*residual%count*main_lobe/2))
     lines%doubtful = .not. explained .or. 2*density*lines%hidden > unlikely

@@ -36,8 +36,7 @@ module bw_line_peaks
     real(dp) :: strength = 0                   !! largest amplitude, all sensors together
     integer :: members = 1                     !! lines that are one within the resolution; e^(gt) and e^(−gt) are one
     logical :: at_edge = .false.               !! one with its own mirror image at 0 or the Nyquist frequency
-    logical :: located = .true.                !! .false.: something is there, but the fit does not say where
-    logical :: stands_out = .true.             !! .false.: what the fit leaves explains it
+    logical :: located = .true.                !! .false.: something is there, but the fit does not say where, or leaves as much
     type(place_type), allocatable :: single    !! of the strongest member, if all others are faint and no lines
   end type peak_type
 
@@ -110,7 +109,7 @@ contains
       end if
       peak = one_peak(lines(first:i), residual%count, explained)
       if (peak%members > 1) then
-        peak%stands_out = exceed(group%lines(first:i), residual, band_of(group, residual%count))
+        peak%located = peak%located .and. exceed(group%lines(first:i), residual, band_of(group, residual%count))
         call find_strongest(strong, lines(first:i), peak)
       end if
       peaks = [peaks, peak]

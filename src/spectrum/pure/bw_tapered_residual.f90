@@ -68,10 +68,11 @@ contains
   end subroutine find_residual
 
   pure real(dp) function rounding_of(lines, count)
-    !! What the strongest line leaves in a bin, as its samples and its phase in a record of so many samples are rounded.
+    !! What the strongest line leaves in a bin, as its samples are rounded, and its frequency to a
+    !! quarter of the spacing of numbers.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count
-    rounding_of = epsilon(1.0_dp)*count*main_lobe/2*maxval([0.0_dp, (1 + position_of(lines, count))*strength_of(lines, count)])
+    rounding_of = epsilon(1.0_dp)*count*main_lobe/2*maxval([0.0_dp, (1 + position_of(lines, count)/4)*strength_of(lines, count)])
   end function rounding_of
 
   pure subroutine copy(from, to)

@@ -7,9 +7,9 @@ module bw_limited_range
   use bw_constants, only: pi
   use bw_cost, only: order_price
   use bw_kinds, only: dp
-  use bw_model, only: find_left, model_type, renew
+  use bw_model, only: find_misfit, model_type, renew
   use bw_refit, only: all_steps, refit_all
-  use bw_samples, only: place_of, samples_type
+  use bw_samples, only: samples_type
   implicit none (type, external)
   private
   public :: allow_for_limits
@@ -33,8 +33,7 @@ contains
     allocate (recorded, source=samples%value)
     allocate (left(samples%count, size(limits, 2)))
     do round = 1, rounds
-      call find_left(samples, model, left)
-      call take_still(samples, model, left)
+      call find_misfit(samples, model, left)
       call correct(limits, recorded, left, samples)
       call renew(samples, order_price(samples), .false., model)
       call refit_all(all_steps, 0.0_dp, model)
@@ -58,23 +57,6 @@ contains
       end associate
     end do
   end function limits_of
-
-  pure subroutine take_still(samples, model, left)
-    !! Take offset and slope of each stretch off what the lines leave.
-    type(samples_type), intent(in) :: samples
-    type(model_type), intent(in) :: model
-    real(dp), intent(inout) :: left(:, :)
-    integer :: s, b, n
-    do s = 1, size(left, 2)
-      do b = 0, ubound(model%stretches, 2)
-        associate (first => model%stretches(1, b), still => model%still(:, s, b))
-          do n = first, model%stretches(2, b)
-            left(n, s) = left(n, s) - still(1) - still(2)*(place_of(samples, n) - place_of(samples, first))
-          end do
-        end associate
-      end do
-    end do
-  end subroutine take_still
 
   pure subroutine correct(limits, recorded, left, samples)
     !! Add to each sample what is cut off from the noise of such a motion.

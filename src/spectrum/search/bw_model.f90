@@ -11,7 +11,7 @@ module bw_model
   use bw_uneven_noise, only: find_levels
   implicit none (type, external)
   private
-  public :: add_lines, colour_at, exchange_lines, find_left, renew, rows_of_stretches, steps_between, white_lines
+  public :: add_lines, colour_at, exchange_lines, find_left, find_misfit, renew, rows_of_stretches, steps_between, white_lines
 
   real(dp), parameter :: gone = 40               !! e-folds after which a line is not computed any more
   integer, parameter, public :: highest_order = 64       !! tuned: of a noise's autoregression
@@ -182,6 +182,24 @@ contains
     call add_lines(model%stretches, model%lines, -1.0_dp, left, model%place)
     call clear_invalid(samples, left)
   end subroutine find_left
+
+  pure subroutine find_misfit(samples, model, left)
+    !! What the lines, and offset and slope of each stretch, leave of the samples; of one that is not valid it means nothing.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    real(dp), intent(out) :: left(:, :)
+    integer :: s, b, n
+    call find_left(samples, model, left)
+    do s = 1, size(left, 2)
+      do b = 0, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, b), still => model%still(:, s, b))
+          do n = first, model%stretches(2, b)
+            left(n, s) = left(n, s) - still(1) - still(2)*(place_of(samples, n) - place_of(samples, first))
+          end do
+        end associate
+      end do
+    end do
+  end subroutine find_misfit
 
   subroutine renew(samples, penalty, robust, model, highest)
     !! Find what is left of the samples anew, its offset and slope, its noise, and its prediction errors. While lines are left in it,

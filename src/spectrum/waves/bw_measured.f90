@@ -54,11 +54,8 @@ contains
     type(verdict_type), allocatable :: verdict(:)
     logical, allocatable :: is_wave(:)
     integer, allocatable :: listed(:)
-    integer :: faint
     call find_peaks(tip, midpoint, peaks, monitor)
     if (stops(monitor)) return
-    faint = count(.not. peaks%stands_out)
-    peaks = pack(peaks, peaks%stands_out)
     allocate (verdict(size(peaks)))
     if (allocated(facts%known)) then
       call check_peaks(facts%known, size(tip), facts%duration, peaks, verdict)
@@ -70,7 +67,7 @@ contains
     is_wave = .not. is_missing(measured%wavenumber)
     allocate (listed, source=listed_peaks(peaks, is_wave, verdict, facts))
     call keep(measured, peaks(listed), listed, facts)
-    measured%notes = measured_notes(peaks, is_wave, verdict, listed, faint, facts, size(tip))
+    measured%notes = measured_notes(peaks, is_wave, verdict, listed, facts, size(tip))
   end subroutine measure_waves
 
   subroutine find_peaks(tip, midpoint, peaks, monitor)

@@ -15,13 +15,12 @@ module bw_measured_notes
 
 contains
 
-  pure function measured_notes(peaks, is_wave, verdict, listed, faint, facts, samples) result(notes)
+  pure function measured_notes(peaks, is_wave, verdict, listed, facts, samples) result(notes)
     !! The notes on a measurement, one for each kind of thing found.
     type(peak_type), intent(in) :: peaks(:)
     logical, intent(in) :: is_wave(:)          !! it has a wave number
     type(verdict_type), intent(in) :: verdict(:)
     integer, intent(in) :: listed(:)           !! peaks in the result
-    integer, intent(in) :: faint               !! groups left out because the residual or rounding explains them
     type(record_facts), intent(in) :: facts
     integer, intent(in) :: samples
     type(string), allocatable :: notes(:)
@@ -61,7 +60,6 @@ contains
         & shortest(samples/(2*facts%duration), 6)//' Hz)'
       if (.not. all(peaks%located)) words = words//'; lines that could not be told apart: '// &
         & text_of(count(.not. peaks%located))
-      if (faint > 0) words = words//'; groups of lines that are lost in what the fit leaves: '//text_of(faint)
       if (any(stray)) words = words//'; lines that fit no mode: '//frequencies(stray)
       if (words /= '') words = words(3:)
     end function left_out_text
