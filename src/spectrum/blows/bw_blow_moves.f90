@@ -312,9 +312,9 @@ contains
     integer, intent(in) :: others(0:)
     integer :: stretches(2, 0:ubound(others, 1))
     stretches = model%stretches(:, others)
-    deallocate (model%stretches, model%still)
+    deallocate (model%stretches, model%trend)
     allocate (model%stretches(2, 0:ubound(stretches, 2)), source=stretches)
-    allocate (model%still(2, size(model%white, 2), 0:ubound(stretches, 2)), source=0.0_dp)
+    allocate (model%trend(2, size(model%white, 2), 0:ubound(stretches, 2)), source=0.0_dp)
   end subroutine choose
 
   pure subroutine shift_blow(model, b, first)

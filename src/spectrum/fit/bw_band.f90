@@ -12,7 +12,7 @@ module bw_band
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, enough_for, fill_rows, holds, line_columns, still_columns, tapered_band
+  public :: band_around, enough_for, fill_rows, holds, line_columns, trend_columns, tapered_band
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 1024         !! tuned: sums that tell enough of a broad line
@@ -404,17 +404,17 @@ contains
     end do
   end function moments
 
-  pure function still_columns(band, part) result(columns)
+  pure function trend_columns(band, part) result(columns)
     !! The rows of an offset and of a slope over the part, (rows, 2).
     type(band_type), intent(in) :: band
     type(band_part), intent(in) :: part
     real(dp) :: columns(size(part%root), 2)
-    type(line_type) :: still
+    type(line_type) :: trend
     complex(dp) :: sums(size(part%turn), 0:1)
-    allocate (still%courses(0))
-    sums = images(band, part, still, 1)
+    allocate (trend%courses(0))
+    sums = images(band, part, trend, 1)
     columns(:, 1) = rows_of(part, sums(:, 0))
     columns(:, 2) = rows_of(part, sums(:, 1)/max(1, part%used))
-  end function still_columns
+  end function trend_columns
 
 end module bw_band

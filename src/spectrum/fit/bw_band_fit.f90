@@ -1,7 +1,7 @@
 module bw_band_fit
   !! Lines that share a band, fitted to all sensors and stretches at once by least squares. Stretches share nothing but the exponents,
   !! so that the slopes of their projections stand below each other.
-  use bw_band, only: band_type, enough_for, holds, line_columns, still_columns
+  use bw_band, only: band_type, enough_for, holds, line_columns, trend_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line, only: highest, line_type, pole_at, psi, psi_slope
@@ -22,10 +22,10 @@ module bw_band_fit
 
 contains
 
-  subroutine fit_band(band, with_still, most_steps, lines, reduced, slowest)
+  subroutine fit_band(band, with_trend, most_steps, lines, reduced, slowest)
     !! Refit poles and courses of the lines by Gauss and Newton; a step is shortened until it lowers the squares.
     type(band_type), intent(in) :: band          !! with rows that hold these lines
-    logical, intent(in) :: with_still            !! an offset and a slope are fitted too
+    logical, intent(in) :: with_trend            !! an offset and a slope are fitted too
     integer, intent(in) :: most_steps
     type(line_type), intent(inout) :: lines(:)   !! amplitudes are not used
     type(reduced_type), allocatable, intent(out) :: reduced(:)   !! (parts)
@@ -34,7 +34,7 @@ contains
     type(line_type) :: moved(size(lines))
     real(dp) :: step(unknown_place(lines, size(lines) + 1) - 1), gain, factor, left, before
     integer :: i, j
-    reduced = reduce(band, lines, with_still)
+    reduced = reduce(band, lines, with_trend)
     left = squares_left(reduced)
     do i = 1, most_steps
       call step_of(reduced, lines, step, gain)
@@ -43,7 +43,7 @@ contains
       do j = 0, most_halvings
         moved = moved_lines(band, lines, factor*step)
         if (all(is_held(band, moved))) then
-          trial = reduce(band, moved, with_still)
+          trial = reduce(band, moved, with_trend)
           if (squares_left(trial) < left) exit
         end if
         factor = factor/4
@@ -106,15 +106,15 @@ contains
     end do
   end function free_of
 
-  function reduce(band, lines, with_still) result(reduced)
+  function reduce(band, lines, with_trend) result(reduced)
     !! The triangle of the lines' columns in each part of a band, and the record turned by it.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: lines(:)
-    logical, intent(in) :: with_still
+    logical, intent(in) :: with_trend
     type(reduced_type), allocatable :: reduced(:)
     real(dp), allocatable :: matrix(:, :), columns(:, :, :)
     integer :: p, k, m, n, c, slopes
-    n = 2*size(lines) + merge(2, 0, with_still)
+    n = 2*size(lines) + merge(2, 0, with_trend)
     allocate (reduced(size(band%part)))
     do p = 1, size(band%part)
       associate (part => band%part(p), own => reduced(p))
@@ -131,7 +131,7 @@ contains
           end do
           deallocate (columns)
         end do
-        if (with_still) matrix(:, n - 1:n) = still_columns(band, part)
+        if (with_trend) matrix(:, n - 1:n) = trend_columns(band, part)
         call project(matrix, part%rows, n, own)
         deallocate (matrix)
       end associate

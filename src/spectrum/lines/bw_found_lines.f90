@@ -54,9 +54,9 @@ contains
     type(line_type), intent(in) :: lines(:)
     type(found_lines), intent(inout) :: found
     associate (model => found%model, sensors => size(samples%value, 2))
-      allocate (model%stretches(2, 0:1), model%still(2, sensors, 0:1))
+      allocate (model%stretches(2, 0:1), model%trend(2, sensors, 0:1))
       model%stretches = reshape([1, 0, 1, samples%count], [2, 2])
-      model%still = 0
+      model%trend = 0
       model%lines = pack(lines, .not. (lines%steady .and. .not. lines%pole%im > 0))
       model%lines%steady = .false.
       call renew(samples, 0.0_dp, .false., model, 0)

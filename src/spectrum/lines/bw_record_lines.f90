@@ -185,8 +185,8 @@ contains
       call add_lines(model%stretches, model%lines, 1.0_dp, motion, model%place)
       do b = 0, ubound(model%stretches, 2)
         do n = model%stretches(1, b), model%stretches(2, b)
-          motion(n, own) = motion(n, own) + model%still(1, own, b) &
-            & + model%still(2, own, b)*(place_of(samples, n) - place_of(samples, model%stretches(1, b)))
+          motion(n, own) = motion(n, own) + model%trend(1, own, b) &
+            & + model%trend(2, own, b)*(place_of(samples, n) - place_of(samples, model%stretches(1, b)))
         end do
       end do
     end associate

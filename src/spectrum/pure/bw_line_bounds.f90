@@ -23,7 +23,7 @@ module bw_line_bounds
   real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
   real(dp), parameter :: unlikely = 1.0e-4_dp  !! that a line lies beside another by chance
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
-  real(dp), parameter :: still = 1.0e-100_dp   !! of the midpoint's amplitude: a tip that moves less has no ratio; 1/c₁² overflows
+  real(dp), parameter :: motionless = 1.0e-100_dp   !! of the midpoint's amplitude: a tip that moves less has no ratio; 1/c₁² overflows
 
   type, public :: bounded_line
     !! A line and how far it may be from the true one. Positions are periods in the record.
@@ -63,7 +63,7 @@ contains
       end associate
     end do
     explained = norm2(abs(image)) <= unexplained*expected*sqrt(free)
-    allocate (lines, source=lines_in_noise(settled(fitted, residual%count), residual, bins, safety*noise))
+    allocate (lines, source=lines_in_noise(without_phase_at_ends(fitted, residual%count), residual, bins, safety*noise))
     lines%hidden = sqrt(left/(lines%strength*residual%count*main_lobe/2))
     lines%doubtful = .not. explained .or. 2*density*lines%hidden > unlikely
     lines%position_error = min(lines%position_error, real(residual%count, dp)) + rounding*lines%position
@@ -84,7 +84,7 @@ contains
     own = max(bins(1), min(bins(2), own))
   end function own_bins
 
-  pure function settled(fitted, count) result(lines)
+  pure function without_phase_at_ends(fitted, count) result(lines)
     !! The lines; a steady one that is at 0 or the Nyquist frequency but for rounding is put there: it has no phase, and its errors
     !! must not be asked for one.
     type(line_type), intent(in) :: fitted(:)
@@ -99,7 +99,7 @@ contains
       lines(i)%pole = merge((0.0_dp, 0.0_dp), cmplx(0, pi, dp), 4*position < count)
       lines(i)%amplitude = lines(i)%amplitude%re
     end do
-  end function settled
+  end function without_phase_at_ends
 
   function lines_in_noise(fitted, residual, bins, noise) result(lines)
     !! Find the ratio of each line, and the errors of position, strength and ratio that noise makes. A ratio whose first sensor does
@@ -124,7 +124,7 @@ contains
         direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/norm2(abs(c))
         line%strength_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
         line%ratio_error = huge(1.0_dp)
-        if (abs(c(1)) > still*abs(c(2))) then
+        if (abs(c(1)) > motionless*abs(c(2))) then
           call ratio_of(c, line%ratio, direction)
           line%ratio_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
         end if

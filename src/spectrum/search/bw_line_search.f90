@@ -32,7 +32,7 @@ module bw_line_search
     !! What a model says of a record, to which the search may go back.
     type(line_type), allocatable :: lines(:)
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
-    real(dp), allocatable :: still(:, :, :)      !! (2, S, 0:B)
+    real(dp), allocatable :: trend(:, :, :)      !! (2, S, 0:B)
     real(dp) :: cost = 0                         !! J
   end type description_type
 
@@ -100,7 +100,7 @@ contains
     allocate (model%stretches(2, 0:size(blows)))
     model%stretches(1, :) = [1, blows]
     model%stretches(2, :) = [blows - 1, samples%count]
-    allocate (model%still(2, size(samples%value, 2), 0:size(blows)), source=0.0_dp)
+    allocate (model%trend(2, size(samples%value, 2), 0:size(blows)), source=0.0_dp)
     allocate (model%lines(0))
   end subroutine start_model
 
@@ -215,7 +215,7 @@ contains
     description%cost = cost_of_all(samples, false_alarm, model)
     allocate (description%lines, source=model%lines)
     allocate (description%stretches(2, 0:ubound(model%stretches, 2)), source=model%stretches)
-    allocate (description%still(2, size(model%still, 2), 0:ubound(model%stretches, 2)), source=model%still)
+    allocate (description%trend(2, size(model%trend, 2), 0:ubound(model%stretches, 2)), source=model%trend)
   end function description_of
 
   subroutine keep_if_cheaper(samples, false_alarm, before, model, moved)
@@ -232,7 +232,7 @@ contains
     moved = 0
     call move_alloc(before%lines, model%lines)
     call move_alloc(before%stretches, model%stretches)
-    call move_alloc(before%still, model%still)
+    call move_alloc(before%trend, model%trend)
     call renew(samples, order_price(samples), .false., model)
   end subroutine keep_if_cheaper
 

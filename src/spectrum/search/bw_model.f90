@@ -22,7 +22,7 @@ module bw_model
   type, public :: model_type
     integer, allocatable :: stretches(:, :)      !! first and last sample: before any blow, and after each, (2, 0:B)
     type(line_type), allocatable :: lines(:)
-    real(dp), allocatable :: still(:, :, :)      !! offset at a stretch's first sample and slope per step, (2, S, 0:B)
+    real(dp), allocatable :: trend(:, :, :)      !! offset at a stretch's first sample and slope per step, (2, S, 0:B)
     type(noise_type) :: noise
     real(dp), allocatable :: place(:)            !! times of uneven samples, in steps, (N); their noise is white but for `level`
     real(dp), allocatable :: level(:, :)         !! of uneven samples: power of the noise over its mean, (bins, S)
@@ -192,9 +192,9 @@ contains
     call find_left(samples, model, left)
     do s = 1, size(left, 2)
       do b = 0, ubound(model%stretches, 2)
-        associate (first => model%stretches(1, b), still => model%still(:, s, b))
+        associate (first => model%stretches(1, b), trend => model%trend(:, s, b))
           do n = first, model%stretches(2, b)
-            left(n, s) = left(n, s) - still(1) - still(2)*(place_of(samples, n) - place_of(samples, first))
+            left(n, s) = left(n, s) - trend(1) - trend(2)*(place_of(samples, n) - place_of(samples, first))
           end do
         end associate
       end do
@@ -333,7 +333,7 @@ contains
           do s = 1, size(model%white, 2)
             associate (x => model%white(first:last, s))
               slope = sum(w*u(first:last)*x)/max(1.0_dp, sum(w*u(first:last)**2))
-              model%still(:, s, b) = [sum(w*x)/n - slope*middle, slope]
+              model%trend(:, s, b) = [sum(w*x)/n - slope*middle, slope]
               x = x - sum(w*x)/n - slope*u(first:last)
             end associate
           end do

@@ -1,6 +1,6 @@
 module bw_refit
   !! Some lines of a model fitted again, others beside them kept; and taken up if that lowers the cost of the whole record.
-  use bw_band, only: band_around, band_type, fill_rows, line_columns, still_columns
+  use bw_band, only: band_around, band_type, fill_rows, line_columns, trend_columns
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -22,7 +22,7 @@ module bw_refit
     !! Lines instead of others.
     logical, allocatable :: old(:)               !! which lines of the model they replace
     type(line_type), allocatable :: lines(:)
-    real(dp), allocatable :: still(:, :, :)      !! white offset and slope that are taken off too, (2, S, 0:B)
+    real(dp), allocatable :: trend(:, :, :)      !! white offset and slope that are taken off too, (2, S, 0:B)
     type(reduced_type), allocatable :: reduced(:)
     real(dp) :: gain = 0                         !! fall of the squares in the band
   end type refit_type
@@ -63,7 +63,7 @@ contains
     type(band_type) :: band
     real(dp), allocatable :: columns(:, :, :)
     real(dp) :: before
-    logical :: with_still
+    logical :: with_trend
     integer :: p, k, s, rows(2, 0:ubound(model%stretches, 2)), stretches
     rows = rows_of_stretches(model)
     if (present(window)) rows(2, :) = min(rows(2, :), rows(1, :) + window - 1)
@@ -87,8 +87,8 @@ contains
         end do
       end associate
     end do
-    with_still = minval(start%pole%im)*span_of_model(model) < 2*pi*low
-    call fit_band(band, with_still, most_steps, found%lines, found%reduced)
+    with_trend = minval(start%pole%im)*span_of_model(model) < 2*pi*low
+    call fit_band(band, with_trend, most_steps, found%lines, found%reduced)
     found%gain = before - squares_left(found%reduced)
     do k = 1, size(start)
       found%lines(k)%amplitude = amplitude_of(model%noise, found%lines(k)%pole, &

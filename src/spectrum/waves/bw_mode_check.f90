@@ -50,7 +50,7 @@ contains
 
   pure subroutine check_peaks(known, samples, duration, peaks, verdict)
     !! Judge what each peak is: a mode where its interval holds the frequency of one, the narrowest interval first, each mode
-    !! once. The errors of peaks are settled: they make room for hidden lines where other strong modes lie within the
+    !! once. The errors of peaks make room for hidden lines where other strong modes lie within the
     !! resolution, and a close pair is one line where none is there, or the fit has no room for one.
     type(known_modes), intent(in) :: known
     integer, intent(in) :: samples
@@ -68,7 +68,7 @@ contains
       first = judged(single, modes)
       if (any(first%kind == [is_mode, is_folded]) .and. min(single%hidden, beside(single, first, modes)) <= faint) &
         & peaks(i) = single
-      peaks(i) = settled(peaks(i), judged(peaks(i), modes), modes)
+      peaks(i) = with_room(peaks(i), judged(peaks(i), modes), modes)
     end do
     error = peaks%position_error
     do i = 1, size(peaks)
@@ -126,17 +126,17 @@ contains
     part = sum(modes%strength, mask=near)/peak%strength
   end function beside
 
-  pure type(peak_type) function settled(peak, own, modes)
+  pure type(peak_type) function with_room(peak, own, modes)
     !! The peak with errors that have room for what may be hidden beside it.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
     if (any(own%kind == [is_mode, is_folded])) then
-      settled = with_hidden(peak, min(peak%hidden, beside(peak, own, modes)))
+      with_room = with_hidden(peak, min(peak%hidden, beside(peak, own, modes)))
     else
-      settled = with_hidden(peak, merge(peak%hidden, 0.0_dp, peak%doubtful))
+      with_room = with_hidden(peak, merge(peak%hidden, 0.0_dp, peak%doubtful))
     end if
-  end function settled
+  end function with_room
 
   pure function falling(values) result(sorted)
     !! The same values, the largest first.

@@ -53,7 +53,7 @@ contains
     call find_motions(facts, lines, motions)
     call find_choices(sensors, motions, square_of(lines), facts, choices, monitor)
     do k = 1, size(choices)
-      call settle(facts, sensors, motions(k), choices(k), found(k), reason)
+      call find_wave(facts, sensors, motions(k), choices(k), found(k), reason)
       if (reason /= '') call append(waves%notes, 'measured waves: the line at '//hertz(lines, k)//' has no wave number: '//reason)
     end do
     call note_misfits(facts, lines, choices%misfits .and. found%exists, waves%notes)
@@ -189,7 +189,7 @@ contains
     shows = motion%freed .or. any(abs(motion%data) > seen)
   end function shows
 
-  subroutine settle(facts, sensors, motion, choice, wave, reason)
+  subroutine find_wave(facts, sensors, motion, choice, wave, reason)
     !! The wave number with the interval of its profile likelihood, or the reason for none.
     type(sensor_facts), intent(in) :: facts
     type(wave_sensor), intent(in) :: sensors
@@ -220,7 +220,7 @@ contains
     wave%exists = wave%error <= vague*wave%alpha
     if (.not. wave%exists) reason = 'the sensors do not fix it; '//shortest(wave%alpha/facts%length, 2)// &
       & ' 1/m fits best, and others half as large or twice as large as well'
-  end subroutine settle
+  end subroutine find_wave
 
   pure subroutine note_misfits(facts, lines, misfits, notes)
     !! Say which lines have shapes that the ends do not allow.

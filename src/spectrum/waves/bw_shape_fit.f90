@@ -203,7 +203,7 @@ contains
   end function projection_at
 
   pure function candidates_of(sensors, motion, alpha, misfit, freedom) result(candidates)
-    !! The local minima that a scan shows, polished, but for those of which a parabola foretells that they are no candidates
+    !! The local minima that a scan shows, polished, but for those that a parabola rules out as candidates
     !! beside the best. The scan's lower end is a minimum too where the misfit still falls there.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
@@ -220,7 +220,7 @@ contains
     best = candidates(1)%misfit
     do i = 1, size(low)
       if (low(i) == first) cycle
-      least = least_foretold(sensors, motion, alpha(low(i)))
+      least = predicted_minimum(sensors, motion, alpha(low(i)))
       if (costs_of(least, best, freedom, .true.) > worse .and. (motion%freed .or. least > best + worse)) cycle
       candidates = [candidates, polished(sensors, motion, alpha(low(i)))]
       best = min(best, candidates(size(candidates))%misfit)
@@ -237,8 +237,8 @@ contains
     if (scaled) cost = (freedom + 1)*log((max(misfit, least) + freedom*rounding**2)/(least + freedom*rounding**2))
   end function costs_of
 
-  pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
-    !! What a parabola foretells of a minimum, and less by nine times what it foretells of the fall, since it is none.
+  pure real(dp) function predicted_minimum(sensors, motion, alpha) result(least)
+    !! The minimum that a parabola predicts, and less by nine times the fall that it predicts, since the misfit is no parabola.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha
@@ -246,7 +246,7 @@ contains
     here = projection_at(sensors, motion, alpha)
     least = here%misfit
     if (here%curvature > 0) least = least - 10*here%slope**2/here%curvature
-  end function least_foretold
+  end function predicted_minimum
 
   pure type(wave_candidate) function polished(sensors, motion, start) result(candidate)
     !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; less what
