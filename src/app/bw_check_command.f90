@@ -31,6 +31,7 @@ module bw_check_command
 
   real(dp), parameter :: most_planning = 1.0_dp      !! s, by the model of costs, of a first try at a tolerance
   real(dp), parameter :: patience = 6.0_dp           !! s for a scene; a record is read to its end
+  character(*), parameter :: time_head = '  time       '
   character(*), parameter :: untried = '  tried      nothing: only a run tells what it warns of'
 
 contains
@@ -88,7 +89,7 @@ contains
     if (allocated(scene%record)) then
       call check_records(scene, layout, count_line, notes, error)
       if (allocated(error)) return
-      time_line = '  time       about '//expected_text(record_seconds(scene, layout))// &
+      time_line = time_head//'about '//expected_text(record_seconds(scene, layout))// &
         ' on one core, more where lines are many or drift'
       if (size(scene%unknowns) > 0) time_line = time_line//' or the model does not explain them'
       time_line = time_line//new_line('a')
@@ -101,7 +102,7 @@ contains
     bytes = working_bytes(scene, layout)
     notes = room_notes(scene, layout, bytes)//notes
     if (brief) then
-      text = scene%file//': good, takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
+      text = scene%file//': good, takes '//time_line(len(time_head) + 1:index(time_line, new_line('a')) - 1)
       if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
     else
       text = scene_heading(scene)//scene_summary(scene, layout, hint=index(time_line, untried) == 0)//count_line
@@ -118,7 +119,13 @@ contains
     class(monitor_type), intent(inout) :: monitor
     character(:), allocatable, intent(out) :: time_line, notes
     type(forecast_type) :: forecast
-    time_line = '  time       about '//expected_text(estimated_seconds(scene, case_numbers(scene, layout), planned, monitor))// &
+    if (monitor%stop_requested()) then
+      time_line = time_head//'more than '//expected_text(patience)//', which its plan alone takes'//new_line('a')// &
+        untried//new_line('a')
+      notes = ''
+      return
+    end if
+    time_line = time_head//'about '//expected_text(estimated_seconds(scene, case_numbers(scene, layout), planned, monitor))// &
       ' on one core'
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')

@@ -206,7 +206,7 @@ contains
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
     integer, parameter :: time_copies = 3
-    integer, parameter :: line_bytes = 16000000      ! of a group of lines that are fitted together
+    integer, parameter :: line_bytes = 20000000      ! of a group of lines that are fitted together
     integer, parameter :: of_case = 16               ! its number and how it ended
     integer(i8) :: shapes, numbers
     shapes = int(max(layout%modes, layout%modes_before), i8)*max(layout%points, 2*layout%profile)
