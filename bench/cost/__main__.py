@@ -3,8 +3,8 @@
     cmake --build build --target bench_cost
     PYTHONPATH=bench OPENBLAS_NUM_THREADS=1 python -m cost [--beamwave PROGRAM] [--seed 1] [--draws 12] [--check]
 
-Prints the seconds of the source's terms in their order, fitted to the relative error of the CPU seconds of whole runs. With --check
-nothing is fitted: it prints how far seconds and memory that `beamwave check` says are from those of the runs, the worst first.
+Prints the seconds of the source's terms in their order, fitted to the relative error of the CPU seconds of whole runs. With
+--check nothing is fitted: it prints how far seconds and memory that `beamwave check` says are from those of the runs, the worst first.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ def runs(program: Path, seed: int, draws: int, directory: Path) -> list[Run]:
     for name, text in drawn(seed, draws):
         scene = directory / f"{name}.nml"
         scene.write_text(text)
-        counted = subprocess.run([program.with_name("bench_cost"), scene], capture_output=True, text=True, check=True).stdout.split()
+        words = [program.with_name("bench_cost"), scene]
+        counted = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
         said, check_seconds, _ = launched(program, "check", scene)
         size = re.search(r"memory +([\d.]+) (.B)", said)
         best = [np.inf, 0.0]
@@ -106,7 +107,8 @@ def main() -> int:
         if run.said_memory < run.memory:
             print(f"  {run.name}: {run.memory / 1e6:.0f} MB, expected {run.said_memory / run.memory:.2f} times that")
     slow = [run.check_seconds for run in found]
-    print(f"check took {np.median(slow):.3f} s in the median, {np.quantile(slow, 0.9):.3f} s in nine of ten, {max(slow):.2f} s at most")
+    few, most = np.quantile(slow, [0.5, 0.9])
+    print(f"check took {few:.3f} s in the median, {most:.3f} s in nine of ten, {max(slow):.2f} s at most")
     return 0
 
 

@@ -118,13 +118,14 @@ def waves(dice: Dice) -> Groups:
 def swept(dice: Dice) -> Groups:
     few = [*dice.captured(), ("rotation", {"angular_velocity": 0.0}), *dice.counts(5, 100)]
     if dice.chance(0.6):
-        few = [group for group in few if group[0] != "modes"] + (dice.tolerance(1e-6) if dice.chance(0.3) else dice.counts(5, 100))
-        few += dice.response(1e4)
+        few = [group for group in few if group[0] != "modes"]
+        few += [*(dice.tolerance(1e-6) if dice.chance(0.3) else dice.counts(5, 100)), *dice.response(1e4)]
     if dice.chance(0.3):
         few += SHEAR
     if dice.chance(0.2):
         few += [("stiffening", {})]
-    name, first, last = [("impact%mass_ratio", 0.1, 1.0), ("rotation%angular_velocity", 0.0, 60.0), ("beam%diameter", 0.03, 0.05)][dice.rng.integers(3)]
+    ranges = [("impact%mass_ratio", 0.1, 1.0), ("rotation%angular_velocity", 0.0, 60.0), ("beam%diameter", 0.03, 0.05)]
+    name, first, last = ranges[dice.rng.integers(3)]
     return [*few, ("sweep", {"parameter": name, "first": first, "last": last, "count": dice.size(10, 3000)})]
 
 
@@ -160,5 +161,5 @@ def drawn(seed: int, draws: int) -> Iterator[tuple[str, str]]:
     for k, (kind, draw) in enumerate(KINDS.items()):
         for n in range(draws):
             groups = draw(Dice(seed, k, n))
-            lines = [f"&{name} {', '.join(f'{key}={text_of(value)}' for key, value in names.items())} /" for name, names in groups]
-            yield f"{kind}_{n}", "\n".join(lines) + "\n"
+            inputs = {name: ", ".join(f"{key}={text_of(value)}" for key, value in names.items()) for name, names in groups}
+            yield f"{kind}_{n}", "".join(f"&{name} {words} /\n" for name, words in inputs.items())
