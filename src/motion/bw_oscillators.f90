@@ -49,8 +49,7 @@ contains
     parts%turning = square%hi > 0.0_dp
     where (.not. parts%turning) square = -square
     parts%root = sqrt(square)
-    parts%rate = sqrt(abs(beta_squared%hi))
-    where (.not. parts%turning) parts%rate = parts%rate + c
+    parts%rate = c + sqrt(abs(beta_squared%hi))
   end function oscillators_of
 
   pure subroutine advance(self, time, u, v, change, velocity)

@@ -19,12 +19,12 @@ module bw_signal
   contains
     procedure :: first_zero
     procedure, private :: open_signal
-    procedure, private :: reach
+    procedure, private :: bound
+    procedure, private :: quarter
     procedure, private :: safe_step
   end type signal_type
 
-  real(dp), parameter :: growth = exp(0.5_dp)      !! of a part that does not turn, over a quarter of 1/rate
-  real(dp), parameter :: quarter = 0.25_dp
+  real(dp), parameter :: growth = exp(0.5_dp)      !! of a part without amplitude, over a quarter of 1/rate
 
 contains
 
@@ -89,51 +89,59 @@ contains
     real(dp), intent(in) :: longest
     real(dp), intent(out) :: time, lower           !! at which the signal is at least so large
     type(weighted_sum) :: sum_of
-    real(dp) :: rise, most, fast
+    real(dp) :: rise, most
     integer :: i
     sum_of = weighted_sum(0.0_dp*self%u + 1.0_dp, 0.0_dp*self%u)
     rise = self%derivative(sum_of, moving_state(self%u, self%u_dot), self%order)
-    most = sum(self%reach(self%u, self%u_dot)*self%rate**(self%order + 1))
-    fast = maxval(self%rate)
+    most = sum(self%bound(self%u, self%u_dot, self%order + 1))
     time = longest
     if (most > 0.5_dp*(self%order + 1)*rise/longest) time = max(0.0_dp, 0.5_dp*(self%order + 1)*rise/most)
-    if (fast > 0.0_dp) time = min(time, quarter/fast)
+    time = min(time, self%quarter())
     lower = 0.5_dp*rise
     do i = 1, self%order
       lower = lower*time/i
     end do
   end subroutine open_signal
 
-  pure function reach(self, u, u_dot)
-    !! Bounds of the parts from a state on, of which each derivative is at most `rate` times that before it.
+  pure function bound(self, u, u_dot, order)
+    !! A bound of a derivative of each part from a state on: for good where β² > 0, by the energy that never grows, or by the
+    !! two exponents where these are far apart; else for a quarter of 1/rate.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: u(:), u_dot(:)
-    real(dp) :: reach(size(u))
+    integer, intent(in) :: order                   !! ≥ 2, of which a steady drift has none; 0 where β² > 0
+    real(dp) :: bound(size(u)), fast, slow
     integer :: k
+    bound = 0.0_dp
     do k = 1, size(u)
-      if (self%turning(k)) then
-        reach(k) = sqrt(u(k)**2 + ((u_dot(k) + 0.5_dp*self%c(k)*u(k))/self%root(k)%hi)**2)
-      else if (self%rate(k) > 0.0_dp) then
-        reach(k) = growth*(abs(u(k)) + abs(u_dot(k))/self%rate(k))
-      else
-        reach(k) = 0.0_dp                          ! a steady drift has no further derivatives
-      end if
+      associate (square => self%beta_squared(k)%hi, root => self%root(k)%hi, rate => self%rate(k))
+        if (square > 0.0_dp) then
+          bound(k) = sqrt(u(k)**2 + u_dot(k)**2/square)*rate**order
+          if (self%turning(k) .or. 4.0_dp*root < self%c(k)) cycle
+          fast = root + 0.5_dp*self%c(k)
+          slow = square/fast
+          bound(k) = (abs(u_dot(k) + fast*u(k))*slow**order + abs(u_dot(k) + slow*u(k))*fast**order)/(2.0_dp*root)
+        else if (rate > 0.0_dp) then
+          bound(k) = growth*(abs(u(k)) + abs(u_dot(k))/rate)*rate**order
+        end if
+      end associate
     end do
-  end function reach
+  end function bound
 
   pure real(dp) function safe_step(self, value, u, u_dot, longest) result(step)
     !! How far the signal stays positive for certain.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: value, u(:), u_dot(:)
     real(dp), intent(in) :: longest                !! beyond which nothing is asked
-    real(dp), dimension(0:size(u)) :: slope, curvature   ! of what does not turn, and the first that do
-    real(dp) :: reach(size(u)), above, fast
+    real(dp), dimension(0:size(u)) :: slope, curvature   ! of what has no amplitude, and the first that have one
+    real(dp), dimension(size(u)) :: bend, swing
+    logical :: swings(size(u))
+    real(dp) :: above
     integer :: k, low
-    reach = self%reach(u, u_dot)
-    slope(0) = sum(u_dot, mask=.not. self%turning)
-    curvature(0) = sum(reach*self%rate**2, mask=.not. self%turning)
-    slope(1:) = merge(u_dot, 0.0_dp, self%turning)
-    curvature(1:) = merge(reach*self%rate**2, 0.0_dp, self%turning)
+    swings = self%beta_squared%hi > 0.0_dp
+    bend = self%bound(u, u_dot, 2)
+    swing = merge(abs(u) + self%bound(u, u_dot, 0), 0.0_dp, swings)
+    slope = [sum(u_dot, mask=.not. swings), merge(u_dot, 0.0_dp, swings)]
+    curvature = [sum(bend, mask=.not. swings), merge(bend, 0.0_dp, swings)]
     do k = 1, size(u)
       slope(k) = slope(k) + slope(k - 1)
       curvature(k) = curvature(k) + curvature(k - 1)
@@ -144,13 +152,21 @@ contains
     do
       step = max(step, parabola(above, slope(low), curvature(low), longest))
       if (low == 0) exit
-      above = above - sum(reach(low/2 + 1:low) + abs(u(low/2 + 1:low)), mask=self%turning(low/2 + 1:low))
+      above = above - sum(swing(low/2 + 1:low))
       low = low/2
       if (above < 0.0_dp) exit                     ! all the more without further parts
     end do
-    fast = maxval(self%rate, mask=.not. self%turning)
-    if (fast > 0.0_dp) step = min(step, quarter/fast)
+    step = min(step, self%quarter())
   end function safe_step
+
+  pure real(dp) function quarter(self)
+    !! Of the shortest time in which a part without amplitude changes.
+    class(signal_type), intent(in) :: self
+    real(dp) :: fast
+    fast = maxval(self%rate, mask=self%beta_squared%hi <= 0.0_dp)
+    quarter = huge(fast)
+    if (fast > 0.0_dp) quarter = 0.25_dp/max(fast, 1.0_dp/huge(fast))
+  end function quarter
 
   pure real(dp) function parabola(value, slope, curvature, longest) result(root)
     !! The first zero of value + slope h − ½ curvature h².
