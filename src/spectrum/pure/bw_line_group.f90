@@ -105,17 +105,43 @@ contains
     type(residual_type), intent(in) :: residual
     type(group_type), intent(inout) :: group
     type(group_type) :: start
+    complex(dp), allocatable :: image(:, :)
     real(dp) :: goal, left
     integer :: bins(2)
     start = group
     bins = band_of(group, residual%count)
     if (size(group%lines) > 0) then
       goal = goal_of(residual, group%lines, bins)
-      call fit_group(residual, group_image(residual, start%lines, bins), bins, goal, group%lines, left)
+      image = group_image(residual, start%lines, bins)
+      call fit_group(residual, image, bins, goal, group%lines, left)
+      if (left <= goal) call drop_needless(residual, image, bins, group%lines)
       if (left <= goal .or. size(group%peaks) == 0) return
     end if
     call grow(residual, start, group%lines)
   end subroutine refit_group
+
+  subroutine drop_needless(residual, image, bins, lines)
+    !! Leave out lines that the others do without: what was left while stronger lines were not at their places yet may have been
+    !! taken for a line beside one of them.
+    type(residual_type), intent(in) :: residual
+    complex(dp), intent(in) :: image(:, :)     !! that the lines explain, (bins, S)
+    integer, intent(in) :: bins(2)
+    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(line_type), allocatable :: trial(:)
+    real(dp) :: goal, left
+    integer :: i
+    i = 1
+    do while (i <= size(lines) .and. size(lines) > 1)
+      trial = [lines(:i - 1), lines(i + 1:)]
+      goal = goal_of(residual, trial, bins)
+      call fit_group(residual, image, bins, goal, trial, left)
+      if (left <= goal) then
+        call move_alloc(trial, lines)
+      else
+        i = i + 1
+      end if
+    end do
+  end subroutine drop_needless
 
   pure real(dp) function goal_of(residual, lines, bins)
     !! The length of the image's residual below which nothing is left to explain.

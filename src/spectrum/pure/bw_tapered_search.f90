@@ -23,7 +23,6 @@ module bw_tapered_search
     !! A peak where a further line has failed to help.
     integer :: bin = 0
     integer :: neighbours = 0                  !! lines near it then: a new one takes its leakage away
-    integer :: others = 0                      !! other peaks near it then: one that has gone, being none, spoils its fit no more
   end type closed_type
 
 contains
@@ -72,8 +71,7 @@ contains
     integer, allocatable :: open(:)
     logical :: holds(size(closed))
     integer :: i
-    holds = [(closed(i)%neighbours == near(closed(i)%bin, position) .and. &
-      & closed(i)%others < near(closed(i)%bin, real(peak, dp)), i=1, size(closed))]  ! the peak itself is one of them
+    holds = [(closed(i)%neighbours == near(closed(i)%bin, position), i=1, size(closed))]
     allocate (open, source=pack(peak, [(all(abs(closed%bin - peak(i)) > beside .or. .not. holds), i=1, size(peak))]))
   end function open_peaks
 
@@ -103,8 +101,7 @@ contains
       fitted = [fitted, group(i)%lines]
       if (size(group(i)%lines) > lines_before) cycle
       do j = 1, size(group(i)%peaks)
-        closed = [closed, closed_type(group(i)%peaks(j), near(group(i)%peaks(j), position_of(lines, residual%count)), &
-          & near(group(i)%peaks(j), real(peak, dp)) - 1)]
+        closed = [closed, closed_type(group(i)%peaks(j), near(group(i)%peaks(j), position_of(lines, residual%count)))]
       end do
     end do
     lines = fitted
