@@ -187,8 +187,7 @@ contains
   end subroutine grow
 
   subroutine try(residual, start, trial, lines, done)
-    !! Fit `trial` as steady lines, then with growth at 0 (a mode above its critical speed moves as e^(gt) and e^(−gt)
-    !! while all others are steady), then with growth everywhere; keep what was worth it.
+    !! Fit `trial` as steady lines, then as lines that grow or decay; keep what was worth it.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     type(line_type), intent(in) :: trial(:)
