@@ -29,8 +29,8 @@ module bw_signal
 contains
 
   pure type(signal_type) function signal_of(parts, sum_of, state, order) result(signal)
-    !! A sum over oscillators from a state on, in a unit that keeps squares in range. What rounding leaves of derivatives that
-    !! are zero is taken off.
+    !! A sum over oscillators from a state on, in a unit that keeps squares in range. Where the slope is zero, what
+    !! rounding leaves of it is taken off.
     class(oscillators), intent(in) :: parts
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(in) :: state
@@ -42,7 +42,7 @@ contains
     signal%order = order
     signal%u = sum_of%a*state%u + sum_of%b*state%v
     signal%u_dot = sum_of%a*state%v + sum_of%b*parts%accelerations(state%u, state%v)
-    if (order > 1) signal%u_dot(n) = -accurate_sum(signal%u_dot(:n - 1))
+    if (order > 2) signal%u_dot(n) = -accurate_sum(signal%u_dot(:n - 1))
     unit = scale(1.0_dp, exponent(maxval(abs(signal%u)) + maxval(abs(signal%u_dot))))
     signal%u = signal%u/unit
     signal%u_dot = signal%u_dot/unit
