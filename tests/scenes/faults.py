@@ -24,7 +24,10 @@ class Injector:
         counts = here.directory.with_name(here.directory.name + ".counts")
         counts.write_bytes(bytes(8 * len(KINDS)))
         environment = {**os.environ, **(here.environment or {})}
-        environment["LD_PRELOAD"] = str(self.library)
+        preloaded = counts.with_suffix(".so")  # the place of the build may hold spaces, at which the list is divided
+        if not preloaded.is_symlink():
+            preloaded.symlink_to(self.library)
+        environment["LD_PRELOAD"] = str(preloaded)
         environment["BEAMWAVE_FAULT_COUNTS"] = str(counts)
         environment["BEAMWAVE_FAULT_UNDER"] = str(here.directory)
         if fault:
