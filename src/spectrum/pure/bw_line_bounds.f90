@@ -121,9 +121,12 @@ contains
         line%steady = fitted(i)%steady
         line%strength = strength_of(fitted(i), residual%count)
         line%position_error = noise_times(deviation(2), noise(i)*residual%count/(2*pi))
-        direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/norm2(abs(c))
-        line%strength_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
+        line%strength_error = huge(1.0_dp)
         line%ratio_error = huge(1.0_dp)
+        if (any(abs(c) > 0)) then                    ! of lines at one place the fit may leave one without amplitude
+          direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/norm2(abs(c))
+          line%strength_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
+        end if
         if (abs(c(1)) > motionless*abs(c(2))) then
           call ratio_of(c, line%ratio, direction)
           line%ratio_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
