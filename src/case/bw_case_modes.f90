@@ -89,9 +89,12 @@ contains
     if (moves .and. allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/units%time%hi)
     call configuration%source%find(first_numbers(count), configuration%set, longest, monitor)
     if (monitor%stop_requested()) return
+    if (.not. configuration%set%resolved) then           ! of the modes that were not found nothing is known
+      if (modes%resolved) call note_unresolved(lost_mode, modes%notes)
+      modes%resolved = .false.
+      return
+    end if
     call configuration%set%forget_rigid_waves()
-    if (modes%resolved .and. .not. configuration%set%resolved) call note_unresolved(lost_mode, modes%notes)
-    modes%resolved = modes%resolved .and. configuration%set%resolved
     if (.not. moves) return
     call note_coupling(scene, units, configuration%set, modes%notes)
     call note_growth(units, configuration%set, modes%notes)

@@ -14,7 +14,7 @@ from extreme_scenes import extreme_text
 SCENES = int(os.environ.get("BEAMWAVE_SCENES", "48"))
 SEED = int(os.environ.get("BEAMWAVE_SEED", "1"))
 CHUNK = 24
-FOUND = [26, 95, 1411, 1417, 7000660, 7001665]  # of longer runs by hand, each a kind of its own
+FOUND = [26, 95, 1411, 1417, 3084, 7000660, 7001665]  # of longer runs by hand, each a kind of its own
 NO_NUMBER = re.compile(r"\b(NaN|Inf|Infinity)\b|\*{5}")
 RIGID = [1e60, 1e100, 1e140, 1e200, 1e290]
 BEAM = "&beam length=1, density=7870, youngs_modulus=2e11, diameter=0.037 /\n"
