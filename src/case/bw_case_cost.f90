@@ -23,6 +23,13 @@ module bw_case_cost
     real(dp) :: seconds = 0.0_dp                     !! of one
   end type term_type
 
+  enum, bind(c)                                      ! terms, in the order of the table
+    enumerator :: closed_modes = 1, piece_modes, unknowns_cubed, unknowns_squared, closed_places, other_places, capture_pairs
+    enumerator :: plans, closed_releases, other_releases, contacts, plain_sums, damped_sums, error_estimates, transforms
+    enumerator :: line_searches, line_samples, numbers_term, cases_term, run_term
+  end enum
+  public :: numbers_term, cases_term, run_term
+
   ! Fitted: bench/cost prints these lines.
   type(term_type), parameter :: term(*) = [ &
     term_type(modes_share, 6.0e-8_dp), &             !! a mode in closed form
@@ -46,7 +53,6 @@ module bw_case_cost
     term_type(whole_run, 3.8e-6_dp), &               !! a case
     term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
   integer, parameter, public :: term_count = size(term)
-  integer, parameter, public :: numbers_term = term_count - 2, cases_term = term_count - 1, run_term = term_count
 
 contains
 
@@ -90,25 +96,28 @@ contains
     if (planning) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
     counts = 0.0_dp
     if (closed) then
-      counts(1) = found
+      counts(closed_modes) = found
     else if (by_pieces(scene)) then
-      counts(2) = found*pieces
+      counts(piece_modes) = found*pieces
     else
-      counts(3:4) = galerkin_counts(scene, before, after, planning)
+      counts([unknowns_cubed, unknowns_squared]) = galerkin_counts(scene, before, after, planning)
     end if
-    if (allocated(scene%impact) .and. .not. planning) counts(merge(5, 6, closed)) = before*scene%impact%profile_points
-    if (allocated(scene%capture) .and. .not. (planning .or. closed)) counts(7) = merge(2, 1, comes_back(scene))*before*after
-    if (planning) counts(8) = 1.0_dp
-    if (comes_back(scene) .and. (planning .or. closed)) counts(merge(9, 10, closed)) = max(moving, before)*moving
-    if (allocated(scene%recontact)) counts(11) = scene%recontact%max_contacts*before
+    if (allocated(scene%impact) .and. .not. planning) &
+      & counts(merge(closed_places, other_places, closed)) = before*scene%impact%profile_points
+    if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
+      & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
+    if (planning) counts(plans) = 1.0_dp
+    if (comes_back(scene) .and. (planning .or. closed)) &
+      & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
+    if (allocated(scene%recontact)) counts(contacts) = scene%recontact%max_contacts*before
     if (.not. allocated(scene%response)) return
     associate (response => scene%response, points => size(scene%response%points))
-      counts(merge(13, 12, allocated(scene%damping))) = seconds_of_sums(scene, moving)
-      counts(14) = moving*points
+      counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
+      counts(error_estimates) = moving*points
       if (.not. allocated(scene%spectrum)) return
-      counts(15) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points
-      counts(16) = 1.0_dp
-      counts(17) = response%samples*min(moving, 200.0_dp)
+      counts(transforms) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points
+      counts(line_searches) = 1.0_dp
+      counts(line_samples) = response%samples*min(moving, 200.0_dp)
     end associate
   end function case_counts
 
@@ -120,7 +129,7 @@ contains
     shared = .false.
     impact = position_of(scene%groups, 'impact')
     if (changes_shapes(scene) .or. impact == 0) return
-    shared([1, 5]) = .not. scene%groups(impact)%changed
+    shared([closed_modes, closed_places]) = .not. scene%groups(impact)%changed
   end function shared_terms
 
   pure real(dp) function seconds_of_sums(scene, modes) result(seconds)

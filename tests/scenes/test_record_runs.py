@@ -133,6 +133,15 @@ def test_noise_alone_has_no_line_and_says_so(here):
     assert results.is_fill(result["measured_angular_frequency"]).all()
 
 
+def test_short_records_of_any_length_come_to_an_end(here):
+    """A drifting line is first looked at in a 64th of the record, which is less than a sample here."""
+    for samples in range(20, 100):
+        here.write("a.csv", text_of(samples, samples=samples))
+        here.write("a.nml", "&record file = 'a.csv' /\n&spectrum /\n")
+        ended = here.beamwave("run", "a.nml", "--overwrite", "--max-seconds", "20")
+        assert ended.returncode in (0, 4), f"{samples} samples: {ended.stderr}"
+
+
 def test_uneven_times_are_taken_as_they_are(here):
     dice = np.random.default_rng(7)
     times = (np.arange(700) + dice.uniform(-0.2, 0.2, 700)) / RATE

@@ -146,7 +146,7 @@ contains
       type(refit_type) :: found
       integer :: window
       lines = start
-      window = nint(span)/first_window
+      window = max(1, nint(span)/first_window)
       do while (2*window < span)
         call refit(model, own, lines, trial_steps, found, window)
         lines = found%lines
