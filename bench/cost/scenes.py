@@ -115,6 +115,14 @@ def waves(dice: Dice) -> Groups:
     return [*dice.captured(), *modes, *record, ("spectrum", {})]
 
 
+def spectra(dice: Dice) -> Groups:
+    """Amplitudes alone: of places where no waves are measured."""
+    record = dice.response(1e4)
+    record[0][1]["points"] = [0.4, 0.9]
+    sweep = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": dice.size(10, 1000)}
+    return [*dice.captured(), *dice.counts(5, 100), *record, ("spectrum", {}), ("sweep", sweep)]
+
+
 def swept(dice: Dice) -> Groups:
     few = [*dice.captured(), ("rotation", {"angular_velocity": 0.0}), *dice.counts(5, 100)]
     if dice.chance(0.6):
@@ -143,6 +151,7 @@ KINDS: dict[str, Callable[[Dice], Groups]] = {
         struck_again,
         rebound,
         waves,
+        spectra,
         swept,
     )
 }

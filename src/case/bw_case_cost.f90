@@ -25,7 +25,7 @@ module bw_case_cost
 
   enum, bind(c)                                      ! terms, in the order of the table
     enumerator :: closed_modes = 1, piece_modes, unknowns_cubed, unknowns_squared, closed_places, other_places, capture_pairs
-    enumerator :: plans, closed_releases, other_releases, contacts, plain_sums, damped_sums, error_estimates, transforms
+    enumerator :: plans, closed_releases, other_releases, contacts, plain_sums, damped_sums, error_estimates, search_transforms
     enumerator :: line_searches, line_samples, numbers_term, cases_term, run_term
   end enum
   public :: numbers_term, cases_term, run_term
@@ -46,7 +46,7 @@ module bw_case_cost
     term_type(histories_share, 0.90_dp), &           !! a second of the sums' own model
     term_type(histories_share, 3.3_dp), &            !! the same of damped modes
     term_type(histories_share, 6.6e-8_dp), &         !! a mode at a point, where its error is estimated
-    term_type(spectrum_share, 2.7e-8_dp), &          !! a sample and octave of a Fourier transform
+    term_type(spectrum_share, 2.7e-8_dp), &          !! a sample and octave of the transforms that a search takes
     term_type(spectrum_share, 4.7e-2_dp), &          !! a search for lines
     term_type(spectrum_share, 9.6e-9_dp), &          !! a line in a sample
     term_type(whole_run, 3.1e-8_dp), &               !! a number of the result
@@ -115,7 +115,8 @@ contains
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
       counts(error_estimates) = moving*points
       if (.not. allocated(scene%spectrum)) return
-      counts(transforms) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points
+      if (.not. (any(response%points == 0.5_dp) .and. any(response%points == 1.0_dp))) return   ! waves are measured there
+      counts(search_transforms) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points
       counts(line_searches) = 1.0_dp
       counts(line_samples) = response%samples*min(moving, 200.0_dp)
     end associate
