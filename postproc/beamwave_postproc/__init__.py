@@ -3,6 +3,7 @@
 from .compare import compare
 from .draw.campbell import campbell
 from .draw.effect_table import changes
+from .draw.frequency_response import frequency_response
 from .draw.history import bending_moment, displacement, velocity
 from .draw.impulses import impulses
 from .draw.jump import velocity_jump
@@ -44,6 +45,7 @@ __all__ = [
     "compare",
     "dispersion",
     "displacement",
+    "frequency_response",
     "group_velocity",
     "identified",
     "impulses",

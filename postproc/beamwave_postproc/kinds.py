@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from .draw import (
     campbell,
     effect_table,
+    frequency_response,
     history,
     impulses,
     jump,
@@ -50,6 +51,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "wavenumber_spectrum": wavenumber.wavenumber_spectrum,
     "spectrogram": spectrogram.spectrogram,
     "spectrum": spectrum.spectrum,
+    "frequency_response": frequency_response.frequency_response,
     **{f"measured_{name}": partial(measured.measured, name=name) for name in measured.QUANTITIES},
     "record_fit": record_fit.record_fit,
     "record_spectrum": record_spectrum.record_spectrum,

@@ -13,6 +13,7 @@ from beamwave_postproc import KINDS, cli, open_result, paper
 PACKAGE = Path(__file__).parents[1]
 # Pictures of other files: sweeps, studies, records, bounces, and histories along the whole beam.
 ELSEWHERE = {
+    "frequency_response",
     "campbell",
     "sweep_map",
     "impulses",

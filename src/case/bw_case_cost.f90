@@ -1,22 +1,24 @@
 module bw_case_cost
   !! What a case costs: seconds of its stages, a sum of counts that are known before it is run, each times the seconds of one; and
   !! bytes of its modes. It divides a progress bar, and tells what `check` says. Seconds are those of one core, within a factor of 3.
+  use bw_case_frequency, only: modes_of_answer
   use bw_case_modes, only: first_modes, most_to_tolerance
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: sum_tolerance
-  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_scene, only: answers_by_modes, by_pieces, changes_shapes, scene_type
   use bw_sum_choice, only: sum_seconds
   use bw_timeline, only: comes_back
   implicit none (type, external)
   private
   public :: case_bytes, case_counts, case_shares, modes_seconds, seconds_of, shared_terms, stage_part
 
-  integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5
+  integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5, &
+    answer_share = 6
     !! events at t = 0, and later ones
-  integer, parameter :: shares = 5, whole_run = 6
+  integer, parameter :: shares = 6, whole_run = 7
 
   type :: term_type
     integer :: stage = 0
@@ -26,7 +28,7 @@ module bw_case_cost
   enum, bind(c)                                      ! terms, in the order of the table
     enumerator :: closed_modes = 1, piece_modes, unknowns_cubed, unknowns_squared, closed_places, other_places, capture_pairs
     enumerator :: plans, closed_releases, other_releases, contacts, plain_sums, damped_sums, error_estimates, search_transforms
-    enumerator :: line_searches, line_samples, numbers_term, cases_term, run_term
+    enumerator :: line_searches, line_samples, answers, modal_answers, numbers_term, cases_term, run_term
   end enum
   public :: numbers_term, cases_term, run_term
 
@@ -49,6 +51,8 @@ module bw_case_cost
     term_type(spectrum_share, 2.7e-8_dp), &          !! a sample and octave of the transforms that a search takes
     term_type(spectrum_share, 4.7e-2_dp), &          !! a search for lines
     term_type(spectrum_share, 9.6e-9_dp), &          !! a line in a sample
+    term_type(answer_share, 1.0e-6_dp), &            !! a piece and point at a frequency of a harmonic force
+    term_type(answer_share, 1.0e-8_dp), &            !! a mode and point there
     term_type(whole_run, 3.1e-8_dp), &               !! a number of the result
     term_type(whole_run, 3.8e-6_dp), &               !! a case
     term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
@@ -110,6 +114,12 @@ contains
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
     if (allocated(scene%recontact)) counts(contacts) = scene%recontact%max_contacts*before
+    if (allocated(scene%frequency_response)) then
+      associate (asked => scene%frequency_response)
+        counts(answers) = size(asked%frequency)*(pieces + size(asked%points))
+        if (answers_by_modes(scene)) counts(modal_answers) = 2.0_dp*size(asked%frequency)*size(asked%points)*modes_of_answer
+      end associate
+    end if
     if (.not. allocated(scene%response)) return
     associate (response => scene%response, points => size(scene%response%points))
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)

@@ -81,6 +81,12 @@ module bw_case_result
     logical :: missed = .false.                       !! a tolerance, by the estimate or by the bound
   end type history_errors
 
+  type, public :: answer_type
+    !! How points answer to a harmonic force, SI units over N.
+    complex(dp), allocatable :: value(:, :)         !! (frequencies, points)
+    real(dp), allocatable :: error(:)               !! estimate of the largest error; unallocated where only rounding limits it, (points)
+  end type answer_type
+
   type, public :: case_spectrum
     real(dp), allocatable :: amplitude(:, :)        !! m, (frequencies, points)
     type(measured_type), allocatable :: measured    !! waves, SI
@@ -115,6 +121,7 @@ module bw_case_result
     type(segment_type), allocatable :: segments(:)    !! of the motion, in the order of time
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
+    type(answer_type), allocatable :: answer          !! to a harmonic force
     type(measured_type), allocatable :: measured      !! SI
     type(record_result), allocatable :: record        !! of a record
     integer :: status = case_done

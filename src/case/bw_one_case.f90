@@ -6,6 +6,7 @@ module bw_one_case
   use bw_beam_units, only: units_of
   use bw_case_drift, only: drift_errors
   use bw_case_errors, only: drop_errors, estimate_errors
+  use bw_case_frequency, only: find_frequency_response
   use bw_case_histories, only: sum_histories, sums_of_segment
   use bw_case_modes, only: case_mode_cache, find_modes
   use bw_case_moments, only: find_moments
@@ -13,7 +14,7 @@ module bw_one_case
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_undecided
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
-  use bw_case_cost, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
+  use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
   use bw_initial_state, only: initial_state_cache
@@ -148,6 +149,12 @@ contains
       call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum)
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
+    end if
+    if (allocated(scene%frequency_response)) then
+      part = stage_part(monitor, share, answer_share)
+      call find_frequency_response(scene, motion, part, cache%modes, result%answer, motion%notes)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_response)
     end if
     whole = .true.
     result%profile_points = layout%profile

@@ -4,7 +4,7 @@ module bw_result_layout
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_start
   use bw_record, only: sensor_type
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_scene, only: answers_by_modes, changes_shapes, scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
@@ -13,9 +13,9 @@ module bw_result_layout
   private
   public :: layout_of, has, dimension_length
 
-  character(*), parameter, public :: dimension_names(*) = [character(16) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'body', 'unknown', 'unknown_too', 'letter', &
-    'parameter_letter', 'note_letter', 'stage']
+  character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
+    'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'body', 'unknown', &
+    'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage']
 
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
@@ -48,6 +48,9 @@ module bw_result_layout
     integer :: points = 0
     integer :: samples = 0
     integer :: frequencies = 0
+    integer :: answer_frequencies = 0 !! of a harmonic force
+    character(12) :: answer = ''      !! quantity that answers to it
+    logical :: by_modes = .false.     !! the answer is a sum of modes, and has an error
     integer :: peaks = 0
     integer :: pieces = 0             !! of a beam that has several
     integer :: bodies = 0
@@ -92,6 +95,12 @@ contains
       layout%events = most_events(scene, largest(scene, 'recontact', 'max_contacts', scene%recontact%max_contacts))
     else
       layout%events = most_events(scene, 0)
+    end if
+    if (allocated(scene%frequency_response)) then
+      layout%points = size(scene%frequency_response%points)
+      layout%answer_frequencies = size(scene%frequency_response%frequency)
+      layout%answer = scene%frequency_response%quantity
+      layout%by_modes = answers_by_modes(scene)
     end if
     if (.not. allocated(scene%response)) return
     layout%points = size(scene%response%points)
@@ -156,6 +165,7 @@ contains
     case ('point'); length = layout%points
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
+    case ('response_frequency'); length = layout%answer_frequencies
     case ('peak'); length = layout%peaks
     case ('window'); length = layout%windows
     case ('candidate'); length = layout%candidates
@@ -204,7 +214,8 @@ contains
     case ('mode_shapes'); there = layout%mode_shapes
     case ('model'); there = layout%modelled
     case ('record'); there = layout%of_record
-    case ('simulated'); there = .not. layout%of_record
+    case ('simulated'); there = layout%samples > 0 .and. .not. layout%of_record
+    case ('by_modes'); there = layout%by_modes
     case ('places')                           ! the points have places along the beam
       there = .not. layout%of_record
       if (allocated(layout%record)) there = layout%record%placed

@@ -7,6 +7,7 @@ module bw_report
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, table_of, text_table
   use bw_event, only: event_words, release_event
+  use bw_frequency_report, only: report_answer
   use bw_history_report, only: report_histories, report_measured
   use bw_missing, only: is_missing, missing, scaled
   use bw_note, only: is_remark, unmarked
@@ -35,6 +36,8 @@ contains
     call report_modes(scene, result, lines)
     if (allocated(result%impact)) call report_impact(scene, result, lines)
     if (allocated(result%response)) call report_histories(scene, result, lines)
+    if (allocated(result%answer)) call report_answer(scene%frequency_response, allocated(scene%damping), &
+                                                     result%answer, lines)
     if (allocated(result%measured)) call report_measured(result, lines)
     text = lines%text()
   end function case_report

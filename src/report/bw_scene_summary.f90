@@ -11,7 +11,7 @@ module bw_scene_summary
   use bw_result_draft, only: result_draft
   use bw_result_layout, only: result_layout
   use bw_result_table, only: most_waiting
-  use bw_scene, only: by_pieces, count_methods, effect_names, effects_text, scene_type
+  use bw_scene, only: answers_by_modes, by_pieces, count_methods, effect_names, effects_text, scene_type
   use bw_scene_cases, only: case_count
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -54,6 +54,7 @@ contains
       call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
+    if (allocated(scene%frequency_response)) call lines%append_line('  harmonic   '//harmonic_text(scene))
     call lines%append(unknowns_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
     hints = .not. allocated(scene%record)
@@ -122,6 +123,23 @@ contains
     end associate
     if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
   end function response_text
+
+  function harmonic_text(scene) result(text)
+    !! The response to a harmonic force, and what it follows from.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    associate (asked => scene%frequency_response)
+      text = text_of(size(asked%frequency))//' frequencies from '//shortest(asked%frequency(1), 6)//' to '// &
+        shortest(asked%frequency(size(asked%frequency)), 6)//' Hz, force at xi = '// &
+        scene%groups(position_of(scene%groups, 'frequency_response'))%number_or_swept('position', '', digits=15)//', '// &
+        asked%quantity//' at '//places_text(asked%points)
+    end associate
+    if (answers_by_modes(scene)) then
+      text = text//', by modes'
+    else
+      text = text//', exact'
+    end if
+  end function harmonic_text
 
   pure function places_text(points) result(text)
     !! Where the histories are: each place, of many how many there are.

@@ -80,7 +80,7 @@ contains
       n = min(at_once, size(statuses) - first + 1)
       call draft%get_column(draft%variable('angular_frequency'), 1, int(first, i8), frequency(:n))
       displacement(:n) = missing
-      do p = 1, draft%layout%points
+      do p = 1, merge(draft%layout%points, 0, draft%layout%samples > 0)
         call draft%get_column(draft%variable('largest_displacement'), p, int(first, i8), at_point(:n))
         where (is_missing(displacement(:n)) .or. (at_point(:n) > displacement(:n) .and. .not. is_missing(at_point(:n)))) &
           displacement(:n) = at_point(:n)

@@ -2,7 +2,7 @@ module bw_case_rows
   !! What a result holds of a case: a row for each variable, with its values in SI. A case itself has its masses in m_i and its
   !! velocities in the approach velocity V.
   use bw_beam_units, only: beam_units, in_joules, in_newton_seconds
-  use bw_case_result, only: case_result
+  use bw_case_result, only: answer_type, case_result
   use bw_event, only: event_type, event_words
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -48,6 +48,7 @@ contains
     call history_rows(table, result%response)
     if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
       call table%put_columns(result%amplitude)
+    call answer_rows(table, result%answer)
     call measured_rows(table, result%measured)
     if (table%layout%of_record) call record_rows(table, result%record)
     if (table%whole_row('mode_count', '', 'number of modes', needs='mode')) call table%put([result%mode_count])
@@ -186,6 +187,26 @@ contains
     if (table%real_row('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi''', &
                        needs='bending_moment')) call table%put_columns(response%bending_moment)
   end subroutine history_rows
+
+  subroutine answer_rows(table, answer)
+    !! The response to a harmonic force.
+    class(result_table), intent(inout) :: table
+    type(answer_type), intent(in), optional :: answer
+    character(*), parameter :: name = 'frequency_response_', of_answer = ' of the response to a force of 1 N: the '
+    character(:), allocatable :: unit, quantity
+    quantity = trim(table%layout%answer)
+    select case (quantity)
+    case ('velocity'); unit = 'm s-1 N-1'
+    case ('acceleration'); unit = 'm s-2 N-1'
+    case default; unit = 'm N-1'
+    end select
+    if (table%real_row(name//'real', 'point response_frequency', unit, 'real part'//of_answer//quantity)) &
+      call table%put_columns(answer%value%re)
+    if (table%real_row(name//'imag', 'point response_frequency', unit, 'imaginary part'//of_answer//quantity)) &
+      call table%put_columns(answer%value%im)
+    if (table%real_row(name//'error', 'point', unit, estimate_of//'response to a harmonic force', needs='by_modes')) &
+      call table%put(answer%error)
+  end subroutine answer_rows
 
   pure function largest_of(histories) result(largest)
     !! The largest magnitude that is known at each point; missing where none is.

@@ -70,7 +70,7 @@ contains
       call count_row(table, 'point', 'number of the sensor')
     else if (table%real_row('point_position', 'point', '1', along, is_complete=.true.)) then
       if (of_record) call table%put(table%layout%record%sensors%position)
-      if (.not. of_record) call table%put(scene%response%points)
+      if (.not. of_record) call table%put(points_of(scene))
     end if
     if (table%real_row('profile_position', 'profile', '1', along, is_complete=.true.)) &
       call table%put([(real(j, dp)/(table%layout%profile - 1), j=0, table%layout%profile - 1)])
@@ -83,8 +83,21 @@ contains
       if (of_record) call table%put(table%layout%record%frequencies)
       if (.not. of_record) call table%put(frequency_axis(scene%response%samples, scene%response%duration))
     end if
+    if (table%real_row('response_frequency', 'response_frequency', 'Hz', 'frequency of the harmonic force', is_complete=.true.)) &
+      call table%put(scene%frequency_response%frequency)
     if (allocated(table%layout%record)) call sensor_rows(table, table%layout%record%sensors)
   end subroutine coordinate_rows
+
+  pure function points_of(scene) result(points)
+    !! Where histories are wanted, or the answer to a force; both have the same points.
+    type(scene_type), intent(in) :: scene
+    real(dp), allocatable :: points(:)
+    if (allocated(scene%response)) then
+      points = scene%response%points
+    else
+      points = scene%frequency_response%points
+    end if
+  end function points_of
 
   subroutine count_row(table, name, long_name, words)
     !! A coordinate that counts from 1.

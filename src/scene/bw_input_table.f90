@@ -6,6 +6,7 @@ module bw_input_table
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
   use bw_damping_par, only: damping_group, damping_names
+  use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
   use bw_identify_par, only: identify_group, identify_names
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, is_sweepable, name_length
@@ -41,6 +42,7 @@ module bw_input_table
     recontact_group, &
     modes_group, &
     response_group, &
+    frequency_response_group, &
     record_group, &
     spectrum_group, &
     identify_group, &
@@ -61,6 +63,7 @@ module bw_input_table
     recontact_names, &
     modes_names, &
     response_names, &
+    frequency_response_names, &
     record_names, &
     spectrum_names, &
     identify_names, &

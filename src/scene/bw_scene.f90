@@ -4,7 +4,9 @@ module bw_scene
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
   use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
-  use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, complete_damping
+  use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
+  use bw_frequency_response_par, only: build_frequency_response, check_frequency_response, complete_frequency_response, &
+    frequency_response_par
   use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_name, only: is_simulated
@@ -27,7 +29,7 @@ module bw_scene
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
-  public :: by_pieces, changes_shapes, count_methods, effect_names, effects_text, has_parts, is_built_up, &
+  public :: answers_by_modes, by_pieces, changes_shapes, count_methods, effect_names, effects_text, has_parts, is_built_up, &
     method_name
 
   type, public :: scene_type
@@ -48,6 +50,7 @@ module bw_scene
     type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
     type(modes_par) :: modes                      !! &modes, always complete
     type(response_par), allocatable :: response   !! &response; absent: no time history
+    type(frequency_response_par), allocatable :: frequency_response   !! &frequency_response; absent: none
     type(record_par), allocatable :: record       !! &record; absent: histories are simulated
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
     type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 where nothing is fitted
@@ -103,6 +106,7 @@ contains
     case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
     case ('modes'); scene%modes = build_modes(scene%groups(g))
     case ('response'); scene%response = build_response(scene%groups(g))
+    case ('frequency_response'); scene%frequency_response = build_frequency_response(scene%groups(g))
     case ('record'); scene%record = build_record(scene%groups(g))
     case ('spectrum'); scene%spectrum = build_spectrum(scene%groups(g))
     case default                                   ! the beam was built before
@@ -144,6 +148,7 @@ contains
     type(message_list), intent(inout) :: messages
     call check_shear(groups, messages)
     call check_spectrum(groups, messages)
+    call check_frequency_response(groups, messages)
   end subroutine check_rules_together
 
   pure subroutine complete_groups(groups, messages)
@@ -157,6 +162,7 @@ contains
       select case (groups(g)%group)
       case ('damping'); call complete_damping(groups(g))
       case ('shear'); call complete_shear(groups)
+      case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('record'); call complete_record(groups, messages)
       case ('modes')
         struck = position_of(groups, 'impact') > 0
@@ -292,6 +298,14 @@ contains
     type(scene_type), intent(in) :: scene
     by_pieces = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
   end function by_pieces
+
+  pure logical function answers_by_modes(scene) result(by_modes)
+    !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, and with a ratio of
+    !! damping that all modes share.
+    type(scene_type), intent(in) :: scene
+    by_modes = allocated(scene%stiffening)
+    if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
+  end function answers_by_modes
 
   pure logical function has_parts(scene)
     !! The beam is more than one piece, clamped, with nothing attached to it.

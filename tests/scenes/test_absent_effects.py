@@ -14,6 +14,7 @@ SOURCE = Path(__file__).parents[2] / "src"
 ABSENT = {
     "stiffening": ["bw_varying_beam", "bw_tension_layers"],
     "damping": ["bw_damping", "bw_damped_modes"],
+    "frequency response": ["bw_forced_beam"],
     "release": ["bw_release", "bw_projection"],
     "recontact": [
         *("bw_recontact", "bw_contact_motion", "bw_contact_segments", "bw_contact_modes"),

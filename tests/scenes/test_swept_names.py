@@ -5,7 +5,8 @@ import re
 import pytest
 from workplace import PAPER_BEAM, captured_beam, example, namelist
 
-SETS_AXES = {"response", "spectrum", "sweep"}  # groups, and one name beside them
+SETS_AXES = {"response", "spectrum", "sweep"}  # groups, and names beside them
+AXES = {"impact%profile_points", *(f"frequency_response%{name}" for name in ("points", "first", "last", "count"))}
 SETS_AXES |= {"record", "identify"}
 OF_RECORDS = {"record%start", "record%end", "spectrum%confidence", "spectrum%false_alarm"}  # swept all the same: test_record_runs
 RESPONSE = {"duration": 0.02, "samples": 16, "points": [1.0]}
@@ -49,6 +50,7 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "body%stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e3]),
     "body%rotational_stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e2]),
     "impact%position": (CAPTURE, [0.7, 1.0]),
+    "frequency_response%position": ({**CAPTURE, "frequency_response": {"first": 10.0, "last": 99.0, "count": 5}}, [0.7, 1.0]),
 }
 
 
@@ -65,7 +67,7 @@ def described(shared):
 
 
 def is_swept(name, kind):
-    return kind in {"real", "real or list", "whole number"} and name.split("%")[0] not in SETS_AXES and name != "impact%profile_points"
+    return kind in {"real", "real or list", "whole number"} and name.split("%")[0] not in SETS_AXES and name not in AXES
 
 
 def with_value(scene, name, value):

@@ -16,7 +16,7 @@ FEW = 4  # swept values that are listed, and bodies that are told one by one
 DIGITS, WHOLE = 6, 15  # of an input that is a real number, and of a whole one
 MOST = 8  # values of a list, before its middle is left out
 WORDS = {"plane": {"out": "out of plane", "in": "in plane"}}  # of inputs that are told by a word of their own
-ELSEWHERE = ("scene", "modes", "sweep")  # groups that the title, the count of modes and the swept inputs tell
+ELSEWHERE = ("scene", "modes", "sweep", "frequency_response")  # groups that title, notes, axes and swept inputs tell
 QUIET = ("profile_points", "max_contacts", "shear_coefficient")  # told where they are given, and not by default
 DEFAULTS = {"impact_position": 1.0}  # as most inputs do by 0, these say nothing by this value
 

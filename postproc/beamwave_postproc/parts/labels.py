@@ -54,6 +54,7 @@ QUANTITIES = {
     "event_impulse": "Impulse on the beam",
     "time": "Time $t$",
     "frequency": "Frequency",
+    "response_frequency": "Frequency",
     "point_position": r"Position along the beam $\xi = x/l$",
     "profile_position": r"Position along the beam $\xi = x/l$",
 }

@@ -8,7 +8,7 @@ module bw_sweep_par
   use bw_text, only: lower
   implicit none (type, external)
   private
-  public :: build_sweep, check_sweep, sweep_lines
+  public :: spaced, build_sweep, check_sweep, sweep_lines
 
   type, public :: sweep_par
     character(:), allocatable :: parameter   !! 'group%name', in lower case

@@ -1,0 +1,246 @@
+module bw_case_frequency
+  !! The frequency response of a case. Undamped and with Rayleigh's damping it follows from the boundary problem, without modes
+  !! (bw_forced_beam). A ratio that all modes share, and tension, have modes alone:
+  !!
+  !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ),
+  !!
+  !! r being what the n modes lack of the boundary problem's answer without tension, damped as the highest of them. It has no
+  !! poles near Ω, so that it is the mean of its values above and below the axis, where neither part of it has any. What r takes
+  !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much.
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use bw_case_modes, only: case_mode_cache, extend_source
+  use bw_case_result, only: answer_type, case_motion
+  use bw_constants, only: two_pi
+  use bw_damping, only: law_of
+  use bw_forced_beam, only: forced_beam
+  use bw_kinds, only: dp
+  use bw_missing, only: missing
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_monitor, only: monitor_type
+  use bw_piece_source, only: source_of_pieces
+  use bw_scene, only: answers_by_modes, scene_type
+  use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_segment, only: together
+  use bw_text, only: append, shortest, string
+  implicit none (type, external)
+  private
+  public :: find_frequency_response
+
+  integer, parameter, public :: modes_of_answer = 64 !! at least
+  integer, parameter :: most_modes = 512
+  real(dp), parameter :: beyond = 4.0_dp             !! times the highest frequency that modes reach, where they can be had
+  real(dp), parameter :: off_axis = 0.01_dp          !! of Ω², by which r is looked at beside the axis, whose square its error is; tuned
+  integer, parameter :: at_once = 256                !! frequencies between two looks at the clock
+
+  type :: modal_terms
+    !! What modes are summed by.
+    real(dp), allocatable :: weight(:, :)            !! Φ_k(ξ)Φ_k(ξ_f)/M_k, (modes, points)
+    real(dp), allocatable :: square(:)               !! β_k²
+    real(dp), allocatable :: damping(:)              !! c_k
+  end type modal_terms
+
+contains
+
+  subroutine find_frequency_response(scene, motion, monitor, cache, answer, notes)
+    !! The answer of all points at all frequencies, in SI units.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion       !! whose modes may become more
+    class(monitor_type), intent(inout) :: monitor    !! the answer means nothing where it asks to stop
+    type(case_mode_cache), intent(inout) :: cache
+    type(answer_type), allocatable, intent(out) :: answer
+    type(string), allocatable, intent(inout) :: notes(:)
+    type(forced_beam) :: forced
+    type(struck_beam) :: pieces
+    real(dp), allocatable :: omega(:)                ! in h/l²
+    complex(dp), allocatable :: factor(:)
+    allocate (answer)
+    pieces = pieces_of(scene, motion%units, motion%modes%moving == together)
+    associate (asked => scene%frequency_response)
+      omega = two_pi*asked%frequency*motion%units%time%hi
+      call forced%place(pieces%beam, asked%position, asked%points)
+      allocate (answer%value(size(omega), size(asked%points)))
+      factor = factors_of(asked%quantity, two_pi*asked%frequency, motion%units%time%hi**2/motion%units%mass)
+    end associate
+    if (answers_by_modes(scene)) then
+      call by_modes(scene, motion, pieces, forced, omega, factor, monitor, cache, answer)
+    else
+      call by_boundary(scene, motion, forced, omega, factor, monitor, answer%value)
+    end if
+    if (monitor%stop_requested()) return
+    call keep_numbers(answer%value)
+    if (allocated(answer%error)) call note_error(answer, notes)
+  end subroutine find_frequency_response
+
+  subroutine by_boundary(scene, motion, forced, omega, factor, monitor, value)
+    !! Exactly.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(forced_beam), intent(inout) :: forced
+    real(dp), intent(in) :: omega(:)
+    complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
+    class(monitor_type), intent(inout) :: monitor
+    complex(dp), intent(out) :: value(:, :)          !! (frequencies, points)
+    real(dp) :: mass, stiffness
+    integer :: j
+    mass = 0.0_dp
+    stiffness = 0.0_dp
+    if (allocated(scene%damping)) then
+      associate (law => law_of(scene%damping, motion%units))
+        mass = law%mass
+        stiffness = law%stiffness
+      end associate
+    end if
+    do j = 1, size(omega)
+      if (mod(j, at_once) == 0) then
+        call monitor%advance(real(j, dp)/size(omega))
+        if (monitor%stop_requested()) return
+      end if
+      call forced%respond(cmplx(omega(j)**2, -omega(j)*mass, dp), cmplx(0.0_dp, omega(j)*stiffness, dp), value(j, :))
+      value(j, :) = factor(j)*value(j, :)
+    end do
+  end subroutine by_boundary
+
+  subroutine by_modes(scene, motion, pieces, forced, omega, factor, monitor, cache, answer)
+    !! By all modes that are found, and once more by half of them.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(struck_beam), intent(in) :: pieces
+    type(forced_beam), intent(inout) :: forced
+    real(dp), intent(in) :: omega(:)
+    complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
+    class(monitor_type), intent(inout) :: monitor
+    type(case_mode_cache), intent(inout) :: cache
+    type(answer_type), intent(inout) :: answer
+    type(modal_terms) :: own, plain
+    class(mode_source), allocatable :: untensioned
+    class(mode_set), allocatable :: set
+    complex(dp) :: half(size(answer%value, 2))
+    integer :: j, n
+    call find_enough(scene, motion, omega(size(omega)), monitor, cache, set)
+    if (monitor%stop_requested()) return
+    allocate (answer%error(size(half)), source=missing)
+    answer%value = cmplx(missing, missing, dp)
+    if (.not. set%resolved) return
+    n = set%count
+    own = terms_of(scene, set)
+    if (allocated(scene%stiffening)) then
+      allocate (untensioned, source=source_of_pieces(pieces))
+      call untensioned%find(first_numbers(n), set, monitor=monitor)
+      if (monitor%stop_requested() .or. .not. set%resolved) return
+      plain = terms_of(scene, set)
+    else
+      plain = own
+    end if
+    answer%error = 0.0_dp
+    do j = 1, size(omega)
+      if (mod(j, at_once) == 0) then
+        call monitor%advance(real(j, dp)/size(omega))
+        if (monitor%stop_requested()) return
+      end if
+      call sum_terms(own, plain, n, omega(j), forced, answer%value(j, :))
+      call sum_terms(own, plain, n/2, omega(j), forced, half)
+      answer%value(j, :) = factor(j)*answer%value(j, :)
+      answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half))
+    end do
+  end subroutine by_modes
+
+  subroutine find_enough(scene, motion, omega, monitor, cache, set)
+    !! Modes far beyond the highest frequency.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    real(dp), intent(in) :: omega                    !! the highest frequency
+    class(monitor_type), intent(inout) :: monitor
+    type(case_mode_cache), intent(inout) :: cache
+    class(mode_set), allocatable, intent(out) :: set
+    integer :: n
+    logical :: extended
+    associate (source => motion%modes%configuration(motion%modes%moving)%source)
+      n = modes_of_answer
+      do
+        if (source%highest < n) then
+          call extend_source(scene, motion%units, motion%modes%moving == together, monitor, source, extended, cache)
+          if (monitor%stop_requested()) return
+          if (extended) cycle
+        end if
+        n = min(n, source%highest)
+        call source%find(first_numbers(n), set, monitor=monitor)
+        if (monitor%stop_requested() .or. .not. set%resolved) return
+        if (set%beta_squared(n)%hi > (beyond*omega)**2 .or. n == min(source%highest, most_modes)) return
+        n = min(2*n, most_modes)
+      end do
+    end associate
+  end subroutine find_enough
+
+  type(modal_terms) function terms_of(scene, set) result(terms)
+    !! Of the modes of a set.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: set
+    real(dp) :: forced(set%count, 1)
+    integer :: p
+    forced = set%shapes([scene%frequency_response%position])
+    terms%weight = set%shapes(scene%frequency_response%points)
+    do p = 1, size(terms%weight, 2)
+      terms%weight(:, p) = terms%weight(:, p)*forced(:, 1)/set%modal_mass(:set%count)
+    end do
+    terms%square = set%beta_squared(:set%count)%hi
+    allocate (terms%damping(set%count), source=0.0_dp)
+    if (allocated(set%damping)) terms%damping = set%damping(:set%count)
+  end function terms_of
+
+  subroutine sum_terms(own, plain, n, omega, forced, value)
+    !! H of the first n modes.
+    type(modal_terms), intent(in) :: own, plain      !! as the beam is, and as the boundary problem has it
+    integer, intent(in) :: n
+    real(dp), intent(in) :: omega
+    type(forced_beam), intent(inout) :: forced
+    complex(dp), intent(out) :: value(:)             !! (points)
+    complex(dp) :: square(2), rest(size(value))
+    real(dp) :: damped
+    integer :: i
+    damped = own%damping(n)*omega
+    square = cmplx(omega**2, [off_axis*omega**2, -2.0_dp*damped - off_axis*omega**2], dp)
+    value = matmul(1.0_dp/cmplx(own%square(:n) - omega**2, own%damping(:n)*omega, dp), own%weight(:n, :))
+    do i = 1, 2
+      call forced%respond(square(i), (0.0_dp, 0.0_dp), rest)
+      value = value + 0.5_dp*(rest - matmul(1.0_dp/(plain%square(:n) - square(i)), plain%weight(:n, :)))
+    end do
+  end subroutine sum_terms
+
+  pure function factors_of(quantity, omega, flexibility) result(factor)
+    !! What makes SI units of displacements in l over forces in EI/l², (frequencies).
+    character(*), intent(in) :: quantity
+    real(dp), intent(in) :: omega(:)                 !! rad/s
+    real(dp), intent(in) :: flexibility              !! l³/EI, m/N
+    complex(dp) :: factor(size(omega))
+    select case (quantity)
+    case ('velocity'); factor = cmplx(0.0_dp, flexibility*omega, dp)
+    case ('acceleration'); factor = cmplx(-flexibility*omega**2, 0.0_dp, dp)
+    case default; factor = cmplx(flexibility, 0.0_dp, dp)
+    end select
+  end function factors_of
+
+  elemental subroutine keep_numbers(value)
+    !! What is no number is missing.
+    complex(dp), intent(inout) :: value
+    logical :: is_number
+    is_number = ieee_is_finite(value%re) .and. ieee_is_finite(value%im)
+    if (is_number) is_number = max(abs(value%re), abs(value%im)) < missing
+    if (.not. is_number) value = cmplx(missing, missing, dp)
+  end subroutine keep_numbers
+
+  subroutine note_error(answer, notes)
+    !! What modes leave open.
+    type(answer_type), intent(in) :: answer
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), parameter :: worth_saying = 0.01_dp
+    real(dp) :: largest
+    integer :: p
+    do p = 1, size(answer%error)
+      largest = maxval(abs(answer%value(:, p)), mask=abs(answer%value(:, p)) < missing)
+      if (answer%error(p) <= worth_saying*largest) cycle
+      call append(notes, 'frequency response: modes leave an error of about '//shortest(answer%error(p)/largest, 2)// &
+                  ' of its largest value at point '//shortest(real(p, dp), 3))
+    end do
+  end subroutine note_error
+
+end module bw_case_frequency

@@ -1,0 +1,98 @@
+module bw_frequency_response_par
+  !! `&frequency_response`: how the beam answers to a harmonic force.
+  use bw_input_name, only: input_group, input_name, integer_input, number_range, positive, real_input, reals_input, text_input, &
+    unit_interval
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  use bw_sweep_par, only: spaced
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: build_frequency_response, check_frequency_response, complete_frequency_response
+
+  type, public :: frequency_response_par
+    real(dp) :: position = 1.0_dp            !! ξ of the force
+    real(dp), allocatable :: points(:)       !! ξ in [0, 1] of the answer, no two the same, (points)
+    real(dp), allocatable :: frequency(:)    !! Hz, ascending, (frequencies)
+    character(:), allocatable :: quantity    !! displacement, velocity or acceleration
+  end type frequency_response_par
+
+  type(input_group), parameter, public :: frequency_response_group = input_group( &
+    'frequency_response', excludes='record', absent='none', &
+    rules='The response of `points` to a harmonic force of 1 N at `position`, its real and imaginary part: receptance, '// &
+    'mobility or accelerance by the `quantity`. It is that of the beam after t = 0, with a captured mass. Beside '// &
+    '`&response` the `points` are those of that group.')
+
+  type(input_name), parameter, public :: frequency_response_names(*) = [ &
+    input_name('frequency_response', 'position', real_input, '1', unit_interval, '1', swept=.true., &
+               meaning='place of the force: x/l'), &
+    input_name('frequency_response', 'points', reals_input, '1', unit_interval, '1.0', most=1000, &
+               meaning='places of the answer: x/l'), &
+    input_name('frequency_response', 'first', real_input, 'Hz', positive, required=.true., meaning='lowest frequency'), &
+    input_name('frequency_response', 'last', real_input, 'Hz', positive, required=.true., meaning='highest frequency'), &
+    input_name('frequency_response', 'count', integer_input, '1', number_range(2.0_dp, 1e6_dp), '1000', &
+               meaning='number of frequencies'), &
+    input_name('frequency_response', 'spacing', text_input, default="'log'", words='log linear', &
+               meaning='spacing of the frequencies'), &
+    input_name('frequency_response', 'quantity', text_input, default="'displacement'", words='displacement velocity acceleration', &
+               meaning='what answers: m/N, m/(s N) or m/(s2 N)')]
+
+contains
+
+  pure subroutine check_frequency_response(groups, messages)
+    !! Frequencies rise, no point is there twice, and points are those of `&response`.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: g, r, i
+    g = position_of(groups, 'frequency_response')
+    if (g == 0) return
+    associate (group => groups(g))
+      if (group%known('first') .and. group%known('last')) then
+        if (group%number('last') <= group%number('first')) call messages%add(group%line_of('last'), 'frequency_response%last', &
+          'is not above first = '//text_of(group%number('first'))//' Hz; accepted: a higher frequency')
+      end if
+      associate (points => group%values(group%at('points')))
+        if (.not. (points%known .and. points%given)) return
+        do i = 2, size(points%numbers)
+          if (any(points%numbers(:i - 1) == points%numbers(i))) call messages%add(points%lines(i), 'frequency_response%points', &
+            text_of(points%numbers(i))//' is there twice; accepted: each point once')
+        end do
+        r = position_of(groups, 'response')
+        if (r == 0) return
+        if (.not. groups(r)%known('points')) return
+        associate (others => groups(r)%values(groups(r)%at('points')))
+          if (size(others%numbers) == size(points%numbers)) then
+            if (all(others%numbers == points%numbers)) return
+          end if
+          call messages%add(points%lines(1), 'frequency_response%points', 'are not those of &response, and a result has one '// &
+                            'coordinate of points; accepted: the same, or none here')
+        end associate
+      end associate
+    end associate
+  end subroutine check_frequency_response
+
+  pure subroutine complete_frequency_response(groups, g)
+    !! Points that are not given are those of `&response`, if there is one.
+    type(group_values), intent(inout) :: groups(:)
+    integer, intent(in) :: g                 !! place of this group
+    integer :: r
+    r = position_of(groups, 'response')
+    if (r == 0 .or. groups(g)%given('points')) return
+    if (.not. groups(r)%known('points')) return
+    associate (points => groups(g)%values(groups(g)%at('points')))
+      call points%set_numbers(groups(r)%values(groups(r)%at('points'))%numbers, 0)
+    end associate
+  end subroutine complete_frequency_response
+
+  pure type(frequency_response_par) function build_frequency_response(values) result(response)
+    !! From checked values.
+    type(group_values), intent(in) :: values
+    response%position = values%number('position')
+    response%points = values%values(values%at('points'))%numbers
+    response%frequency = spaced(values%number('first'), values%number('last'), values%whole('count'), &
+                                values%text('spacing') == 'log')
+    response%quantity = values%text('quantity')
+  end function build_frequency_response
+
+end module bw_frequency_response_par

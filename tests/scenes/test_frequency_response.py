@@ -1,0 +1,192 @@
+"""Answers to a harmonic force in whole runs, against a closed form, sums of thousands of modes and finite elements."""
+
+import numpy as np
+import pytest
+import results
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+from workplace import PAPER_BEAM, namelist
+
+MASS = PAPER_BEAM["density"] * np.pi / 4 * PAPER_BEAM["diameter"] ** 2  # kg/m
+STIFFNESS = PAPER_BEAM["youngs_modulus"] * np.pi / 64 * PAPER_BEAM["diameter"] ** 4  # N m2; the beam is 1 m long
+ASKED = {"first": 3.0, "last": 2000.0, "count": 400}
+
+
+def scene(asked=None, **groups):
+    return {"beam": dict(PAPER_BEAM), **groups, "frequency_response": {**ASKED, **(asked or {})}}
+
+
+def answer(result):
+    return result["frequency_response_real"] + 1j * result["frequency_response_imag"]
+
+
+def tip_of_cantilever(frequency, loss=0.0, mass_proportional=0.0):
+    """Receptance of the tip in closed form, at a complex wave number."""
+    omega = 2 * np.pi * frequency
+    stiffness = STIFFNESS * (1 + 1j * omega * loss)
+    a = ((omega**2 - 1j * omega * mass_proportional) * MASS / stiffness) ** 0.25
+    return (np.sin(a) - np.cos(a) * np.tanh(a)) / (a**3 * (1 / np.cosh(a) + np.cos(a))) / stiffness
+
+
+def frequencies_of_cantilever(count):
+    """β of its modes, rad/s."""
+    k = np.arange(1, count + 1)
+    ends = [((n - 1) * np.pi + 0.2, n * np.pi) for n in k[:8]]
+    low = [brentq(lambda a: 1 / np.cosh(a) + np.cos(a), *end, xtol=1e-14) for end in ends]
+    alpha = np.concatenate([low, (k[8:] - 0.5) * np.pi])
+    return alpha**2 * np.sqrt(STIFFNESS / MASS)
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_a_cantilever_answers_as_its_closed_form_says(here, quantity):
+    damping = {"mass_proportional": 2.0, "stiffness_proportional": 1e-6}
+    here.scene("a", scene({"quantity": quantity}, damping=damping))
+    result = here.run("a")
+    order = ["displacement", "velocity", "acceleration"].index(quantity)
+    frequency = result["response_frequency"]
+    np.testing.assert_allclose(frequency, np.geomspace(3.0, 2000.0, 400), rtol=1e-13)
+    expected = (2j * np.pi * frequency) ** order * tip_of_cantilever(frequency, 1e-6, 2.0)
+    np.testing.assert_allclose(answer(result)[0], expected, rtol=1e-10)
+    unit = ["m N-1", "m s-1 N-1", "m s-2 N-1"][order]
+    assert result.variables["frequency_response_real"].attributes["units"] == unit
+    assert "frequency_response_error" not in result.variables
+
+
+def test_an_undamped_answer_is_real(here):
+    here.scene("a", scene())
+    result = here.run("a")
+    np.testing.assert_allclose(answer(result)[0].real, tip_of_cantilever(result["response_frequency"]).real, rtol=1e-9)
+    assert np.abs(answer(result).imag).max() <= 1e-12 * np.abs(answer(result)).max()
+
+
+def test_a_ratio_of_damping_has_the_answer_of_thousands_of_modes(here):
+    here.scene("a", scene(damping={"ratio": 0.02}))
+    result = here.run("a")
+    omega = 2 * np.pi * result["response_frequency"][:, np.newaxis]
+    beta = frequencies_of_cantilever(5000)
+    expected = (4 / MASS / (beta**2 - omega**2 + 0.04j * beta * omega)).sum(axis=1)
+    off = np.abs(answer(result)[0] - expected).max()
+    error = result["frequency_response_error"][0]
+    # modes beyond 5000 add less than 1e-11 of the largest value
+    assert off <= error + 1e-11 * np.abs(expected).max()
+    assert error <= 1e-6 * np.abs(expected).max()
+
+
+def elements(speed, hub_radius, count=80):
+    """Inertia, elastic stiffness and that of the tension of a cantilever in cubic elements; its root is held."""
+    h = 1.0 / count
+    inertia, elastic, tension = np.zeros((3, 2 * count + 2, 2 * count + 2))
+    bending = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
+    bending = np.vstack([bending, -bending[0], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) * STIFFNESS / h**3
+    weights = np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h**2, 13 * h, -3 * h**2], [54, 13 * h, 156, -22 * h]])
+    weights = np.vstack([weights, [-13 * h, -3 * h**2, -22 * h, 4 * h**2]]) * MASS * h / 420
+    nodes, gauss = np.polynomial.legendre.leggauss(6)
+    for e in range(count):
+        at = slice(2 * e, 2 * e + 4)
+        inertia[at, at] += weights
+        elastic[at, at] += bending
+        for node, weight in zip((nodes + 1) / 2, gauss / 2):
+            slope = np.array([6 * (node**2 - node) / h, 1 - 4 * node + 3 * node**2, 6 * (node - node**2) / h, 3 * node**2 - 2 * node])
+            x = (e + node) * h
+            pull = MASS * speed**2 * (hub_radius * (1 - x) + (1 - x**2) / 2)
+            tension[at, at] += weight * h * pull * np.outer(slope, slope)
+    return inertia[2:, 2:], elastic[2:, 2:], tension[2:, 2:]
+
+
+@pytest.mark.parametrize("plane", ["in", "out"])
+def test_tension_has_the_answer_of_finite_elements(here, plane):
+    rotation = {"angular_velocity": 90.0, "plane": plane}
+    groups = {"rotation": rotation, "stiffening": {"hub_radius": 0.2}, "damping": {"mass_proportional": 5.0}}
+    here.scene("a", scene({"points": [0.5, 1.0], "position": 0.75, "last": 1000.0}, **groups))
+    result = here.run("a")
+    inertia, elastic, tension = elements(90.0, 0.2)
+    stiffness = elastic + tension - (90.0**2 * inertia if plane == "in" else 0)
+    square, shapes = eigh(stiffness, inertia)  # damping of the mass leaves modes as they are
+    omega = 2 * np.pi * result["response_frequency"]
+    force, places = 2 * 60 - 2, [2 * 40 - 2, 2 * 80 - 2]
+    terms = shapes[force] / (square - omega[:, np.newaxis] ** 2 + 5j * omega[:, np.newaxis])
+    expected = (terms @ shapes[places].T).T
+    largest = np.abs(expected).max(axis=1)
+    off = np.abs(answer(result) - expected).max(axis=1)
+    error = result["frequency_response_error"]
+    assert (off <= error + 5e-5 * largest).all()  # (kh)^4/720 in the square of mode 5, times the height of its resonance
+    assert (error <= 1e-4 * largest).all()
+
+
+def test_force_and_answer_may_change_places(here):
+    body = {"body": {"position": 0.4, "mass_ratio": 0.3, "rotary_inertia": 0.01}, "damping": {"stiffness_proportional": 1e-6}}
+    built = {**body, "shear": {"shear_coefficient": 0.9}, "support": {"rotational_stiffness": 1e5}}
+    here.scene("there", scene({"position": 0.3, "points": 0.9}, **built))
+    here.scene("back", scene({"position": 0.9, "points": 0.3}, **built))
+    np.testing.assert_allclose(answer(here.run("there")), answer(here.run("back")), rtol=1e-9)
+
+
+def test_the_captured_mass_is_on_the_beam(here):
+    groups = {"impact": {"mass_ratio": 0.2}, "capture": {}, "damping": {"mass_proportional": 1.0}}
+    here.scene("captured", scene(**groups))
+    carried = {"body": {"position": 1.0, "mass_ratio": 0.2}, "damping": {"mass_proportional": 1.0}}
+    here.scene("carried", scene(**carried))
+    np.testing.assert_allclose(answer(here.run("captured")), answer(here.run("carried")), rtol=1e-9)
+
+
+def test_a_sweep_moves_the_force(here):
+    name = here.scene("a", scene(), {"parameter": "frequency_response%position", "values": [0.5, 1.0]})
+    assert here.beamwave("run", name).returncode == 0
+    swept = here.result("a")
+    assert answer(swept).shape == (2, 1, 400)
+    here.scene("b", scene({"position": 0.5}))
+    np.testing.assert_array_equal(answer(swept)[0], answer(here.run("b")))
+
+
+def test_histories_and_answers_have_the_same_points(here):
+    response = {"duration": 0.1, "samples": 64, "points": [0.3, 0.8]}
+    both = scene(impact={"mass_ratio": 0.2}, capture={}, modes={"after": 10}, response=response)
+    here.scene("a", both)
+    result = here.run("a")
+    np.testing.assert_array_equal(result["point_position"], [0.3, 0.8])
+    assert answer(result).shape == (2, 400)
+    # what it resolved to is a scene with the same answer
+    here.write("again.nml", result.attributes["scene"])
+    np.testing.assert_array_equal(answer(here.run("again")), answer(result))
+    both["frequency_response"]["points"] = [0.3, 0.9]
+    ended = here.beamwave("run", here.write("other.nml", namelist(both)))
+    assert ended.returncode == 2
+    assert "frequency_response%points: are not those of &response" in ended.stderr
+
+
+def test_the_report_tells_resonances_their_damping_and_what_cancels(here):
+    here.scene("a", scene({"count": 2000}, damping={"ratio": 0.01}))
+    report = here.beamwave("run", "a.nml").stdout
+    table = report.split("response to a harmonic force")[1].split("\n\n")[0]
+    rows = [line.split() for line in table.splitlines()[3:]]
+    resonances = np.array([row[1:] for row in rows if len(row) == 4], float)
+    first = frequencies_of_cantilever(len(resonances)) / 2 / np.pi
+    np.testing.assert_allclose(resonances[:, 0], first * np.sqrt(1 - 2e-4), rtol=1e-3)
+    np.testing.assert_allclose(resonances[:, 2], 0.01, rtol=0.02)  # what other modes add to the parabola
+    # where the tip rests, modes are those of a beam that is clamped and pinned: tan a = tanh a
+    pinned = [brentq(lambda a: np.tan(a) - np.tanh(a), n * np.pi + 0.1, n * np.pi + 1.0) for n in (1, 2, 3)]
+    quiet = np.array([float(row[1]) for row in rows if len(row) == 2])[:3]
+    np.testing.assert_allclose(quiet, np.array(pinned) ** 2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi, rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"last": 2.0}, "frequency_response%last: is not above first = 3 Hz; accepted: a higher frequency"),
+        ({"points": [0.5, 0.5]}, "frequency_response%points: 0.5 is there twice; accepted: each point once"),
+        ({"first": 0.0}, "frequency_response%first"),
+        ({"quantity": "strain"}, "frequency_response%quantity"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(here, asked, message):
+    ended = here.beamwave("run", here.scene("a", scene(asked)))
+    assert ended.returncode == 2
+    assert message in ended.stderr
+
+
+def test_no_number_is_infinite_at_a_resonance(here):
+    # to the last digit or not: what is no number is fill
+    beta = float(frequencies_of_cantilever(1)[0] / 2 / np.pi)
+    here.scene("a", scene({"first": beta, "last": 2 * beta, "count": 2}))
+    values = here.run("a")["frequency_response_real"]
+    assert (np.isfinite(values) | results.is_fill(values)).all()
