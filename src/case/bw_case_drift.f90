@@ -2,7 +2,6 @@ module bw_case_drift
   !! What rounding comes to by the end of a record: that of the sums, of the first mode's phase, and of frequencies, whose phases drift
   !! as time goes on. Roots of beams without tension get as many digits as a record asks for; those of beams with tension have the
   !! digits of binary64.
-  use bw_case_counts, only: samples_of_segment, stretch_of
   use bw_case_modes, only: largest_phase_error
   use bw_case_result, only: case_motion
   use bw_kinds, only: dp
@@ -11,10 +10,11 @@ module bw_case_drift
   use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
   use bw_scene, only: scene_type
+  use bw_segment_samples, only: samples_of_segment, stretch_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
-  public :: drift_errors, rounding_errors
+  public :: drift_errors, drift_of_state, rounding_errors
 
   type :: moving_type
     !! The state that the first modes in memory start from, and when they are seen; of no modes where nobody sees them.
@@ -53,9 +53,7 @@ contains
   end function moving_in
 
   function drift_errors(scene, motion, quantity, velocity) result(errors)
-    !! What the rounding of β² moves the points by at the end of the record, m or m/s, (points): a sum over all modes whose roots
-    !! have no more digits than those of binary64, and 0 of others. A phase that is lost altogether moves a point by twice the
-    !! amplitude.
+    !! What the rounding of β² moves the points by at the end of the record, m or m/s: the largest of all segments, (points).
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity             !! deflections or curvatures
@@ -63,29 +61,43 @@ contains
     real(dp) :: errors(size(scene%response%points))
     type(moving_type) :: moving
     type(time_grid) :: grid
-    real(dp), allocatable :: swing(:)
-    real(dp) :: c
-    integer :: i, k
+    integer :: i
     errors = 0.0_dp
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     do i = 1, size(motion%timeline%segments)
       associate (modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
         if (.not. allocated(modes%square_rounding)) cycle
         moving = moving_in(scene, motion, i, grid, modes%count)
-        if (size(moving%q) == 0) cycle
-        swing = 0.0_dp*moving%q
-        c = 0.0_dp
-        do k = 1, size(swing)
-          if (allocated(modes%damping)) c = modes%damping(k)
-          swing(k) = min(2.0_dp, phase_drift(modes, k, modes%square_rounding(k), grid)) &
-            *amplitude_of(modes%beta_squared(k), c, moving%q(k), moving%rate(k), moving%stretch, velocity)
-        end do
-        errors = max(errors, matmul(swing, abs(values_at(modes, quantity, 1, size(swing), scene%response%points))))
+        errors = max(errors, drift_of_state(modes, quantity, scene%response%points, moving%q, moving%rate, moving%stretch, grid, &
+                                            velocity))
       end associate
     end do
     errors = errors*abs(scene%impact%approach_velocity)
     if (.not. velocity) errors = errors*motion%units%time%hi
   end function drift_errors
+
+  pure function drift_of_state(modes, quantity, points, q, rate, stretch, grid, velocity) result(drift)
+    !! The same of modes that start from a state, V l²/h or V: a sum over those whose roots have no more digits than those of binary64;
+    !! of others 0. A phase that is lost altogether moves a point by twice the amplitude.
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: quantity             !! deflections or curvatures
+    real(dp), intent(in) :: points(:)
+    real(dp), intent(in) :: q(:), rate(:)       !! of the first modes
+    type(stretch_type), intent(in) :: stretch
+    type(time_grid), intent(in) :: grid         !! of the record
+    logical, intent(in) :: velocity
+    real(dp) :: drift(size(points)), swing(size(q)), c
+    integer :: k
+    drift = 0.0_dp
+    if (.not. allocated(modes%square_rounding) .or. size(q) == 0) return
+    c = 0.0_dp
+    do k = 1, size(q)
+      if (allocated(modes%damping)) c = modes%damping(k)
+      swing(k) = min(2.0_dp, phase_drift(modes, k, modes%square_rounding(k), grid)) &
+        *amplitude_of(modes%beta_squared(k), c, q(k), rate(k), stretch, velocity)
+    end do
+    drift = matmul(swing, abs(values_at(modes, quantity, 1, size(q), points)))
+  end function drift_of_state
 
   function rounding_errors(scene, motion, response, velocity) result(errors)
     !! What the sum of the modes is off by, and the phase of the first mode, whose motion is most of the whole, m or m/s,

@@ -2,7 +2,6 @@ module bw_case_errors
   !! How far the histories of a case may be from the truth. Of a captured mass that is the motion of infinitely many modes: what modes
   !! that are not summed add, and what those that are lack. Of contacts it is the exact motion of the modes at hand: what
   !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
-  use bw_case_counts, only: bound_times, looked_ahead, samples_of_segment, stretch_of
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_notes, only: note_failure
   use bw_case_result, only: block_type, case_done, case_histories, case_motion, case_not_converged, history_errors
@@ -14,11 +13,11 @@ module bw_case_errors
   use bw_mode_set, only: curvatures, deflections, first_failure, mode_set, values_at
   use bw_mode_survey, only: mode_survey
   use bw_monitor, only: monitor_type
-  use bw_note, only: remark
+  use bw_plan, only: bound_times, looked_ahead
   use bw_response, only: response_type
   use bw_scene, only: scene_type
   use bw_segment, only: beam_energy, growth_error, move, segment_type
-  use bw_text, only: append, shortest
+  use bw_segment_samples, only: samples_of_segment, stretch_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation_error, only: block_ends, displacement_error, falling_part, fewest, find_rates, find_tail, no_bound, &
     part_shown, rate_error, tail_type, times_shown
@@ -46,8 +45,8 @@ contains
     call errors_of_quantity(scene, motion, deflections, histories, monitor, errors)
     if (motion%ending /= case_done) errors%status = motion%ending
     if (monitor%stop_requested()) return
-    if (motion%peak > 0.0_dp .and. allocated(errors%displacement)) &
-      call note_missed_tolerance(scene, motion, histories%response, errors)
+    if (motion%plan%peak > 0.0_dp .and. allocated(errors%displacement)) &
+      errors%missed = is_missed(scene, motion, histories%response, errors)
   end subroutine estimate_errors
 
   subroutine errors_of_quantity(scene, motion, quantity, histories, monitor, errors)
@@ -90,6 +89,7 @@ contains
       call find_segment_error(scene, motion, i, quantity, histories%blocks(i), monitor, found)
       if (monitor%stop_requested()) return
       if (.not. allocated(found)) cycle
+      if (maxval(found%displacement) > maxval(displacement)) errors%segment = i
       bound = max(bound, found%bound)
       displacement = max(displacement, found%displacement)
       part(:, i) = found%part
@@ -194,8 +194,8 @@ contains
     if (i == 1) ends(1) = 2                        ! nothing has moved at the first
     samples = max(0, ends(2) - ends(1) + 1)
     if (samples == 0) return
-    if (quantity == deflections .and. allocated(motion%survey)) then
-      survey = motion%survey(i)
+    if (quantity == deflections .and. allocated(motion%plan%survey)) then
+      survey = motion%plan%survey(i)
       if (survey%bins > 0) return
     end if
     associate (segment => motion%timeline%segments(i), moving => motion%modes%configuration(configuration_of(motion, i)))
@@ -234,38 +234,17 @@ contains
     energy = energy - beam_energy(modes, q, rate)
   end function energy_beside
 
-  subroutine note_missed_tolerance(scene, motion, response, errors)
-    !! The number of modes was planned for a larger motion than there is. The tolerance is missed where it was asked for.
+  logical function is_missed(scene, motion, response, errors)
+    !! Whether the sum does not keep its tolerance, by the estimate or by the bound; rounding counts for neither.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
-    type(history_errors), intent(inout) :: errors
-    real(dp) :: error, peak
-    character(:), allocatable :: text
-    error = maxval(errors%displacement)
-    peak = largest_magnitude(response%displacement)
-    if (error <= scene%modes%tolerance*peak + maxval(rounding_errors(scene, motion, response, .false.)) .and. &
-        maxval(errors%displacement_bound) <= bound_times*scene%modes%tolerance*peak) return
-    text = 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
-      shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m'//drifted()
-    errors%missed = .true.
-    if (.not. scene%modes%asked) then
-      call remark(errors%notes, text)
-    else
-      errors%status = case_not_converged
-      call append(errors%notes, text)
-    end if
-  contains
-    function drifted() result(words)
-      !! Where most of it is that of phases.
-      character(:), allocatable :: words
-      real(dp) :: drift
-      words = ''
-      drift = maxval(drift_errors(scene, motion, deflections, .false.))
-      if (drift > 0.5_dp*error) words = ', most of it what the rounding of frequencies under tension comes to by the end of so '// &
-        'long a record; accepted: a tolerance of '//shortest(1.05_dp*error/peak, 2)//' or a shorter duration'
-    end function drifted
-  end subroutine note_missed_tolerance
+    type(history_errors), intent(in) :: errors
+    real(dp) :: allowed
+    allowed = motion%plan%tolerance*largest_magnitude(response%displacement)
+    is_missed = maxval(errors%displacement) > allowed + maxval(rounding_errors(scene, motion, response, .false.)) .or. &
+      maxval(errors%displacement_bound) > bound_times*allowed
+  end function is_missed
 
   subroutine estimate_contacts(scene, motion, quantity, response, errors)
     !! What contacts have made of the errors of all that the motion follows from, and rounding.

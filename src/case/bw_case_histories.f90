@@ -3,7 +3,7 @@ module bw_case_histories
   !! octaves of a segment's modes tell what those that are left out may add. They are summed apart, at all samples of a short record,
   !! whose sum is then that of its parts; of a long one at samples that are evenly spaced and at as many after the first, where waves
   !! have not spread yet.
-  use bw_case_counts, only: samples_of_segment
+  use bw_segment_samples, only: samples_of_segment
   use bw_case_notes, only: note_failure, out_of_reach
   use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
@@ -48,7 +48,7 @@ contains
     sampling%quantity = quantity
     allocate (histories%response)
     known = motion%modes%resolved
-    if (known .and. .not. motion%within) then
+    if (known .and. .not. motion%plan%within) then
       histories%status = case_not_converged
       call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion)//'; no histories are given')
       known = .false.

@@ -177,6 +177,7 @@ contains
     call solve_strains(problem_of(scene, units, with_mass), count, found, monitor, cache)
     if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(no_basis, modes%notes)
     modes%resolved = modes%resolved .and. found%solved%resolved
+    found%at_most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     call move_alloc(found, source)
   end subroutine find_galerkin
 
@@ -218,15 +219,14 @@ contains
     logical, intent(out) :: extended
     type(case_mode_cache), intent(inout), optional :: cache
     type(strain_source) :: more
-    integer :: most
     extended = .false.
-    most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     select type (source)
     type is (strain_source)
-      if (source%highest >= most) return
-      call solve_strains(problem_of(scene, units, with_mass), min(2*source%highest, most), more, monitor, cache)
+      if (source%highest >= source%at_most) return
+      call solve_strains(problem_of(scene, units, with_mass), min(2*source%highest, source%at_most), more, monitor, cache)
       extended = more%solved%resolved
       if (.not. extended) return
+      more%at_most = source%at_most
       if (allocated(source%damping)) more%damping = source%damping
       more%failure => source%failure
       more%monitor => source%monitor

@@ -1,14 +1,15 @@
 module bw_case_motion
   !! The motion of a case before any history is summed: the impact and what follows it, and how many modes are summed. Those are
   !! what the scene counts, or as many as its tolerance takes; which of the two is asked here alone.
-  use bw_case_counts, only: choose_first, choose_later
   use bw_case_modes, only: case_mode_cache
   use bw_case_notes, only: note_added_energy, note_contacts, note_no_change, note_release, note_rounding
   use bw_case_result, only: case_diverged, case_ill_conditioned, case_motion, case_not_converged
   use bw_double_double, only: dd, operator(-)
+  use bw_first_count, only: choose_first
   use bw_impact, only: continuum_velocity
   use bw_initial_state, only: continuum_initial_state, find_initial_state, initial_state, initial_state_cache
   use bw_kinds, only: dp
+  use bw_later_count, only: choose_later
   use bw_mode_set, only: configuration_type
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -36,8 +37,6 @@ contains
     type(case_mode_cache), intent(inout), optional :: modes_cache   !! absent: no modes are shared
     type(segment_type) :: segment
     if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes, whose survey serves on
-    motion%reached = 0.0_dp
-    motion%within = .true.
     motion%initial = initial_state()
     motion%timeline = timeline_type()
     allocate (motion%initial%events(0), motion%timeline%events(0), motion%timeline%segments(0))
@@ -48,6 +47,7 @@ contains
       segment%force = (1.0_dp + given%restitution)*given%mass_ratio
       segment%energy = energy_of_blow(moving, segment%force)
       if (by_tolerance(scene%modes)) then
+        call motion%plan%begin(scene%modes%tolerance, 1 + size(changes_of(scene, motion%units)))
         call continuum_initial_state(moving%set, given, mass_struck(scene, motion%units), motion%initial)
         call choose_first(scene, motion, segment, monitor, modes_cache)
       else if (segment%configuration == together) then
@@ -126,10 +126,10 @@ contains
         next%energy = energy_after(projection, after%set, speed)
         energy = energy_at(before, last, next%start - last%start)
       else
-        if (.not. motion%within) return
+        if (.not. motion%plan%within) return
         call choose_later(scene, motion, last, next, projection, monitor, modes_cache)
         if (monitor%stop_requested()) return
-        if (.not. motion%within) return
+        if (.not. motion%plan%within) return
         energy = energy_type(projection%place%energy, epsilon(speed)*projection%place%energy)
       end if
       next%q = projection%q_after

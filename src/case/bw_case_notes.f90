@@ -159,7 +159,7 @@ contains
     text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
     if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with the potential of the centrifugal force)'
     if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
-    if (.not. (is_missing(joules(4)) .or. allocated(motion%survey))) then
+    if (.not. (is_missing(joules(4)) .or. allocated(motion%plan%survey))) then
       text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
     end if
     call remark(motion%notes, text)
@@ -229,7 +229,7 @@ contains
     !! Modes that a tolerance may take: one that was not asked for, those that are found quickly.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
-    most = most_modes
+    most = min(most_modes, source%at_most)
     if (.not. scene%modes%asked) most = min(most, source%quickly)
   end function most_of
 
@@ -238,16 +238,18 @@ contains
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     character(:), allocatable :: text
-    associate (source => motion%modes%configuration(together)%source)
+    associate (plan => motion%plan, source => motion%modes%configuration(together)%source)
       text = repeat('the default ', merge(0, 1, scene%modes%asked))//shortest(scene%modes%tolerance, 6)// &
         ' cannot be reached with '//text_of(min(most_of(scene, source), source%highest))//' modes'
       if (comes_back(scene)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
+      if (plan%drift > 0.5_dp*plan%reached) text = text//', whose frequencies under tension are rounded: most of the error is '// &
+        'what that comes to by the end of so long a record'
+      if (.not. is_missing(relaxed_tolerance(plan%surely))) then
+        text = text//'; accepted: '//shortest(1.1_dp*plan%surely, 2)//' or more, or before and after, which count modes'
+      else
+        text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
+      end if
     end associate
-    if (.not. is_missing(relaxed_tolerance(motion%reached))) then
-      text = text//'; accepted: '//shortest(1.05_dp*motion%reached, 2)//' or more, or before and after, which count modes'
-    else
-      text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
-    end if
   end function out_of_reach
 
   subroutine note_relaxed(scene, notes)

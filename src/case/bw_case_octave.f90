@@ -24,7 +24,7 @@ contains
     if (errors%status /= case_done .or. .not. allocated(scene%capture) .or. .not. allocated(histories%blocks)) return
     points = size(scene%response%points)
     associate (response => histories%response)
-      if (.not. allocated(motion%survey)) &                ! a tolerance is one of the largest displacement of all points
+      if (.not. allocated(motion%plan%survey)) &                ! a tolerance is one of the largest displacement of all points
         call drop('displacement', octave_of(histories, points), errors%displacement, response%displacement)
       call drop('velocity', octave_of(histories, points, .true.), errors%velocity, response%velocity)
       call drop('bending moment', histories%octave_moment, errors%bending_moment, response%bending_moment)

@@ -10,7 +10,7 @@ module bw_case_result
   use bw_measured, only: measured_type
   use bw_missing, only: missing
   use bw_mode_set, only: configuration_type, mode_set
-  use bw_mode_survey, only: mode_survey
+  use bw_plan, only: plan_type
   use bw_record, only: record_extent
   use bw_record_lines, only: record_lines
   use bw_response, only: response_type
@@ -41,18 +41,9 @@ module bw_case_result
     type(case_modes) :: modes
     type(initial_state) :: initial
     type(timeline_type) :: timeline
-    type(mode_survey), allocatable :: survey(:)     !! of the modes of each segment, where a tolerance says how many are summed
-    real(dp) :: peak = 0.0_dp                       !! with a tolerance: the largest displacement, as few modes show it, V l²/h
-    real(dp) :: aim = 0.8_dp                        !! part of a tolerance by which counts are chosen: blocks may come to more of their
-      !! amplitudes than random phases do
-    real(dp) :: seen_peak = 0.0_dp                  !! the largest displacement of a sum of fewer modes; 0: there was none
-    real(dp), allocatable :: seen_part(:, :)        !! of the sum of its amplitudes that a block of its came to, (points, segments)
-    real(dp) :: reached = 0.0_dp                    !! the error of the displacement over its peak that is expected of them
-    logical :: within = .true.                      !! it is within the tolerance; counts that are given always are
+    type(plan_type) :: plan                         !! how many modes of its segments a tolerance takes
     integer :: ending = case_done                   !! why the motion is not known to its end, as a status
     type(string), allocatable :: notes(:)
-  contains
-    procedure :: reach
   end type case_motion
 
   type, public :: block_type
@@ -78,7 +69,8 @@ module bw_case_result
     real(dp), allocatable :: part(:, :)             !! of the sum of its amplitudes that a block comes to, (points, segments)
     integer :: status = case_done                   !! of the case, these errors considered
     type(string), allocatable :: notes(:)
-    logical :: missed = .false.                       !! a tolerance, by the estimate or by the bound
+    integer :: segment = 1                          !! whose error is the largest
+    logical :: missed = .false.                     !! a tolerance, by the estimate or by the bound
   end type history_errors
 
   type, public :: answer_type
@@ -130,14 +122,6 @@ module bw_case_result
   end type case_result
 
 contains
-
-  pure subroutine reach(self, tolerance, error)
-    !! Take in the error that the modes of a segment are expected to leave.
-    class(case_motion), intent(inout) :: self
-    real(dp), intent(in) :: tolerance, error        !! of the displacement over its peak
-    self%reached = max(self%reached, error)
-    self%within = self%reached <= tolerance
-  end subroutine reach
 
   pure function octave_of(histories, points, rates) result(largest)
     !! The largest value that the last octave of modes comes to in any segment, or the largest velocity, (points).

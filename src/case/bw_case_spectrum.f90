@@ -2,7 +2,7 @@ module bw_case_spectrum
   !! What the histories of a case are searched for: amplitude spectra, and waves measured at tip and midpoint, checked with
   !! the modes that move in the samples after the last event.
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
-  use bw_case_counts, only: samples_of_segment
+  use bw_segment_samples, only: samples_of_segment
   use bw_case_result, only: case_done, case_motion, case_spectrum
   use bw_double_double, only: dd
   use bw_kinds, only: dp

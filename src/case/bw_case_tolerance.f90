@@ -3,12 +3,11 @@ module bw_case_tolerance
   !! from the motion that this leaves.
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
-  use bw_case_motion, only: follow_motion, start_motion
   use bw_case_notes, only: out_of_reach
-  use bw_case_result, only: case_motion
+  use bw_case_result, only: case_histories, case_motion, history_errors
   use bw_error, only: error_type, fail, status_bad_input
-  use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
+  use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
   use bw_mode_set, only: attend, search_failure
@@ -35,7 +34,7 @@ contains
     count = 0
     if (.not. by_tolerance(scene%modes)) return
     call plan_motion(scene, monitor, motion, count, error)
-    if (present(reached)) reached = motion%reached
+    if (present(reached)) reached = motion%plan%reached
   end subroutine plan_case
 
   subroutine plan_motion(scene, monitor, motion, count, error)
@@ -47,7 +46,9 @@ contains
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     type(search_failure), target :: failure
-    type(initial_state_cache) :: cache
+    type(motion_cache) :: cache
+    type(case_histories) :: histories
+    type(history_errors) :: errors
     character(:), allocatable :: place
     integer :: line
     count = 0
@@ -58,12 +59,13 @@ contains
       if (monitor%stop_requested()) return
     end if
     call attend(motion%modes%configuration, failure, monitor)
-    call start_motion(scene, motion, monitor, cache)
+    call find_motion(scene, motion, monitor, cache)
     if (monitor%stop_requested()) return
-    call follow_motion(scene, motion, monitor)
+    if (motion%plan%within .and. .not. motion%plan%is_certain()) &
+      call find_histories(scene, motion, monitor, cache, histories, errors)
     if (monitor%stop_requested()) return
     if (failure%first == 0 .and. size(motion%timeline%segments) > 0) count = motion%timeline%segments(1)%count
-    if (failure%first > 0 .or. motion%within) return
+    if (failure%first > 0 .or. motion%plan%within) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
     if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
@@ -111,14 +113,15 @@ contains
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     real(dp) :: relaxed
-    call plan_motion(scene, monitor, motion, count, error)
-    if (.not. allocated(error) .or. scene%modes%asked) return
-    relaxed = relaxed_tolerance(motion%reached)
-    if (is_missing(relaxed)) return
-    deallocate (error)
-    scene%modes%tolerance = relaxed
-    call scene%groups(position_of(scene%groups, 'modes'))%derive('tolerance', relaxed, 0)
-    call plan_motion(scene, monitor, motion, count, error)
+    do
+      call plan_motion(scene, monitor, motion, count, error)
+      if (.not. allocated(error) .or. scene%modes%asked) return
+      relaxed = relaxed_tolerance(max(scene%modes%tolerance, motion%plan%reached))
+      if (is_missing(relaxed)) return
+      deallocate (error)
+      scene%modes%tolerance = relaxed
+      call scene%groups(position_of(scene%groups, 'modes'))%derive('tolerance', relaxed, 0)
+    end do
   end subroutine plan_relaxed
 
 end module bw_case_tolerance

@@ -4,27 +4,22 @@ module bw_one_case
   !! and returns its own.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
-  use bw_case_drift, only: drift_errors
-  use bw_case_errors, only: drop_errors, estimate_errors
+  use bw_case_errors, only: drop_errors
   use bw_case_frequency, only: find_frequency_response
-  use bw_case_histories, only: sum_histories, sums_of_segment
-  use bw_case_modes, only: case_mode_cache, find_modes
+  use bw_case_modes, only: find_modes
   use bw_case_moments, only: find_moments
-  use bw_case_motion, only: follow_motion, start_motion
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_undecided
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
-  use bw_initial_state, only: initial_state_cache
+  use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
-  use bw_magnitude, only: largest_magnitude
-  use bw_mode_set, only: attend, deflections, search_failure
+  use bw_mode_set, only: attend, search_failure
   use bw_missing, only: is_missing
-  use bw_modes_par, only: is_relaxed, relaxed_tolerance
+  use bw_modes_par, only: relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -38,14 +33,10 @@ module bw_one_case
   type, public :: case_cache
     !! Work that the cases of a sweep share, done once: whoever goes through the cases has it and hands it to each. It takes
     !! a bounded amount of memory however many cases there are, and changes no bit of their results.
-    type(case_mode_cache) :: modes
-    type(initial_state_cache) :: initial
-    type(nonuniform_sum) :: sums(sums_of_segment)   !! kernels, plans and grids of the last transforms
+    type(motion_cache) :: motion
     type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
     type(record_cache) :: record         !! the last record
   end type case_cache
-
-  integer, parameter :: tries = 3        !! at a tolerance
 
 contains
 
@@ -66,10 +57,12 @@ contains
       call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
     else
       call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
-      if (.not. whole .or. scene%modes%asked .or. result%within) return
       relaxed = scene
-      relaxed%modes%tolerance = relaxed_tolerance(result%reached)
-      if (.not. is_missing(relaxed%modes%tolerance)) call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
+      do while (whole .and. .not. (scene%modes%asked .or. result%within))
+        relaxed%modes%tolerance = relaxed_tolerance(max(relaxed%modes%tolerance, result%reached))
+        if (is_missing(relaxed%modes%tolerance)) return
+        call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
+      end do
     end if
   end subroutine run_case
 
@@ -91,46 +84,37 @@ contains
     type(part_monitor) :: part                       ! for a stage
     type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
-    integer :: first_try, try
+    logical :: planning
     call watch%start()
     share = case_shares(scene)
     whole = .false.
 
-    first_try = 1
+    planning = .false.
     if (present(planned)) then
-      if (allocated(planned)) first_try = 0
+      planning = allocated(planned)
       call move_alloc(planned, motion)
     end if
-    if (.not. allocated(motion)) then
+    if (.not. planning) then
       allocate (motion)
       motion%units = units_of(scene%beam)
       part = stage_part(monitor, share, modes_share)
-      call find_modes(scene, motion%units, part, motion%modes, cache%modes)
+      call find_modes(scene, motion%units, part, motion%modes, cache%motion%modes)
       if (monitor%stop_requested()) return
     end if
     call attend(motion%modes%configuration, failure, monitor)
     call watch%lap(stage_modes)
 
-    do try = first_try, tries
-      if (try > 0) then
-        part = stage_part(monitor, share, events_share)
-        call start_motion(scene, motion, part, cache%initial, cache%modes)
-        if (monitor%stop_requested()) return
-        part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)       ! how long later events take is not known
-        call follow_motion(scene, motion, part, cache%modes)
-        if (monitor%stop_requested()) return
-        if (allocated(scene%impact)) call watch%lap(stage_events)
-      end if
-
-      part = stage_part(monitor, share, histories_share)
-      call sum_histories(scene, motion, deflections, part, cache%sums, histories)
+    if (.not. planning) then
+      part = stage_part(monitor, share, events_share)
+      call find_motion(scene, motion, part, cache%motion)
       if (monitor%stop_requested()) return
-      call estimate_errors(scene, motion, histories, part, errors)
-      if (monitor%stop_requested()) return
-      if (.not. takes_more_modes(scene, motion, histories, errors)) exit
-    end do
+      if (allocated(scene%impact)) call watch%lap(stage_events)
+    end if
+    part = stage_part(monitor, share, histories_share)
+    call find_histories(scene, motion, part, cache%motion, histories, errors, watch)
+    if (monitor%stop_requested()) return
     if (allocated(histories%response)) then
-      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sums, histories, errors)
+      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%motion%sums, histories, errors)
       if (monitor%stop_requested()) return
       call drop_errors(motion, errors)
     end if
@@ -152,7 +136,7 @@ contains
     end if
     if (allocated(scene%frequency_response)) then
       part = stage_part(monitor, share, answer_share)
-      call find_frequency_response(scene, motion, part, cache%modes, result%answer, motion%notes)
+      call find_frequency_response(scene, motion, part, cache%motion%modes, result%answer, motion%notes)
       if (monitor%stop_requested()) return
       call watch%lap(stage_response)
     end if
@@ -180,8 +164,8 @@ contains
     call add_notes(result%notes, spectrum%notes)
     result%units = motion%units
     result%can_grow = motion%modes%can_grow
-    result%reached = motion%reached
-    result%within = motion%within
+    result%reached = motion%plan%reached
+    result%within = motion%plan%within
     result%status = errors%status
     call move_alloc(motion%timeline%events, result%events)
     call move_alloc(motion%timeline%segments, result%segments)
@@ -218,24 +202,5 @@ contains
       result%mode_count = result%modes%count
     end if
   end subroutine compose_modes
-
-  logical function takes_more_modes(scene, motion, histories, errors) result(more)
-    !! Where blocks come to more of their amplitudes than random phases would, or the peak is smaller than few modes showed it, a
-    !! tolerance takes more modes than were chosen: as many as what was seen asks for. One that was relaxed is what can be had.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
-    type(case_histories), intent(in) :: histories
-    type(history_errors), intent(inout) :: errors
-    real(dp), parameter :: known = 0.95_dp, less = 0.9_dp    ! aims: once it is seen what blocks come to, and over the last
-    real(dp) :: allowed
-    more = .false.
-    if (.not. errors%missed .or. is_relaxed(scene%modes)) return
-    allowed = scene%modes%tolerance*largest_magnitude(histories%response%displacement)
-    more = maxval(drift_errors(scene, motion, deflections, .false.)) < 0.5_dp*allowed .and. allowed > 0.0_dp
-    if (.not. more) return
-    motion%aim = merge(less*motion%aim, known, allocated(motion%seen_part))
-    motion%seen_peak = allowed/scene%modes%tolerance/(abs(scene%impact%approach_velocity)*motion%units%time%hi)
-    call move_alloc(errors%part, motion%seen_part)
-  end function takes_more_modes
 
 end module bw_one_case

@@ -68,6 +68,7 @@ module bw_mode_set
       !! asked in searches that have none of their own, whose modes then mean nothing; null: nobody is. It lives as long
     real(dp) :: gamma = 0.0_dp                    !! captured mass γ
     integer :: highest = 0                        !! the highest mode number that can be found
+    integer :: at_most = huge(1)                  !! to which number it can be extended
     integer :: quickly = huge(1)                  !! as many as can be found in about a second
     real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
     real(dp) :: struck_at = 1.0_dp                !! as those of a set

@@ -29,8 +29,8 @@ module bw_truncation_error
   use bw_reach, only: turns
   implicit none (type, external)
   private
-  public :: block_ends, displacement_error, falling_part, find_rates, find_tail, part_shown, rate_error, spread_of_samples
-  public :: times_shown
+  public :: agree_beyond, block_ends, displacement_error, falling_part, find_rates, find_tail, part_shown, rate_error
+  public :: spread_of_samples, times_shown
 
   real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums asked for up to this times the part that blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same of velocities, in root mean squares
@@ -74,24 +74,24 @@ contains
     type(tail_type), intent(out) :: tail
     real(dp), intent(in), optional :: force        !! f, where all modes start from rest position with fΦ_k(ξ₀)/M_k
     real(dp), intent(in), optional :: place        !! ξ₀: of all tails of a survey or of none
-    real(dp), dimension(size(survey%points)) :: beyond, plain
+    real(dp) :: beyond(size(survey%points))
     integer :: b
     b = survey%bin_of(count)
     tail%count = count
-    call find_schwarz(b, plain)
-    beyond = plain
-    if (survey%bins > b) then                      ! those beyond the survey add the same to every count
-      if (survey%bound_energy < energy .or. survey%bound_energy > energy .or. .not. allocated(survey%bound)) then
-        call find_schwarz(survey%bins, beyond)
-        survey%bound = beyond
-        survey%bound_energy = energy
-      end if
-      beyond = min(no_bound, survey%bound + sum(survey%at(:, b + 1:survey%bins)%reach, 2))
+    if (survey%bound_energy < energy .or. survey%bound_energy > energy .or. .not. allocated(survey%bound)) then
+      call find_schwarz(survey%bins, beyond)
+      survey%bound = beyond
+      survey%bound_energy = energy
     end if
-    tail%bound = min(plain, beyond)
-    tail%reach = min(plain, schwarz*beyond)
-    tail%largest = 0.0_dp*plain
-    if (survey%bins > b) tail%largest = maxval(survey%at(:, b + 1:survey%bins)%largest, 2)
+    tail%largest = 0.0_dp*survey%bound
+    tail%bound = survey%bound
+    tail%reach = survey%bound
+    if (survey%bins == b) return
+    associate (at => survey%at(:, b + 1:survey%bins))
+      tail%largest = maxval(at%largest, 2)
+      tail%bound = min(no_bound, survey%bound + sum(at%reach, 2))
+      tail%reach = min(no_bound, schwarz*tail%bound)
+    end associate
   contains
     subroutine find_schwarz(b, bound)
       !! √(2ER) of the modes beyond a bin, or f√(TT) where most of the energy is theirs.
@@ -294,6 +294,13 @@ contains
     error = max(error, steady*largest(:, 2)*sum(spread(falling, 2, counted)**spread([(i, i=1, counted)], 1, size(times)), 2))
     if (allocated(tail%rate_bound)) error = min(error, tail%rate_bound)
   end function rate_error
+
+  pure real(dp) function agree_beyond(beam) result(square)
+    !! β² of the lowest cutoff of a beam with shear: beyond it waves hardly disperse, and phases agree. A block there comes to as large
+    !! a part of its amplitudes as one at the cutoff.
+    type(piece_beam), intent(in) :: beam
+    square = 1.0_dp/max(maxval(beam%piece%compliance%hi*beam%piece%rotary%hi), tiny(1.0_dp))
+  end function agree_beyond
 
   pure function part_shown(survey, count, samples, largest) result(part)
     !! The part of the sum of their amplitudes that the modes beyond the first `count` come to at a sample, as blocks before them show

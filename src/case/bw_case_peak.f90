@@ -1,0 +1,81 @@
+module bw_case_peak
+  !! The largest displacement that a tolerance is a part of, as few modes show it before any history is summed.
+  use bw_case_modes, only: first_modes
+  use bw_case_result, only: case_motion
+  use bw_double_double, only: operator(*), operator(-)
+  use bw_kinds, only: dp
+  use bw_mode_set, only: configuration_type, first_numbers
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_projection, only: project, projection_type
+  use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
+  use bw_scene, only: scene_type
+  use bw_segment, only: segment_type
+  use bw_set_sum, only: add_motion
+  use bw_streamed_modes, only: add_modes_of_source
+  use bw_time_grid, only: time_grid
+  use bw_timeline, only: changes_of
+  implicit none (type, external)
+  private
+  public :: later_peak, previewed_peak
+
+contains
+
+  real(dp) function later_peak(scene, motion, segment, grid, samples, monitor) result(peak)
+    !! The largest displacement after changes, V l²/h, less what missing modes may take off it.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(segment_type), intent(in) :: segment    !! the first
+    type(time_grid), intent(in) :: grid          !! of the record
+    integer, intent(in) :: samples               !! of the first segment, fewer than the record has
+    class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
+    real(dp), parameter :: sure = 0.5_dp         ! part of what few modes show
+    type(projection_type), allocatable :: projection
+    type(configuration_type) :: few
+    type(segment_type) :: next
+    integer :: i
+    peak = 0.0_dp
+    associate (changes => changes_of(scene, motion%units), configuration => motion%modes%configuration)
+      do i = 1, size(changes)
+        associate (after => configuration(changes(i)%configuration)%source)
+          call after%find(first_numbers(min(first_modes, after%highest)), few%set, grid%samples*grid%step%hi)
+        end associate
+        if (allocated(projection)) deallocate (projection)
+        allocate (projection)
+        call project(segment, configuration(segment%configuration), changes(i)%time, grid%samples*grid%step%hi, 0, few%set, &
+                     projection, monitor)
+        if (monitor%stop_requested()) return
+        next = segment_type(changes(i)%configuration, changes(i)%time, q=projection%q_after, rate=projection%rate_after)
+        peak = max(peak, sure*previewed_peak(scene, few, next, few%set%count, time_grid(grid%samples - samples, grid%step), &
+                                             motion%units%time%hi, monitor))
+      end do
+    end associate
+  end function later_peak
+
+  real(dp) function previewed_peak(scene, configuration, segment, count, grid, unit_time, monitor) result(peak)
+    !! The largest displacement of the first modes at some of the samples, V l²/h; at all of them where a mode grows, whose peak is at
+    !! the end.
+    type(scene_type), intent(in) :: scene
+    type(configuration_type), intent(in) :: configuration
+    type(segment_type), intent(in) :: segment
+    integer, intent(in) :: count                 !! of the modes
+    type(time_grid), intent(in) :: grid          !! of the segment
+    real(dp), intent(in) :: unit_time            !! s
+    class(monitor_type), intent(inout), target :: monitor
+    integer, parameter :: previewed = 256        ! samples that show the peak well enough to plan with it
+    type(response_type) :: response
+    type(part_monitor) :: part
+    integer :: stride
+    stride = (grid%samples - 1)/previewed + 1
+    if (any(configuration%set%beta_squared%hi <= 0.0_dp)) stride = 1
+    part = part_monitor(monitor, share=0.0_dp)
+    call start_histories(sampling_type(scene%response%points, time_grid((grid%samples - 1)/stride + 1, &
+                                       grid%step*real(stride, dp)), unit_time), response)
+    if (allocated(segment%rate)) then
+      call add_motion(configuration%set, segment%rate, part, response, displaced=segment%q)
+    else
+      call add_modes_of_source(configuration%source, segment%force, 1, count, sum_tolerance, part, response)
+    end if
+    peak = maxval(abs(response%displacement(:response%finite_samples, :)))
+  end function previewed_peak
+
+end module bw_case_peak
