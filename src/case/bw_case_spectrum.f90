@@ -13,7 +13,10 @@ module bw_case_spectrum
   use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
+  use bw_model_shapes, only: mean_wavenumber
   use bw_scene, only: changes_shapes, scene_type
+  use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_segment, only: together
   use bw_text, only: append, text_of
   use bw_time_grid, only: time_grid_of
   implicit none (type, external)
@@ -73,9 +76,9 @@ contains
                                ' samples after the last event')
     end if
     facts%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
-    facts%length = scene%beam%length
+    facts%length = motion%units%length
     facts%max_peaks = scene%spectrum%max_peaks
-    facts%uniform = .not. changes_shapes(scene) .and. .not. is_pressed(motion)
+    call know_ends(scene, motion, facts)
     facts%rotates = .false.
     if (allocated(scene%rotation)) facts%rotates = scene%rotation%plane == 'in'
     if (status == case_done .and. first <= samples) call know_modes(motion, facts%known)
@@ -86,6 +89,25 @@ contains
       call append(spectrum%notes, spectrum%measured%notes(i)%text)
     end do
   end subroutine find_waves
+
+  pure subroutine know_ends(scene, motion, facts)
+    !! The ends of the beam as it moves in the end, and the length over which α is its wave number. Nothing is known of a beam with
+    !! tension or shear, or one that a mass is pressed against.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(record_facts), intent(inout) :: facts
+    type(struck_beam) :: pieces
+    facts%ends = ''
+    if (is_pressed(motion) .or. allocated(scene%shear) .or. allocated(scene%stiffening)) return
+    facts%ends = 'tip'
+    if (.not. changes_shapes(scene)) return
+    facts%ends = 'model'
+    associate (segments => motion%timeline%segments)
+      pieces = pieces_of(scene, motion%units, segments(size(segments))%configuration == together)
+    end associate
+    facts%model = pieces%beam
+    facts%length = motion%units%length/mean_wavenumber(facts%model)
+  end subroutine know_ends
 
   pure integer function first_of_last(scene, motion) result(first)
     !! The sample, from 1, with which the last segment of a motion begins that is known to its end.
@@ -118,9 +140,11 @@ contains
       associate (moving => motion%modes%configuration(last%configuration))
         if (allocated(last%rate)) then
           known%angular_frequency = frequencies_of(moving%set, last%count)*motion%units%frequency
+          known%wavenumber = moving%set%alpha(:last%count)/motion%units%length
         else
           call moving%source%find(first_numbers(min(most, last%count)), first)
           known%angular_frequency = frequencies_of(first, first%count)*motion%units%frequency
+          known%wavenumber = first%alpha(:first%count)/motion%units%length
           known%all = first%count == last%count
         end if
       end associate

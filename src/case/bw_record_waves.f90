@@ -5,11 +5,12 @@ module bw_record_waves
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
-  use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_result_layout, only: has, result_layout
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_model_shapes, only: mean_wavenumber
+  use bw_scene, only: scene_type
+  use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
   use bw_sensor_waves, only: measure_sensor_waves
   use bw_text, only: append, string
@@ -57,6 +58,7 @@ contains
     type(record_result), intent(in) :: record
     type(sensor_facts) :: facts
     type(beam_units) :: units
+    type(struck_beam) :: pieces
     integer, allocatable :: own(:)
     integer :: s
     own = own_sensors(record)
@@ -68,8 +70,16 @@ contains
       facts%quantity(s)%text = record%extent%sensors(own(s))%quantity
     end do
     facts%ends = scene%spectrum%ends
+    if (facts%ends == 'model') then
+      pieces = pieces_of(scene, units, .false.)
+      facts%model = pieces%beam
+      facts%length = units%length/mean_wavenumber(facts%model)
+    end if
+    facts%stiffness_root = units%h%hi*(facts%length/units%length)**2
     facts%confidence = scene%spectrum%confidence
-    if (allocated(scene%rotation)) facts%rotates = scene%rotation%plane == 'in'
+    if (.not. allocated(scene%rotation)) return
+    facts%rotates = scene%rotation%plane == 'in'
+    if (facts%rotates) facts%angular_velocity = scene%rotation%angular_velocity
   end function facts_of
 
   pure function lines_of(record) result(lines)
@@ -122,8 +132,9 @@ contains
     type(case_result), intent(inout) :: result
     if (position_of(scene%groups, 'beam') == 0) then
       call remark(result%notes, kind//'they need the length of the beam in &beam, and are left out')
-    else if (changes_shapes(scene)) then
-      call remark(result%notes, kind//'they are those of a uniform beam, which this one is not, and are left out')
+    else
+      call remark(result%notes, kind//'they are left out, since those of beams with tension or shear are not known, '// &
+        'and those of pieces take ends = ''model''')
     end if
   end subroutine say_why_not
 

@@ -4,7 +4,7 @@ module bw_result_layout
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_start
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, changes_shapes, scene_type
+  use bw_scene, only: answers_by_modes, scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
@@ -65,7 +65,7 @@ module bw_result_layout
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
     logical :: of_record = .false.    !! histories are read, not simulated
     type(record_layout), allocatable :: record   !! unallocated until its files are read (bw_record_plan)
-    logical :: of_uniform_beam = .false.         !! of a record: the beam is known, and uniform
+    logical :: of_plain_beam = .false.           !! of a record: the beam is known, and its waves follow Eq. 3
     integer :: windows = 0            !! parts of a record
     integer :: candidates = 0
     integer :: pooled = 0             !! lines that repeats share, at most; 0: there are none, or something else is swept, too
@@ -84,7 +84,8 @@ contains
     if (layout%of_record) then
       layout%peaks = scene%spectrum%max_peaks
       layout%windows = size(window_start)
-      layout%of_uniform_beam = position_of(scene%groups, 'beam') > 0 .and. .not. changes_shapes(scene)
+      layout%of_plain_beam = position_of(scene%groups, 'beam') > 0 .and. .not. (allocated(scene%shear) .or. &
+        allocated(scene%stiffening) .or. (allocated(scene%beam%pieces) .and. scene%spectrum%ends /= 'model'))
       layout%candidates = most_candidates
       if (size(scene%sweeps) == 1 .and. all(scene%sweeps%implied)) layout%pooled = layout%peaks
       return
@@ -219,7 +220,7 @@ contains
     case ('places')                           ! the points have places along the beam
       there = .not. layout%of_record
       if (allocated(layout%record)) there = layout%record%placed
-    case ('waves'); there = has(layout, 'places') .and. (layout%of_uniform_beam .or. .not. layout%of_record)
+    case ('waves'); there = has(layout, 'places') .and. (layout%of_plain_beam .or. .not. layout%of_record)
     case ('contacts'); there = layout%contacts
     case ('continuum'); there = layout%continuum
     case ('estimates'); there = layout%continuum .or. layout%contacts

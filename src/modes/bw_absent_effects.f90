@@ -101,7 +101,7 @@ contains
   pure logical function is_papers_beam(scene) result(is)
     !! One piece, clamped, with nothing but a mass at its tip.
     type(scene_type), intent(in) :: scene
-    is = .not. has_parts(scene)
+    is = .not. has_parts(scene%groups)
     if (is .and. allocated(scene%capture)) is = scene%impact%position == 1.0_dp
   end function is_papers_beam
 

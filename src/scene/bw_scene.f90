@@ -22,7 +22,7 @@ module bw_scene
   use bw_scene_messages, only: message_list
   use bw_scene_par, only: build_header, scene_par
   use bw_shear_par, only: build_shear, check_shear, complete_shear, shear_par, shear_text
-  use bw_spectrum_par, only: build_spectrum, check_spectrum, spectrum_par
+  use bw_spectrum_par, only: build_spectrum, check_spectrum, complete_spectrum, spectrum_par
   use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
   use bw_support_par, only: build_support, check_support, support_par, support_text
   use bw_sweep_par, only: check_sweep, sweep_par
@@ -164,6 +164,7 @@ contains
       case ('shear'); call complete_shear(groups)
       case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('record'); call complete_record(groups, messages)
+      case ('spectrum'); call complete_spectrum(groups(g), has_parts(groups))
       case ('modes')
         struck = position_of(groups, 'impact') > 0
         captured = struck .and. position_of(groups, 'capture') > 0
@@ -307,17 +308,18 @@ contains
     if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
   end function answers_by_modes
 
-  pure logical function has_parts(scene)
+  pure logical function has_parts(groups)
     !! The beam is more than one piece, clamped, with nothing attached to it.
-    type(scene_type), intent(in) :: scene
-    has_parts = allocated(scene%beam%pieces) .or. any(group_table(scene%groups%row)%builds_up)
+    type(group_values), intent(in) :: groups(:)
+    has_parts = any(group_table(groups%row)%builds_up)
+    if (position_of(groups, 'beam') > 0) has_parts = has_parts .or. groups(position_of(groups, 'beam'))%count_of('length') > 1
   end function has_parts
 
   pure logical function is_built_up(scene)
     !! The beam is more than the paper's, which has no parts, and is struck at its tip.
     type(scene_type), intent(in) :: scene
     integer :: impact
-    is_built_up = has_parts(scene)
+    is_built_up = has_parts(scene%groups)
     impact = position_of(scene%groups, 'impact')
     if (is_built_up .or. impact == 0) return
     is_built_up = .not. is_plain(scene, scene%groups(impact)%values(scene%groups(impact)%at('position')))

@@ -7,7 +7,7 @@ module bw_spectrum_par
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: build_spectrum, check_spectrum
+  public :: build_spectrum, check_spectrum, complete_spectrum
 
   type, public :: spectrum_par
     character(:), allocatable :: window   !! one of the words below
@@ -23,10 +23,10 @@ module bw_spectrum_par
   type(input_group), parameter, public :: spectrum_group = input_group( &
     'spectrum', needs='response|record', absent='no spectral analysis', &
     rules='It needs at least 16 samples. Frequencies, wave numbers and wave velocities of the spectral peaks are measured '// &
-    'where 0.5 and 1.0 are among the points of `&response`; with `&stiffening`, `&shear` or a `rotary_inertia` of the '// &
-    'captured body only their frequencies are. `confidence`, `false_alarm` and `ends` concern a `&record`: its lines are '// &
-    'fitted by the shape of the tip''s mode (tip), of a beam of which the clamped root alone is known (clamped), or of any '// &
-    'piece of beam (any).')
+    'where 0.5 and 1.0 are among the points of `&response`; with `&stiffening` or `&shear` only their frequencies are. '// &
+    '`confidence`, `false_alarm` and `ends` concern a `&record`: its lines are '// &
+    'fitted by the shape of the scene''s own beam (model, the default with `&support`, `&body` or pieces), of the tip''s mode '// &
+    '(tip, the default else), of a beam of which the clamped root alone is known (clamped), or of any piece of beam (any).')
 
   type(input_name), parameter, public :: spectrum_names(*) = [ &
     input_name('spectrum', 'window', text_input, default="'hann'", &
@@ -38,7 +38,7 @@ module bw_spectrum_par
                meaning='of the intervals of a record''s lines'), &
     input_name('spectrum', 'false_alarm', real_input, '1', number_range(1e-12_dp, 0.5_dp), '0.01', swept=.true., &
                meaning='probability of a line in a record of noise alone'), &
-    input_name('spectrum', 'ends', text_input, default="'tip'", words='tip clamped any', &
+    input_name('spectrum', 'ends', text_input, default="'tip'", words='model tip clamped any', &
                meaning='what the waves of a record are fitted by')]
 
 contains
@@ -56,6 +56,15 @@ contains
                         ' samples are too few for &spectrum; accepted: '//text_of(least_samples)//' or more')
     end if
   end subroutine check_spectrum
+
+  pure subroutine complete_spectrum(spectrum, has_parts)
+    !! The ends are those of the scene's own beam where that is more than the paper's.
+    type(group_values), intent(inout) :: spectrum
+    logical, intent(in) :: has_parts              !! the scene names what holds the beam, is attached to it, or makes it up
+    integer :: i
+    i = spectrum%at('ends')            ! (gfortran 12 loses its place in `values(at(...))%text = ...`)
+    if (has_parts .and. .not. spectrum%values(i)%given) spectrum%values(i)%text = 'model'
+  end subroutine complete_spectrum
 
   pure type(spectrum_par) function build_spectrum(values) result(spectrum)
     !! From checked values.

@@ -193,14 +193,18 @@ contains
     deallocate (as_single%single)
   end function as_single
 
-  elemental type(peak_type) function with_hidden(peak, part)
-    !! The peak with bounds that hold with a line hidden beside it too.
+  elemental type(peak_type) function with_hidden(peak, part, covered)
+    !! The peak with bounds that hold with a line hidden beside it too, or in its own place.
     type(peak_type), intent(in) :: peak
     real(dp), intent(in) :: part               !! of the peak that the hidden line is at most
+    real(dp), intent(in), optional :: covered  !! part that lines in its own place are at most
+    real(dp) :: other
+    other = part
+    if (present(covered)) other = max(part, covered)
     with_hidden = peak
     with_hidden%position_error = peak%position_error + part
     if (peak%ratio_error < huge(1.0_dp)) with_hidden%ratio_error = peak%ratio_error &
-      & + part*(1 + abs(peak%ratio))*hypot(1.0_dp, peak%ratio)  ! of the tip's amplitude it is a larger part
+      & + other*(1 + abs(peak%ratio))*hypot(1.0_dp, peak%ratio)  ! of the tip's amplitude it is a larger part
   end function with_hidden
 
 end module bw_line_peaks

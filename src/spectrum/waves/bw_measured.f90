@@ -17,12 +17,12 @@ module bw_measured
   use bw_sensor_waves, only: measure_sensor_waves
   use bw_tapered_residual, only: residual_type
   use bw_text, only: string
-  use bw_tip_mass, only: mode_near
   implicit none (type, external)
   private
   public :: measure_waves
 
   integer, parameter :: fewest_samples = 16
+  real(dp), parameter :: near = 1.5_dp                      !! of the α of two modes, which are some π apart
   real(dp), parameter :: one_deviation = erf(sqrt(0.5_dp))  !! confidence of an interval of one standard deviation to either side
 
   type, public :: measured_type
@@ -135,11 +135,13 @@ contains
     integer, allocatable :: chosen(:)
     integer :: i
     none = missing
-    possible = facts%uniform .and. (verdict%kind == is_mode .or. verdict%kind == not_known)
+    possible = facts%ends /= '' .and. (verdict%kind == is_mode .or. verdict%kind == not_known)
     sensors%position = [1.0_dp, 0.5_dp]
     allocate (sensors%quantity(2), source=string('displacement'))
     sensors%length = facts%length
-    sensors%ends = 'tip'
+    sensors%ends = trim(facts%ends)
+    sensors%model = facts%model
+    sensors%simulated = .true.
     sensors%rotates = facts%rotates
     sensors%confidence = one_deviation
     if (count(possible .and. .not. peaks%at_edge) == 1) &
@@ -149,8 +151,12 @@ contains
     do
       call measure_sensor_waves(sensors, lines_of(peaks(chosen), facts%duration), waves, monitor)
       if (stops(monitor)) return
-      right = is_missing(waves%wavenumber) .or. verdict(chosen)%kind == not_known &
-        & .or. mode_near(waves%wavenumber*facts%length) == verdict(chosen)%number
+      right = [(.true., i=1, size(chosen))]
+      do i = 1, size(chosen)
+        if (is_missing(waves%wavenumber(i)) .or. verdict(chosen(i))%kind == not_known) cycle
+        if (.not. allocated(facts%known%wavenumber)) cycle
+        right(i) = abs(waves%wavenumber(i) - facts%known%wavenumber(verdict(chosen(i))%number))*facts%length < near
+      end do
       if (all(right)) exit
       chosen = pack(chosen, right)
     end do

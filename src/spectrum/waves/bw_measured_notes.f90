@@ -32,9 +32,9 @@ contains
       & .and. peaks%members == 1 .and. .not. peaks%at_edge)
     stray = stray .and. peaks%located
     shown = peaks%located .and. .not. (folded .or. stray)
-    if (.not. facts%uniform .and. any(shown)) call remark(notes, 'measured waves: frequencies alone are given, since '// &
+    if (facts%ends == '' .and. any(shown)) call remark(notes, 'measured waves: frequencies alone are given, since '// &
       & 'Eqs 18 and 20 do not hold for this motion')
-    if (facts%uniform .and. .not. any(is_wave) .and. size(peaks) > 0) call remark(notes, &
+    if (facts%ends /= '' .and. .not. any(is_wave) .and. size(peaks) > 0) call remark(notes, &
       & 'measured waves: the peaks cannot be numbered as modes, so wave numbers and velocities are missing')
     left_out = left_out_text()
     if (left_out /= '') call remark(notes, 'left out of the measured peaks: '//left_out)

@@ -5,6 +5,7 @@ module bw_mode_check
   use bw_kinds, only: dp
   use bw_line_group, only: resolution
   use bw_line_peaks, only: as_single, peak_type, with_hidden
+  use bw_piece_beam, only: piece_beam
   implicit none (type, external)
   private
   public :: check_peaks
@@ -12,6 +13,7 @@ module bw_mode_check
   real(dp), parameter :: faint = 0.1_dp                  !! of a line; what is less beside it makes no close pair
   integer, parameter :: further = 4                      !! times as many modes as there are peaks may matter
   real(dp), parameter :: uneven = 4                      !! modes at a tip fall in strength with such steps back
+  real(dp), parameter :: hides = 0.58_dp                !! 2π times the deviation of time under the square of the taper sin⁶
   real(dp), parameter :: rounding = 32*epsilon(1.0_dp)   !! of the frequencies of modes
 
   integer, parameter, public :: not_known = 0, is_mode = 1, is_folded = 2, is_none = 3
@@ -20,14 +22,17 @@ module bw_mode_check
     !! The modes that make up a record, from the first on.
     real(dp), allocatable :: angular_frequency(:)  !! rad/s, ascending; 0 of a mode that does not oscillate, (mode)
     logical :: all = .true.                        !! false: there are others above these
+    real(dp), allocatable :: wavenumber(:)         !! 1/m; unallocated: not known, (mode)
   end type known_modes
 
   type, public :: record_facts
     !! What is known of a record beside its samples.
     real(dp) :: duration = 1                   !! of the record, T > 0, s
-    real(dp) :: length = 1                     !! of the beam, > 0, m
+    real(dp) :: length = 1                     !! of the beam, > 0, m; of one of pieces the mean wave number times it is α
     integer :: max_peaks = 20                  !! ≥ 0
-    logical :: uniform = .true.                !! Eqs 18 to 20 hold; otherwise wave numbers and velocities are missing
+    character(5) :: ends = 'tip'               !! that shapes follow from, as `ends` of sensor_facts; '': from none of these, so that
+                                               !! wave numbers and velocities are missing
+    type(piece_beam) :: model                  !! of `ends` = 'model'
     logical :: rotates = .true.                !! in the plane of bending, or may do so
     type(known_modes), allocatable :: known    !! to check what was measured; unallocated: not known
   end type record_facts
@@ -126,13 +131,26 @@ contains
     part = sum(modes%strength, mask=near)/peak%strength
   end function beside
 
+  pure real(dp) function in_its_place(peak, own, modes) result(part)
+    !! What other strong modes near it may be of the peak, whose ratio they turn by as much. One of another ratio that is s of the
+    !! peak and d bins away leaves `hides` s d: the nearer it is the more of it is hidden.
+    type(peak_type), intent(in) :: peak
+    type(verdict_type), intent(in) :: own
+    type(mode_lines), intent(in) :: modes
+    real(dp), dimension(size(modes%strength)) :: distance, share
+    distance = abs(modes%image(:size(distance)) - modes%image(own%number))
+    share = min(modes%strength/peak%strength, peak%hidden**2/max(hides*distance, tiny(1.0_dp)))
+    if (own%number <= size(share)) share(own%number) = 0
+    part = sum(share, mask=distance <= resolution)
+  end function in_its_place
+
   pure type(peak_type) function with_room(peak, own, modes)
     !! The peak with errors that have room for what may be hidden beside it.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
     if (any(own%kind == [is_mode, is_folded])) then
-      with_room = with_hidden(peak, min(peak%hidden, beside(peak, own, modes)))
+      with_room = with_hidden(peak, min(peak%hidden, beside(peak, own, modes)), in_its_place(peak, own, modes))
     else
       with_room = with_hidden(peak, merge(peak%hidden, 0.0_dp, peak%doubtful))
     end if

@@ -3,6 +3,7 @@ module bw_sensor_lines
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_missing, only: missing
+  use bw_piece_beam, only: piece_beam
   use bw_text, only: shortest, string
   implicit none (type, external)
   private
@@ -14,8 +15,12 @@ module bw_sensor_lines
     real(dp), allocatable :: position(:)       !! ξ of the sensors, (S)
     type(string), allocatable :: quantity(:)   !! displacement, velocity, acceleration or strain, (S)
     real(dp) :: length = 0                     !! of the beam, m; 0: not known
-    character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
+    character(:), allocatable :: ends          !! 'model', 'tip', 'clamped' or 'any'
+    type(piece_beam) :: model                  !! with 'model': the beam with all that holds it and is attached to it
+    logical :: simulated = .false.             !! the ends are as they are said to be, beyond doubt
     logical :: rotates = .false.               !! in the plane of bending, so that ω enters the dispersion
+    real(dp) :: stiffness_root = 0             !! √(EI/ρA) that the waves are held against, m²/s; 0: not known
+    real(dp) :: angular_velocity = 0           !! and ω of a beam that rotates, rad/s
     real(dp) :: confidence = 0.95_dp           !! of the intervals
     integer :: alone = 0                       !! with 'tip', the mode that a line by itself is; 0: not known
   end type sensor_facts

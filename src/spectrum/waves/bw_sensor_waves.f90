@@ -1,8 +1,8 @@
 module bw_sensor_waves
   !! Waves along a beam from the complex amplitudes of lines at two or more sensors: wave number and phase velocity of each line
   !! from what the sensors say of its shape, group velocity, √(EI/ρA) and ω from the dispersion of all.
-    use bw_kinds, only: dp
-  use bw_missing, only: missing
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
   use bw_quantile, only: normal, squares_deviation, student_quantile
   use bw_sensor_lines, only: hertz, measured_lines, sensor_facts, sensor_waves, square_of
@@ -38,12 +38,14 @@ contains
     type(motion_type) :: motions(size(choices))
     type(wave_type) :: found(size(choices))
     character(:), allocatable :: reason
+    logical :: agree(size(choices))
     integer :: k
     call start(size(choices), waves)
     if (size(choices) == 0) return
     sensors%position = facts%position
     sensors%strain = [(facts%quantity(k)%text == 'strain', k=1, size(facts%quantity))]
     sensors%ends = facts%ends
+    sensors%model = facts%model
     reason = reason_against(sensors)
     if (.not. facts%length > 0) reason = 'the length of the beam is not known (&beam), and places are in units of it'
     if (reason /= '') then
@@ -58,7 +60,11 @@ contains
     end do
     call note_misfits(facts, lines, choices%misfits .and. found%exists, waves%notes)
     call fill_waves(facts, lines, found, waves)
-    call fill_dispersion(facts, lines, found, choices%on_curve .and. found%exists, waves)
+    call fill_dispersion(facts, lines, found, choices%on_curve .and. found%exists, waves, agree)
+    if (facts%simulated) return
+    call hold_against_beam(facts, lines, fits_anything(sensors) .or. sensors%ends == 'model' &
+      & .or. any(choices%misfits .and. found%exists), waves)
+    if (fits_anything(sensors)) call refuse_intervals(lines, found%exists .and. .not. agree, waves)
   end subroutine measure_sensor_waves
 
   pure subroutine start(count, waves)
@@ -221,6 +227,60 @@ contains
     if (.not. wave%exists) reason = 'the sensors do not fix it; '//shortest(wave%alpha/facts%length, 2)// &
       & ' 1/m fits best, and others half as large or twice as large as well'
   end subroutine find_wave
+
+  pure subroutine hold_against_beam(facts, lines, doubtful, waves)
+    !! Say where the waves' √(EI/ρA) is not that of the beam. A root that gives a little looks like a longer beam, and so like another
+    !! √(EI/ρA): where the sensors do not confirm the ends, or these take the beam's EI, intervals reach to the waves of the beam.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    logical, intent(in) :: doubtful            !! of the ends: sensors are too few to see others, some shape does not fit, or the like
+    type(sensor_waves), intent(inout) :: waves
+    real(dp) :: apart(size(waves%wavenumber))
+    character(:), allocatable :: words
+    if (is_missing(waves%stiffness_root) .or. .not. facts%stiffness_root > 0) return
+    if (abs(waves%stiffness_root - facts%stiffness_root) <= waves%stiffness_root_error*unlikely/ &
+      & student_quantile(facts%confidence, normal)) return
+    words = 'measured waves: by more than its error, sqrt(EI/(rho A)) of the waves, '//shortest(waves%stiffness_root, 5)// &
+      & ' m2/s, is not the '//shortest(facts%stiffness_root, 5)//' of the scene: its material, section or length is another, '// &
+      & 'or its ends are'
+    if (doubtful) words = words//'; intervals reach from the one to the other'
+    call append(waves%notes, words)
+    if (.not. doubtful) return
+    apart = abs(sqrt(sqrt(square_of(lines) + facts%angular_velocity**2)/facts%stiffness_root)/waves%wavenumber - 1)
+    where (.not. is_missing(waves%wavenumber))
+      waves%wavenumber_error = waves%wavenumber_error + apart*waves%wavenumber
+      waves%phase_velocity_error = waves%phase_velocity_error + apart*waves%phase_velocity
+    end where
+    where (.not. is_missing(waves%group_velocity)) &
+      & waves%group_velocity_error = waves%group_velocity_error + apart*waves%group_velocity
+    waves%stiffness_root_error = waves%stiffness_root_error + abs(waves%stiffness_root - facts%stiffness_root)
+  end subroutine hold_against_beam
+
+  pure subroutine refuse_intervals(lines, refused, waves)
+    !! Take the intervals from waves that rest on what was assumed of the ends: so few sensors fit any shape, and no other line shows
+    !! that the wave number is that of the beam's dispersion.
+    type(measured_lines), intent(in) :: lines
+    logical, intent(in) :: refused(:)          !! (line)
+    type(sensor_waves), intent(inout) :: waves
+    character(:), allocatable :: words
+    integer :: k
+    if (.not. any(refused)) return
+    where (refused)
+      waves%wavenumber_error = missing
+      waves%phase_velocity_error = missing
+      waves%group_velocity_error = missing
+    end where
+    if (all(is_missing(waves%wavenumber_error))) then
+      waves%stiffness_root_error = missing
+      waves%angular_velocity_error = missing
+    end if
+    words = ''
+    do k = 1, size(refused)
+      if (refused(k)) words = words//', '//hertz(lines, k)
+    end do
+    call append(waves%notes, 'measured waves: no interval is claimed, since so few sensors fit any beam and no lines '// &
+      & 'confirm each other; one sensor more would show whether the ends are as assumed: '//words(3:))
+  end subroutine refuse_intervals
 
   pure subroutine note_misfits(facts, lines, misfits, notes)
     !! Say which lines have shapes that the ends do not allow.

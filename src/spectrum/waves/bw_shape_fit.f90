@@ -4,6 +4,8 @@ module bw_shape_fit
   !! factors of its own beside other quantities, since its constant is not known.
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
+  use bw_model_shapes, only: model_shape
+  use bw_piece_beam, only: piece_beam
   use bw_text, only: text_of
   use bw_wave_shapes, only: function_count, shape_functions
   implicit none (type, external)
@@ -22,7 +24,8 @@ module bw_shape_fit
     !! What is known of the sensors and of the beam's ends.
     real(dp), allocatable :: position(:)       !! ξ, (S)
     logical, allocatable :: strain(:)          !! strain is measured, else displacement, (S)
-    character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
+    character(:), allocatable :: ends          !! 'model', 'tip', 'clamped' or 'any'
+    type(piece_beam) :: model                  !! with 'model': the beam with all that holds it and is attached to it
   end type wave_sensor
 
   type, public :: motion_type
@@ -62,8 +65,8 @@ contains
     logical :: tells(size(sensors%position))
     integer :: i
     tells = sensors%strain .eqv. strain
-    if (sensors%ends /= 'any' .and. .not. strain) tells = tells .and. sensors%position > 0
-    if (sensors%ends == 'tip' .and. strain) tells = tells .and. sensors%position < 1
+    if (sensors%ends /= 'any' .and. sensors%model%root%holds_deflection .and. .not. strain) tells = tells .and. sensors%position > 0
+    if (function_count(sensors%ends) == 1 .and. strain) tells = tells .and. sensors%position < 1
     places_of = count([(tells(i) .and. .not. any(tells(:i - 1) .and. sensors%position(:i - 1) == sensors%position(i)), &
       & i=1, size(tells))])
   end function places_of
@@ -109,7 +112,11 @@ contains
     do kind = 1, 2                             ! motion, then strain
       rows = pack([(i, i=1, size(sensors%strain))], sensors%strain .eqv. kind == 2)
       if (size(rows) == 0) cycle
-      values(rows, last + 1:last + n) = shape_functions(sensors%ends, alpha, sensors%position(rows), kind == 2)
+      if (sensors%ends == 'model') then
+        values(rows, last + 1) = model_shape(sensors%model, alpha, sensors%position(rows), kind == 2)
+      else
+        values(rows, last + 1:last + n) = shape_functions(sensors%ends, alpha, sensors%position(rows), kind == 2)
+      end if
       last = last + n
     end do
   end function functions_at

@@ -6,6 +6,8 @@ module bw_wave_shapes
   !! - 'clamped': cosh αξ − cos αξ and sinh αξ − sin αξ of a beam clamped at ξ = 0;
   !! - 'any': cos, sin and the two exponentials.
   !!
+  !! With 'model' there is one, that of bw_model_shapes.
+  !!
   !! Strain follows v''/α², in which cos and sin change their sign. All exponentials decay, no small difference of large numbers
   !! is formed, and all functions are analytic in α: the imaginary part at α + iε is ε times the derivative.
   use bw_kinds, only: dp
@@ -20,9 +22,9 @@ contains
 
   pure integer function function_count(ends)
     !! How many functions what is known of the ends leaves.
-    character(*), intent(in) :: ends           !! 'tip', 'clamped' or 'any'
+    character(*), intent(in) :: ends           !! 'model', 'tip', 'clamped' or 'any'
     select case (ends)
-    case ('tip')
+    case ('model', 'tip')
       function_count = 1
     case ('clamped')
       function_count = 2

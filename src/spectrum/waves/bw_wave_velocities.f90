@@ -37,17 +37,19 @@ contains
     end where
   end subroutine fill_waves
 
-  pure subroutine fill_dispersion(facts, lines, found, on_curve, waves)
+  pure subroutine fill_dispersion(facts, lines, found, on_curve, waves, agree)
     !! √(EI/ρA), ω and group velocities from the lines that lie on one curve.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
     type(wave_type), intent(in) :: found(:)
     logical, intent(in) :: on_curve(:)         !! (line)
     type(sensor_waves), intent(inout) :: waves
+    logical, intent(out) :: agree(:)           !! lines on a curve that more of them determine than it takes, and that all fit
     type(dispersion_type) :: curve
     real(dp), dimension(size(found)) :: square, variance, velocity, deviation
     real(dp) :: quantile, reach, unit
     integer :: power
+    agree = .false.
     if (.not. any(on_curve)) return
     power = exponent(maxval(square_of(lines)))
     unit = scale(1.0_dp, (power - modulo(power, 2))/2)   ! of frequencies: with it other units of time give the same bits
@@ -63,9 +65,11 @@ contains
       & 'dispersion of the others have no group velocity')
     quantile = student_quantile(facts%confidence, normal)
     if (curve%freedom > 0) then
+      agree = on_curve
       if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
         call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
           & 'a uniform beam; intervals of group velocities are wider for it')
+        agree = .false.
         quantile = student_quantile(facts%confidence, curve%freedom)
         curve%covariance = curve%covariance*curve%misfit/curve%freedom
       end if

@@ -114,7 +114,7 @@ contains
     logical, allocatable :: named(:)
     integer :: i
     allocate (samples, source=histories(record))
-    call measure_waves(samples(:, 1), samples(:, 2), record_facts(2*real(pi, dp), max_peaks=99, uniform=.false.), found)
+    call measure_waves(samples(:, 1), samples(:, 2), record_facts(2*real(pi, dp), max_peaks=99, ends=''), found)
     allocate (position, source=record%position(:record%lines))
     position = abs(position - record%samples*anint(position/record%samples))
     verdict%peaks = verdict%peaks + found%peak_count

@@ -1,0 +1,104 @@
+module bw_model_shapes
+  !! The shape of a beam whose root, bodies, springs and pieces are known, at any wave number: all its conditions hold but that of
+  !! the force at the tip, which takes a mass or a spring there that is not known. At the wave numbers of the beam's own modes it
+  !! is their shape. Lengths are in units of the beam's.
+  use bw_kinds, only: dp
+  use bw_lapack, only: zgesv
+  use bw_piece_beam, only: beam_joint, piece_beam
+  implicit none (type, external)
+  private
+  public :: mean_wavenumber, model_shape
+
+contains
+
+  pure real(dp) function mean_wavenumber(beam) result(mean)
+    !! Wave number of the beam, the mean over its length, over that at which the root's EI bends with the mean of ρA.
+    type(piece_beam), intent(in) :: beam
+    mean = sum(beam%piece%length%hi*local_factor(beam))
+  end function mean_wavenumber
+
+  pure function local_factor(beam) result(factor)
+    !! Wave numbers of the pieces over α.
+    type(piece_beam), intent(in) :: beam
+    real(dp) :: factor(size(beam%piece))
+    factor = (beam%piece%mass%hi/beam%piece%stiffness%hi)**0.25_dp
+  end function local_factor
+
+  pure function model_shape(beam, alpha, position, strain) result(values)
+    !! Deflections at sensors, or the second derivative over α². In each piece they are sums of cos, sin and two exponentials that
+    !! fall from either end; the conditions are linear in their factors, so that the values are analytic in α.
+    type(piece_beam), intent(in) :: beam           !! without shear and tension
+    complex(dp), intent(in) :: alpha               !! (P l)⁴ = α⁴ where EI and ρA are 1; real part > 0
+    real(dp), intent(in) :: position(:)            !! ξ, (n)
+    logical, intent(in) :: strain
+    complex(dp) :: values(size(position))
+    complex(dp) :: conditions(4*size(beam%piece), 4*size(beam%piece)), factors(4*size(beam%piece), 1), here(4, 4)
+    real(dp) :: ends(0:size(beam%piece)), wave(size(beam%piece)), left
+    integer :: pivot(4*size(beam%piece)), i, n, row, info
+    n = size(beam%piece)
+    wave = local_factor(beam)
+    ends = [0.0_dp, [(sum(beam%piece(:i)%length%hi), i=1, n)]]
+    conditions = 0
+    here = states(1, 0.0_dp)
+    conditions(1, :4) = here(4, :) + beam%root%stiffness%hi*here(1, :)
+    conditions(2, :4) = here(3, :) - beam%root%turning_stiffness%hi*here(2, :)
+    if (beam%root%holds_deflection) conditions(1, :4) = here(1, :)
+    if (beam%root%holds_turning) conditions(2, :4) = here(2, :)
+    do i = 1, n
+      row = 4*i - 2
+      here = states(i, beam%piece(i)%length%hi)
+      here(3, :) = here(3, :) + moment_of(beam%joint(i))*here(2, :)
+      if (i == n) exit
+      here(4, :) = here(4, :) + force_of(beam%joint(i))*here(1, :)
+      conditions(row + 1:row + 4, row - 1:row + 2) = here
+      conditions(row + 1:row + 4, row + 3:row + 6) = -states(i + 1, 0.0_dp)
+    end do
+    conditions(4*n - 1, 4*n - 3:) = here(3, :)
+    conditions(4*n, 4*n - 3:) = here(1, :) - here(4, :)/(beam%piece(n)%stiffness%hi*(alpha*wave(n))**3)  ! no mass ≥ 0 makes it 0
+    factors = 0
+    factors(4*n, 1) = 1
+    do row = 1, 4*n
+      left = 1/maxval(abs(conditions(row, :)))
+      conditions(row, :) = conditions(row, :)*left
+      factors(row, :) = factors(row, :)*left
+    end do
+    call zgesv(4*n, 1, conditions, 4*n, pivot, factors, 4*n, info)
+    do row = 1, size(position)
+      i = max(1, count(ends(:n - 1) < position(row)))
+      here = states(i, min(position(row), ends(i)) - ends(i - 1))
+      if (strain) here(1, :) = here(3, :)/(beam%piece(i)%stiffness%hi*alpha**2)
+      values(row) = sum(here(1, :)*factors(4*i - 3:4*i, 1))
+    end do
+
+  contains
+
+    pure function states(piece, place) result(state)
+      !! Deflection, slope, moment and shear force EI v''' of the four functions of a piece.
+      integer, intent(in) :: piece
+      real(dp), intent(in) :: place                !! from its inner end
+      complex(dp) :: state(4, 4), a
+      integer :: order
+      a = alpha*wave(piece)
+      state(1, :) = [cos(a*place), sin(a*place), exp(-a*place), exp(-a*(beam%piece(piece)%length%hi - place))]
+      state(2, :) = a*[-state(1, 2), state(1, 1), -state(1, 3), state(1, 4)]
+      do order = 3, 4
+        state(order, :) = beam%piece(piece)%stiffness%hi*a**2*[-1, -1, 1, 1]*state(order - 2, :)
+      end do
+    end function states
+
+    pure complex(dp) function force_of(joint)
+      !! Shear force behind a joint less that before it, over the deflection.
+      type(beam_joint), intent(in) :: joint
+      force_of = joint%mass%hi*alpha**4 - joint%stiffness%hi
+    end function force_of
+
+    pure complex(dp) function moment_of(joint)
+      !! Moment behind a joint less that before it, over the slope; sections turn in the rotating frame.
+      type(beam_joint), intent(in) :: joint
+      moment_of = joint%turning_stiffness%hi - joint%inertia%hi*(alpha**4 &
+        & - merge(beam%spin_squared%hi, 0.0_dp, beam%in_plane))
+    end function moment_of
+
+  end function model_shape
+
+end module bw_model_shapes
