@@ -91,6 +91,10 @@ module bw_case_result
     type(record_lines) :: lines
     real(dp), allocatable :: recorded(:, :), fitted(:, :)   !! at the times that are drawn, (times, sensors)
     real(dp), allocatable :: noise(:, :)                    !! what noise makes of the amplitude spectrum, (frequencies, sensors)
+    real(dp), allocatable :: constant_real(:, :), constant_imag(:, :), constant_error(:, :)
+      !! modal constants of a hammer's blow, and half the interval of either part, 1/kg, (lines, sensors); unallocated: no hammer
+    real(dp), allocatable :: response_real(:, :), response_imag(:, :)   !! what sensors show over 1 N, (frequencies, sensors)
+    real(dp), allocatable :: impulse(:, :)                  !! |F| of the force, N s, (frequencies, 1)
     real(dp) :: stiffness_root(2) = missing                 !! √(EI/ρA) from the dispersion, and half its interval, m²/s
     real(dp) :: angular_velocity(2) = missing               !! |ω| from it, rad/s
   end type record_result

@@ -5,7 +5,9 @@ module bw_record_case
   use bw_belief, only: believed_line, find_believed_lines
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_found_lines, only: found_lines
+  use bw_hammer, only: find_constants, hammer_of, hammer_response, hammer_type, last_before
   use bw_kinds, only: dp, i8
+  use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_read_record, only: read_record
@@ -16,6 +18,7 @@ module bw_record_case
   use bw_result_layout, only: result_layout
   use bw_samples, only: samples_type
   use bw_scene, only: scene_type
+  use bw_sensor_unit, only: si_unit
   use bw_stopwatch, only: stage_response, stage_spectrum, stopwatch
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
@@ -47,6 +50,7 @@ contains
     type(samples_type) :: samples
     type(found_lines) :: found
     type(believed_line), allocatable :: believed(:)
+    type(hammer_type), allocatable :: hammer
     call watch%start()
     whole = .false.
     allocate (result%notes(0))
@@ -64,10 +68,12 @@ contains
     if (monitor%stop_requested()) return
 
     samples = samples_of(record)
+    call take_force(record, samples, layout, hammer, result)
     call take_values(record, samples)
     call find_believed_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, believed, monitor)
     if (monitor%stop_requested()) return
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
+    if (allocated(hammer)) call find_constants_of_lines(hammer, samples, found, result%record)
     call view_noise(record, samples, layout, scene%spectrum%window, found, result%record%noise)
     call view_fit(record, samples, layout, found, result%record)
     if (monitor%stop_requested()) return
@@ -119,6 +125,74 @@ contains
     to = from
     call move_alloc(values, to%values)
   end subroutine move_record
+
+  subroutine take_force(record, samples, layout, hammer, result)
+    !! The hammer's blows, during which samples are no free decay, and the frequency response of the record.
+    type(record_type), intent(inout) :: record         !! its force is moved away
+    type(samples_type), intent(inout) :: samples
+    type(result_layout), intent(in) :: layout
+    type(hammer_type), allocatable, intent(out) :: hammer
+    type(case_result), intent(inout) :: result
+    complex(dp), allocatable :: response(:, :)
+    real(dp), allocatable :: impulse(:)
+    if (.not. allocated(record%force)) return
+    if (.not. record%interval > 0) then
+      call append(result%notes, 'hammer: the samples are uneven, and the force is left out; it takes even ones')
+      return
+    end if
+    hammer = hammer_of(record%force)
+    if (.not. any(hammer%acts)) then
+      call append(result%notes, 'hammer: the force shows no blow, and is left out')
+      deallocate (hammer)
+      return
+    end if
+    if (.not. allocated(samples%valid)) allocate (samples%valid(samples%count), source=.true.)
+    samples%valid = samples%valid .and. .not. hammer%acts
+    if (layout%frequencies == 0) return
+    allocate (response(layout%frequencies, layout%points), impulse(layout%frequencies))
+    call hammer_response(hammer, samples%step, record%values, layout%record%frequencies, response, impulse)
+    result%record%response_real = response%re
+    result%record%response_imag = response%im
+    result%record%impulse = reshape(impulse, [size(impulse), 1])
+  end subroutine take_force
+
+  subroutine find_constants_of_lines(hammer, samples, found, record)
+    !! The modal constants of all lines, at sensors of a motion whose unit is known.
+    type(hammer_type), intent(in) :: hammer
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    type(record_result), intent(inout) :: record       !! whose lines are known
+    complex(dp) :: constant(size(record%extent%sensors))
+    real(dp) :: share
+    integer :: derivative(size(constant)), row, last, k, s
+    logical :: is_motion(size(constant))
+    do s = 1, size(constant)
+      associate (sensor => record%extent%sensors(s))
+        derivative(s) = index('displacement velocity     acceleration', sensor%quantity)/13
+        is_motion(s) = sensor%quantity /= 'strain' .and. sensor%unit == si_unit(sensor%quantity)
+      end associate
+    end do
+    associate (lines => record%lines, stretches => found%model%stretches)
+      allocate (record%constant_real(size(lines%decay_rate), size(constant)), source=missing)
+      record%constant_imag = record%constant_real
+      record%constant_error = record%constant_real
+      if (size(lines%decay_rate) == 0) return
+      row = stretches(1, 1)
+      last = last_before(hammer, samples%count)
+      if (ubound(stretches, 2) > 1) last = last_before(hammer, stretches(1, 2))
+      do k = 1, size(lines%decay_rate)
+        call find_constants(hammer, samples%step, row, last, cmplx(-lines%decay_rate(k), lines%angular_frequency(k), dp), &
+                            derivative, lines%amplitude(:, k), constant, share)
+        do s = 1, size(constant)
+          if (.not. is_motion(s) .or. is_missing(lines%amplitude_bound(s, k))) cycle
+          record%constant_real(k, s) = constant(s)%re
+          record%constant_imag(k, s) = constant(s)%im
+          record%constant_error(k, s) = lines%quantile*hypot(share*abs(constant(s)), abs(constant(s)/lines%amplitude(s, k)) &
+            *max(lines%amplitude_bound(s, k), lines%phase_bound(s, k)*abs(lines%amplitude(s, k))))
+        end do
+      end do
+    end associate
+  end subroutine find_constants_of_lines
 
   subroutine note_blows(record, notes)
     !! Say when the beam was struck, where that is not at the first sample alone.

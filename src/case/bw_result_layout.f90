@@ -68,6 +68,7 @@ module bw_result_layout
     logical :: of_plain_beam = .false.           !! of a record: the beam is known, and its waves follow Eq. 3
     integer :: windows = 0            !! parts of a record
     integer :: candidates = 0
+    logical :: hammer = .false.       !! the force of the blow is measured
     integer :: pooled = 0             !! lines that repeats share, at most; 0: there are none, or something else is swept, too
   end type result_layout
 
@@ -87,6 +88,7 @@ contains
       layout%of_plain_beam = position_of(scene%groups, 'beam') > 0 .and. .not. (allocated(scene%shear) .or. &
         allocated(scene%stiffening) .or. (allocated(scene%beam%pieces) .and. scene%spectrum%ends /= 'model'))
       layout%candidates = most_candidates
+      layout%hammer = allocated(scene%record%force)
       if (size(scene%sweeps) == 1 .and. all(scene%sweeps%implied)) layout%pooled = layout%peaks
       return
     end if
@@ -197,8 +199,8 @@ contains
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
     !! that go through them), `continuum` (whose motion histories are held against), `estimates` (of their errors), `mode_shapes`
-    !! (there are not too many), `record` or `simulated`, `model` (of the record's beam), `places` (of all points along the beam),
-    !! `waves`.
+    !! (there are not too many), `record` or `simulated`, `hammer` (whose force is measured), `model` (of the record's beam), `places`
+    !! (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -214,6 +216,7 @@ contains
     case ('bending_moment'); there = layout%bending_moment
     case ('mode_shapes'); there = layout%mode_shapes
     case ('model'); there = layout%modelled
+    case ('hammer'); there = layout%hammer
     case ('record'); there = layout%of_record
     case ('simulated'); there = layout%samples > 0 .and. .not. layout%of_record
     case ('by_modes'); there = layout%by_modes

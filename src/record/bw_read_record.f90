@@ -14,7 +14,7 @@ module bw_read_record
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, used_part
   use bw_scene, only: scene_type
-  use bw_sensor_unit, only: factor_of
+  use bw_sensor_unit, only: factor_of, force_factor
   use bw_text, only: shortest, text_of
   use bw_text_source, only: text_source
   implicit none (type, external)
@@ -50,15 +50,16 @@ contains
     integer, allocatable :: columns(:)
     real(dp), allocatable :: times(:), steps(:)
     integer(i8) :: part(2)                             ! first and last sample that is used
-    integer :: time
+    integer :: time, force
     record%path = record_path(scene, number)
     call choose_source(record%path, source, error)
     if (.not. allocated(error)) call source%open(record%path, error)
-    if (.not. allocated(error)) call choose_columns(scene, source, time, columns, error)
+    if (.not. allocated(error)) call choose_columns(scene, source, time, columns, force, error)
     if (.not. allocated(error)) call check_memory(record%path, source%rows, 3, error)
     if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
     if (.not. allocated(error)) call take_times(scene, source, time, times, steps, record, part, error)
     if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
+    if (.not. allocated(error) .and. force > 0) call read_force(source, force, part, record, error)
     if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
     if (allocated(source)) call source%close()
   end subroutine read_record
@@ -197,6 +198,18 @@ contains
     name = 'end'
     if (group%line_of('start') == line) name = 'start'
   end function cut_by
+
+  subroutine read_force(source, column, part, record, error)
+    !! The hammer's force at the samples that are used.
+    class(record_source), intent(inout) :: source
+    integer, intent(in) :: column
+    integer(i8), intent(in) :: part(2)
+    type(record_type), intent(inout) :: record
+    type(error_type), allocatable, intent(inout) :: error
+    real(dp) :: values(size(record%times), 1)
+    call source%read_values([column], part(1), values, error)
+    record%force = force_factor(source%columns(column)%unit)*values(:, 1)
+  end subroutine read_force
 
   subroutine read_sensors(scene, source, columns, part, record, error)
     !! The samples that are used, in SI, or in the file's unit where that is not known.

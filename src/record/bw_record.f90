@@ -34,6 +34,7 @@ module bw_record
     real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
     real(dp), allocatable :: times(:)            !! since the first sample [s], rising; even ones are (j−1)·interval, (samples)
     real(dp), allocatable :: values(:, :)        !! in the sensors' units, (samples, sensors)
+    real(dp), allocatable :: force(:)            !! of the hammer [N]; unallocated: not known, (samples)
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
     type(string), allocatable :: notes(:)        !! what there is to say of it, one line each
   end type record_type

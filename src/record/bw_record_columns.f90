@@ -8,7 +8,7 @@ module bw_record_columns
   use bw_record_par, only: column_choice, most_columns, record_par
   use bw_record_source, only: record_source
   use bw_scene, only: scene_type
-  use bw_sensor_unit, only: factor_of, si_unit
+  use bw_sensor_unit, only: factor_of, force_factor, si_unit
   use bw_text, only: shortened, shortest, string, text_of
   use bw_time_column, only: named_time
   implicit none (type, external)
@@ -19,12 +19,13 @@ module bw_record_columns
 
 contains
 
-  subroutine choose_columns(scene, source, time, columns, error)
-    !! The column of the times and those of the sensors. **Errors**: `status_bad_input`, for what is not in the file.
+  subroutine choose_columns(scene, source, time, columns, force, error)
+    !! The column of the times, those of the sensors and that of the hammer. **Errors**: `status_bad_input`, for what is not in the file.
     type(scene_type), intent(in) :: scene              !! with a record
     class(record_source), intent(in) :: source
     integer, intent(out) :: time                       !! 0: the sampling rate tells the times
     integer, allocatable, intent(out) :: columns(:)    !! of the sensors
+    integer, intent(out) :: force                      !! 0: there is none
     type(error_type), allocatable, intent(inout) :: error
     type(string) :: bare(size(source%columns))         ! their names in lower case and without units
     integer :: i
@@ -32,6 +33,7 @@ contains
       bare(i)%text = bare_name(source%columns(i)%name)
     end do
     time = 0
+    force = 0
     allocate (columns(0))
     associate (record => scene%record)
       if (allocated(record%time)) then
@@ -40,6 +42,7 @@ contains
         time = named_time(source%columns)
       end if
       if (is_missing(record%sample_rate)) call check_time(scene, source, time, error)
+      if (allocated(record%force)) call choose(scene, source, bare, 'force', record%force, force, error)
       if (allocated(error)) return
       if (allocated(record%columns)) then
         deallocate (columns)
@@ -49,11 +52,12 @@ contains
           if (allocated(error)) return
         end do
       else
-        columns = all_sensors(source, time)
+        columns = pack(all_sensors(source, time), all_sensors(source, time) /= force)
       end if
       if (.not. is_missing(record%sample_rate)) time = 0     ! a column of times is there, and not asked
     end associate
     call check_choice(scene, source, time, columns, error)
+    if (force > 0) call check_force(scene, source, time, columns, force, error)
   end subroutine choose_columns
 
   subroutine check_time(scene, source, time, error)
@@ -121,6 +125,22 @@ contains
       end if
     end associate
   end subroutine check_choice
+
+  subroutine check_force(scene, source, time, columns, force, error)
+    !! The hammer's column holds numbers, is no other one, and is in a unit of force.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: time, columns(:), force
+    type(error_type), allocatable, intent(inout) :: error
+    if (force == time .or. any(columns == force)) then
+      call refuse(scene, 'force', shown(source, force)//' is the time or a sensor, too; accepted: a column of its own', error)
+    else if (.not. source%columns(force)%is_numeric) then
+      call refuse(scene, 'force', shown(source, force)//' of '//source%path//' holds no numbers; accepted: '//listed(source), error)
+    else if (.not. force_factor(source%columns(force)%unit) > 0) then
+      call refuse(scene, 'force', shown(source, force)//' of '//source%path//" is in '"//shortened(source%columns(force)%unit)// &
+                  "', which is no unit of force; accepted: N, mN, kN, lbf, or no unit", error)
+    end if
+  end subroutine check_force
 
   subroutine check_count(scene, source, name, values, columns, error)
     !! A list has one value for each sensor.

@@ -6,7 +6,7 @@ module bw_sensor_unit
   use bw_text, only: lower
   implicit none (type, external)
   private
-  public :: factor_of, is_unit, quantity_of, si_unit
+  public :: factor_of, force_factor, is_unit, quantity_of, si_unit
 
   type :: unit_name
     character(8) :: word
@@ -234,6 +234,18 @@ contains
     if (quantity /= '' .and. measured_by(found) == quantity) factor = found%factor
     if (quantity == 'strain' .and. found%known .and. .not. found%named) factor = found%factor
   end function factor_of
+
+  pure real(dp) function force_factor(unit) result(factor)
+    !! N over a unit of force, of which none stands for N; 0 where it is no unit of force.
+    character(*), intent(in) :: unit
+    select case (trim(adjustl(unit)))
+    case ('', 'N', 'n', 'newton', 'Newton', 'newtons', 'Newtons'); factor = 1
+    case ('mN'); factor = 1.0e-3_dp
+    case ('kN'); factor = 1.0e3_dp
+    case ('lbf'); factor = 4.4482216152605_dp
+    case default; factor = 0
+    end select
+  end function force_factor
 
   pure function si_unit(quantity) result(unit)
     !! The SI unit of a quantity of a sensor, as UDUNITS writes it.

@@ -15,11 +15,12 @@ module bw_pooled_table
 
 contains
 
-  function pooled_table(pooled, cases, confidence) result(text)
+  function pooled_table(pooled, cases, confidence, frequencies) result(text)
     !! The table; nothing where repeats share no line.
     type(pooled_lines), intent(in) :: pooled
     integer, intent(in) :: cases                  !! repeats
     real(dp), intent(in) :: confidence            !! of the intervals
+    real(dp), intent(in), optional :: frequencies(:)  !! Hz, of responses to a hammer
     character(:), allocatable :: text
     type(text_builder) :: lines
     type(text_table) :: table
@@ -38,8 +39,31 @@ contains
                          status_text(pooled%status(k)))
     end do
     call note_rest(lines, size(pooled%count), shown)
+    if (allocated(pooled%coherence)) call report_responses(pooled, frequencies, lines)
     text = lines%text()
   end function pooled_table
+
+  subroutine report_responses(pooled, frequencies, lines)
+    !! H1, H2 and coherence over the repeats at the lines' frequencies, at the sensor that moves most.
+    type(pooled_lines), intent(in) :: pooled
+    real(dp), intent(in) :: frequencies(:)        !! Hz
+    type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
+    integer :: k, j, s
+    call lines%append_line('')
+    call lines%append_line('  Frequency response over the repeats, in the unit of sensors over 1 N, at the frequency '// &
+                           'nearest to each line')
+    table = table_of('line|frequency|H1|H2|coherence|sensor', '|Hz', [6, 14, 12, 12, 12, 8])
+    call table%put_head(lines)
+    do k = 1, min(shown, size(pooled%count))
+      j = minloc(abs(frequencies - pooled%frequency(k)%value/two_pi), dim=1)
+      s = maxloc(hypot(pooled%h1_real(j, :), pooled%h1_imag(j, :)), dim=1)
+      if (is_missing(pooled%coherence(j, s))) cycle
+      call table%put_row(lines, text_of(k)//'|'//shortest(frequencies(j), 6)//'|'// &
+        shortest(hypot(pooled%h1_real(j, s), pooled%h1_imag(j, s)), 4)//'|'// &
+        shortest(hypot(pooled%h2_real(j, s), pooled%h2_imag(j, s)), 4)//'|'//shortest(pooled%coherence(j, s), 5)//'|'//text_of(s))
+    end do
+  end subroutine report_responses
 
   pure function value_cells(pooled, unit) result(cells)
     !! A number, half its interval, that of the next repeat, and the scatter.

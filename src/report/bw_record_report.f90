@@ -27,6 +27,7 @@ contains
     type(text_builder), intent(inout) :: lines
     call lines%append(record_summary(record%extent))
     if (size(record%lines%angular_frequency) > 0) call report_lines(record, confidence, lines)
+    if (allocated(record%constant_real)) call report_constants(record, lines)
     if (allocated(measured%wavenumber)) call report_waves(record, measured, lines)
     if (size(record%lines%rejected) > 0) call report_rejected(record, lines)
     call report_noise(record, lines)
@@ -107,6 +108,31 @@ contains
     end do
     if (text /= '') text = ';'//text(2:)
   end function kinds_text
+
+  subroutine report_constants(record, lines)
+    !! A row for each line, with the modal constant of the sensor that tells it best, and what mass of the mode that is.
+    type(record_result), intent(in) :: record
+    type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
+    real(dp) :: size_of, error
+    integer :: k, s
+    if (all(is_missing(record%constant_error))) return
+    call lines%append_line('')
+    call lines%append_line('  Modal constants, amplitudes over the hammer''s blow: phi phi/M of sensor and hammer; '// &
+                           'the mass M is that of a shape that is 1 at both')
+    table = table_of('line|constant|+/-|phase|mass|at', '|1/kg|1/kg|degrees|kg', [6, 14, 12, 10, 12, 0])
+    call table%put_head(lines)
+    do k = 1, min(shown_lines, size(record%constant_real, 1))
+      if (all(is_missing(record%constant_error(k, :)))) cycle
+      s = maxloc(hypot(record%constant_real(k, :), record%constant_imag(k, :))/record%constant_error(k, :), dim=1, &
+                 mask=.not. is_missing(record%constant_error(k, :)))
+      size_of = hypot(record%constant_real(k, s), record%constant_imag(k, s))
+      error = record%constant_error(k, s)
+      call table%put_row(lines, text_of(k)//'|'//to_its_error(record%constant_real(k, s), error)//'|'//short(error)//'|'// &
+        shortest(atan2(record%constant_imag(k, s), record%constant_real(k, s))*360/two_pi, 3)//'|'// &
+        shortest(1/size_of, 4), '   '//short_name(record%extent%sensors(s)%name))
+    end do
+  end subroutine report_constants
 
   subroutine report_drifts(record, lines)
     !! Lines that change along the record.

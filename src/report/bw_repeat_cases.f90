@@ -7,6 +7,7 @@ module bw_repeat_cases
   use bw_record_lines, only: status_words
   use bw_repeats, only: pool_repeats, pooled_lines, repeated_lines
   use bw_result_draft, only: result_draft
+  use bw_result_layout, only: has
   implicit none (type, external)
   private
   public :: pooled_cases
@@ -45,7 +46,40 @@ contains
     end do
     pooled = pool_repeats(lines, resolution, draft%scene%spectrum%confidence, draft%scene%spectrum%false_alarm, &
                           draft%layout%peaks)
+    if (has(draft%layout, 'hammer frequency')) call pool_responses(draft, pooled)
   end function pooled_cases
+
+  subroutine pool_responses(draft, pooled)
+    !! Frequency responses from the averages of all cases' power and cross spectra: with the force F and the response HF of a case
+    !! H1 = ΣH|F|²/Σ|F|², H2 = Σ|HF|²/Σ(H|F|²)*, and coherence H1/H2. `missing` where no case has a force.
+    type(result_draft), intent(inout) :: draft
+    type(pooled_lines), intent(inout) :: pooled
+    real(dp), dimension(draft%layout%frequencies, draft%layout%points) :: part, force, response, power
+    complex(dp), dimension(draft%layout%frequencies, draft%layout%points) :: h, cross
+    integer(i8) :: c
+    force = 0
+    response = 0
+    cross = 0
+    do c = 1, draft%layout%cases
+      part = reshape(draft%get('frequency_response_real', c), shape(part))
+      power = spread(draft%get('force_spectrum', c), 2, size(power, 2))
+      if (any(is_missing(part))) cycle
+      h = cmplx(part, reshape(draft%get('frequency_response_imag', c), shape(part)), dp)
+      power = power**2
+      force = force + power
+      cross = cross + h*power
+      response = response + abs(h)**2*power
+    end do
+    allocate (pooled%h1_real, pooled%h1_imag, pooled%h2_real, pooled%h2_imag, pooled%coherence, &
+              source=spread(spread(missing, 1, size(part, 1)), 2, size(part, 2)))
+    where (force > 0 .and. abs(cross) > 0)
+      pooled%h1_real = cross%re/force
+      pooled%h1_imag = cross%im/force
+      pooled%h2_real = response*cross%re/abs(cross)**2
+      pooled%h2_imag = response*cross%im/abs(cross)**2
+      pooled%coherence = abs(cross)**2/(force*response)
+    end where
+  end subroutine pool_responses
 
   elemental subroutine part_error(error, bound, quantile, drifts, least, deviation, drift)
     !! Part half an interval into what differs from repeat to repeat, as a standard deviation, and what a drift along the record

@@ -10,7 +10,7 @@ module bw_file_rows
   use bw_record, only: sensor_type
   use bw_repeats, only: pooled_lines, pooled_words
   use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
-  use bw_result_table, only: result_table
+  use bw_result_table, only: result_table, unit_of_sensors
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
   use bw_scene_resolved, only: numeric_input, numeric_inputs, values_of_sweep
@@ -294,11 +294,22 @@ contains
                         pooled_words, has_masks=.true.)) call table%put(pooled%status)
     if (table%whole_row('pooled_line', 'case peak', 'the line from all repeats that this one belongs to; 0: none', &
                         needs='pooled')) call table%put_columns(real(pooled%member, dp))
+    if (response('h1_real', ' N-1', 'real part of H1 over all repeats')) call table%put_columns(pooled%h1_real)
+    if (response('h1_imag', ' N-1', 'its imaginary part')) call table%put_columns(pooled%h1_imag)
+    if (response('h2_real', ' N-1', 'real part of H2 over all repeats')) call table%put_columns(pooled%h2_real)
+    if (response('h2_imag', ' N-1', 'its imaginary part')) call table%put_columns(pooled%h2_imag)
+    if (table%real_row('pooled_coherence', 'point frequency', '1', 'coherence of response and force over all repeats', &
+                       needs='pooled hammer')) call table%put_columns(pooled%coherence)
   contains
     logical function row(name, units, long_name)
       character(*), intent(in) :: name, units, long_name
       row = table%real_row('pooled_'//name, 'pooled', units, long_name)
     end function row
+    logical function response(name, units, long_name)
+      character(*), intent(in) :: name, units, long_name
+      response = table%real_row('pooled_response_'//name, 'point frequency', unit_of_sensors//units, long_name, &
+                                needs='pooled hammer')
+    end function response
   end subroutine pooled_rows
 
 end module bw_file_rows

@@ -20,6 +20,7 @@ contains
     call dispersion_rows(table, record)
     call candidate_rows(table, record)
     call sensor_rows(table, record)
+    call hammer_rows(table, record)
   end subroutine record_rows
 
   subroutine line_rows(table, record)
@@ -121,5 +122,27 @@ contains
       row = table%real_row(name, dimensions, unit_of_sensors, long_name, needs='record')
     end function row
   end subroutine sensor_rows
+
+  subroutine hammer_rows(table, record)
+    !! A hammer's blow: modal constants, and the frequency response of this record alone.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record
+    if (row('measured_modal_constant_real', 'point peak', 'kg-1', 'real part of phi phi/M of sensor and hammer')) &
+      call table%put_columns(record%constant_real)
+    if (row('measured_modal_constant_imag', 'point peak', 'kg-1', 'its imaginary part')) &
+      call table%put_columns(record%constant_imag)
+    if (row('measured_modal_constant_error', 'point peak', 'kg-1', half_of//'real and of the imaginary part')) &
+      call table%put_columns(record%constant_error)
+    if (row('frequency_response_real', 'point frequency', unit_of_sensors//' N-1', 'real part of the response over the force')) &
+      call table%put_columns(record%response_real)
+    if (row('frequency_response_imag', 'point frequency', unit_of_sensors//' N-1', 'its imaginary part')) &
+      call table%put_columns(record%response_imag)
+    if (row('force_spectrum', 'frequency', 'N s', 'size of the transform of the force')) call table%put_columns(record%impulse)
+  contains
+    logical function row(name, dimensions, units, long_name)
+      character(*), intent(in) :: name, dimensions, units, long_name
+      row = table%real_row(name, dimensions, units, long_name, needs='record hammer')
+    end function row
+  end subroutine hammer_rows
 
 end module bw_record_rows

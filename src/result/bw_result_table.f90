@@ -225,8 +225,11 @@ contains
       call self%head%add_variable(name//self%suffix, kind, numbers, merge(max(1, self%layout%cases), 1, has_case))
       self%at = self%head%count
       unit = units
-      if (units == unit_of_sensors) unit = 'm'
-      if (units == unit_of_sensors .and. allocated(self%layout%record)) unit = self%layout%record%unit
+      if (index(units, unit_of_sensors) == 1) then
+        unit = 'm'
+        if (allocated(self%layout%record)) unit = self%layout%record%unit
+        unit = unit//units(len(unit_of_sensors) + 1:)
+      end if
       call self%head%add_text('units', unit)
       call self%head%add_text('long_name', long_name//self%ending)
       coordinates = ''

@@ -177,7 +177,7 @@ contains
     report = sweep_table(work%draft, statuses)
     if (has(work%layout, 'pooled')) then
       pooled = pooled_cases(work%draft)
-      report = report//pooled_table(pooled, size(statuses), work%scene%spectrum%confidence)
+      report = report//pooled_table(pooled, size(statuses), work%scene%spectrum%confidence, work%layout%record%frequencies)
     end if
     call outcome%set_notes(notes_of(work), work%layout, count(statuses /= case_done, kind=i8))
     call finish_draft(work, report, watch, progress, outcome, whole, error, supplement, pooled)

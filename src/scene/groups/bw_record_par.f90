@@ -30,6 +30,8 @@ module bw_record_par
     type(string), allocatable :: quantities(:)   !! of all sensors, or one for each; unallocated: what the file says, (1 or n_sensors)
     real(dp), allocatable :: scales(:)           !! SI over the unit of the column; unallocated: that unit tells, (1 or n_sensors)
     real(dp), allocatable :: points(:)           !! ξ of each sensor; unallocated: what the file says, if anything, (n_sensors)
+    type(column_choice), allocatable :: force    !! the hammer's; unallocated: nothing is known of the blow
+    real(dp) :: force_point = 1                  !! ξ where it strikes
     real(dp) :: first_time = -huge(1.0_dp)       !! first and last time that is used [s], from the file's time 0
     real(dp) :: last_time = huge(1.0_dp)
   end type record_par
@@ -41,7 +43,8 @@ module bw_record_par
     'of one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column, or the '// &
     'variable, named time or t, or as loggers call it (X_Value, Zeit, elapsed time). Times are taken as they are, even or not, '// &
     'and have to rise. Without `columns` all columns but the time are sensors. Without `points` there are frequencies and '// &
-    'decay only. `&beam` may be absent.')
+    'decay only. With `force` amplitudes are told over the hammer''s blow, as modal constants and frequency responses. `&beam` '// &
+    'may be absent.')
 
   type(input_name), parameter, public :: record_names(*) = [ &
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
@@ -59,6 +62,9 @@ module bw_record_par
                meaning='factor to SI, of all or each; else by the file''s unit'), &
     input_name('record', 'points', reals_input, '1', unit_interval, most=most_columns, &
                meaning='place of each sensor: x/l, 0 at the root, 1 at the tip'), &
+    input_name('record', 'force', columns_input, range=number_range(1.0_dp, 1e6_dp), meaning='column of the hammer''s force'), &
+    input_name('record', 'force_point', real_input, '1', unit_interval, &
+               meaning='place that the hammer strikes: x/l; else the tip'), &
     input_name('record', 'start', real_input, 's', any_number, swept=.true., meaning='first time that is used'), &
     input_name('record', 'end', real_input, 's', any_number, swept=.true., meaning='last time that is used')]
 
@@ -78,6 +84,8 @@ contains
       if (scale%known) then
         if (any(scale%numbers == 0.0_dp)) call messages%add(scale%line, 'record%scale', 'is 0; accepted: any other number')
       end if
+      if (record%known('force_point') .and. .not. record%known('force')) call messages%add(record%line_of('force_point'), &
+        'record%force_point', 'is there without force; accepted: both, or neither')
       if (.not. (columns%known .and. time%known)) return
       if (place_in(columns, 1, size(columns%texts), time, 1) > 0) call messages%add(columns%line, 'record%columns', &
         'holds the column of the times; accepted: those of sensors')
@@ -153,22 +161,28 @@ contains
   pure type(record_par) function build_record(values) result(record)
     !! From checked values.
     type(group_values), intent(in) :: values
-    type(column_choice), allocatable :: time(:)
     record%files = values%values(values%at('file'))%texts
     record%file = max(1, values%whole('file'))
-    if (values%known('time')) then
-      time = choices(values%values(values%at('time')))
-      record%time = time(1)
-    end if
+    if (values%known('time')) record%time = one_choice(values%values(values%at('time')))
     if (values%known('columns')) record%columns = choices(values%values(values%at('columns')))
     if (values%known('quantity')) record%quantities = values%values(values%at('quantity'))%texts
     if (values%known('points')) record%points = values%values(values%at('points'))%numbers
     if (values%known('scale')) record%scales = values%values(values%at('scale'))%numbers
+    if (values%known('force')) record%force = one_choice(values%values(values%at('force')))
+    if (values%known('force_point')) record%force_point = values%number('force_point')
     if (values%known('time_scale')) record%time_scale = values%number('time_scale')
     if (values%known('sample_rate')) record%sample_rate = values%number('sample_rate')
     if (values%known('start')) record%first_time = values%number('start')
     if (values%known('end')) record%last_time = values%number('end')
   end function build_record
+
+  pure type(column_choice) function one_choice(value) result(column)
+    !! A single column.
+    type(input_value), intent(in) :: value
+    type(column_choice), allocatable :: columns(:)
+    columns = choices(value)
+    column = columns(1)
+  end function one_choice
 
   pure function choices(value) result(columns)
     !! Columns as a scene names them.

@@ -31,6 +31,7 @@ module bw_beam_state
     real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
     real(dp), allocatable :: points(:)           !! ξ, (sensors)
     logical :: bends = .false.                   !! sensors measure strain, else motion
+    logical :: over_blow = .false.               !! amplitudes are modal constants φ_sφ_f/M [1/kg] of a hammer's blow
   end type state_lines
 
   type, public :: state_modes
@@ -88,10 +89,12 @@ contains
     class(beam_state), intent(in) :: self
     type(beam_state), intent(in) :: other
     is_twin_of = self%beam == other%beam .and. all(self%concerned .eqv. other%concerned) .and. &
-      (allocated(self%lines%points) .eqv. allocated(other%lines%points)) .and. (self%lines%bends .eqv. other%lines%bends)
+      (allocated(self%lines%points) .eqv. allocated(other%lines%points)) .and. (self%lines%bends .eqv. other%lines%bends) &
+      .and. (self%lines%over_blow .eqv. other%lines%over_blow)
     if (.not. is_twin_of .or. .not. allocated(self%lines%points)) return
     is_twin_of = size(self%lines%points) == size(other%lines%points)
     if (is_twin_of) is_twin_of = all(self%lines%points == other%lines%points)
+    if (is_twin_of .and. self%lines%over_blow) is_twin_of = self%one%record%force_point == other%one%record%force_point
   end function is_twin_of
 
   pure function odds_left(self) result(odds)
@@ -166,6 +169,11 @@ contains
       if (state%lines%bends) shape = set%some_curvatures(1, set%count, state%lines%points)
       if (.not. state%lines%bends) shape = set%shapes(state%lines%points)
       modes%shape = shape(place, :)
+      if (state%lines%over_blow) then
+        associate (struck => set%shapes([state%one%record%force_point]))
+          modes%shape = modes%shape*spread(struck(place, 1)/set%modal_mass(place)/units%mass, 2, size(modes%shape, 2))
+        end associate
+      end if
     end if
     if (allocated(set%damping)) modes%decay = 0.5_dp*set%damping(place)*units%frequency
   end subroutine solve

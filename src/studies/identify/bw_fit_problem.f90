@@ -4,7 +4,7 @@ module bw_fit_problem
   !! An unknown x of a range is v = −1 … 1, linear in x, or in ln x where the range spans decades. A line's residual is
   !! (f_line − f)/√(s² + τ²f_line²): s its standard deviation, τ what the model is off by besides. Decays have residuals
   !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
-  !! whose own complex amplitude is the one that fits them best.
+  !! whose own complex amplitude is the one that fits them best; over a measured blow they are modal constants, which have none.
   use bw_beam_state, only: beam_state, state_modes, vague
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
@@ -159,7 +159,7 @@ contains
         if (allocated(lines%points)) then
           do k = 1, size(line)
             if (modes%found) call put_amplitudes(lines%amplitude(:, line(k)), lines%amplitude_deviation(:, line(k)), &
-                                                 modes%shape(k, :), residuals(m + 1:m + 2*size(lines%points)))
+              modes%shape(k, :), lines%over_blow, residuals(m + 1:m + 2*size(lines%points)))
             m = m + 2*size(lines%points)
           end do
         end if
@@ -194,10 +194,12 @@ contains
     call self%states(leader)%modes_at(values, number, modes, self%roughly)
   end subroutine modes_of_twin
 
-  pure subroutine put_amplitudes(amplitude, deviation, shape, residuals)
-    !! Residuals of the amplitudes of one line, real and imaginary parts.
+  pure subroutine put_amplitudes(amplitude, deviation, shape, over_blow, residuals)
+    !! Residuals of the amplitudes of one line, real and imaginary parts. Its own complex amplitude is the one that fits best, unless
+    !! the blow is known.
     complex(dp), intent(in) :: amplitude(:)      !! (sensors)
     real(dp), intent(in) :: deviation(:), shape(:)
+    logical, intent(in) :: over_blow             !! amplitudes are modal constants
     real(dp), intent(out) :: residuals(:)        !! (2 sensors)
     complex(dp) :: scale, left(size(amplitude))
     real(dp) :: weight(size(amplitude))
@@ -205,6 +207,7 @@ contains
     s = size(amplitude)
     weight = 1/(deviation**2 + (sensor_error*maxval(abs(amplitude)))**2)
     scale = sum(weight*shape*amplitude)/max(sum(weight*shape**2), tiny(1.0_dp))
+    if (over_blow) scale = 1
     left = sqrt(weight)*(amplitude - scale*shape)
     residuals(:s) = left%re
     residuals(s + 1:) = left%im

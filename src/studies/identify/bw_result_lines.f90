@@ -32,6 +32,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(dp), allocatable, dimension(:, :, :) :: frequency, frequency_error, decay, decay_error, status
     real(dp), allocatable, dimension(:, :, :) :: amplitude, amplitude_bound, phase, place, quantity
+    real(dp), allocatable, dimension(:, :, :) :: constant_real, constant_imag, constant_error
     logical :: placed
     integer, allocatable :: told(:)
     integer :: file, problem, c, k, n, s
@@ -52,6 +53,11 @@ contains
     call read_block(file, 'sensor_quantity', quantity, problem)
     placed = problem == all_is_well
     if (placed) placed = size(place) > 1 .and. all(quantity == quantity(1, 1, 1))    ! else they say nothing of shapes
+    if (find_variable(file, 'measured_modal_constant_error') >= 0) then
+      call read_block(file, 'measured_modal_constant_real', constant_real, problem)
+      call read_block(file, 'measured_modal_constant_imag', constant_imag, problem)
+      call read_block(file, 'measured_modal_constant_error', constant_error, problem)
+    end if
     call close_netcdf(file)
     allocate (cases(size(frequency, 2)))
     do c = 1, size(cases)
@@ -66,6 +72,16 @@ contains
         one%lines%deviation = [(max(least_error*frequency(k, c, 1), frequency_error(k, c, 1)/quantile), k=1, n)]
         one%lines%decay_deviation = [(max(least_decay_error*frequency(k, c, 1), decay_error(k, c, 1)/quantile), k=1, n)]
         if (allocated(amplitude)) one%lines%strength = [(norm2(amplitude(k, :, c)), k=1, n)]
+        if (allocated(constant_error) .and. allocated(place) .and. n > 0) then
+          told = pack([(s, s=1, size(place))], .not. any(is_missing(constant_error(:n, :, c)), dim=1))
+          one%lines%over_blow = size(told) > 0 .and. .not. any(is_missing(place))
+          if (one%lines%over_blow) then
+            one%lines%points = place(told, 1, 1)
+            one%lines%amplitude = transpose(cmplx(constant_real(:n, told, c), constant_imag(:n, told, c), dp))
+            one%lines%amplitude_deviation = transpose(constant_error(:n, told, c))/quantile
+            cycle
+          end if
+        end if
         if (.not. placed .or. n == 0) cycle
         told = pack([(s, s=1, size(place))], .not. any(is_missing(amplitude_bound(:n, :, c)), dim=1))  ! not by a constant sensor
         if (size(told) < 2) cycle

@@ -1,0 +1,139 @@
+"""A hammer's measured force turns amplitudes into modal constants, frequency responses and kilograms.
+
+The records are sums over the modes of a clamped beam, its closed form, each moved by the force step by step on a grid eight times as
+fine as the samples: no part of the program is in them.
+"""
+
+import numpy as np
+import pytest
+import results
+from scipy.optimize import brentq
+from scipy.signal import lfilter
+from workplace import namelist
+
+BEAM = {"length": 0.6, "width": 0.03, "height": 0.006, "density": 2700.0, "youngs_modulus": 7e10}
+LENGTH, MASS = 0.6, 2700 * 0.03 * 0.006 * 0.6  # m, kg
+H = np.sqrt(7e10 * 0.006**2 / 12 / 2700)  # m²/s
+POINTS, STRUCK = [0.5, 0.8, 1.0], 0.8
+RATE, SAMPLES, FINE = 8192, 16384, 8
+MODES = 6
+ALPHA = np.array(
+    [brentq(lambda a: np.cos(a) + 1 / np.cosh(a), (k - 0.5) * np.pi - 0.4, (k - 0.5) * np.pi + 0.4) for k in range(1, MODES + 1)]
+)
+FREQUENCY = H * (ALPHA / LENGTH) ** 2  # rad/s
+DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
+UNIT = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+
+
+def shapes(xi):
+    """Of mean square 1, (places, modes)."""
+    z = np.outer(np.atleast_1d(xi), ALPHA)
+    sigma = (np.cosh(ALPHA) + np.cos(ALPHA)) / (np.sinh(ALPHA) + np.sin(ALPHA))
+    return np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z))
+
+
+CONSTANT = shapes(POINTS) * shapes(STRUCK) / MASS  # 1/kg, (sensors, modes)
+
+
+def poles(damping):
+    return -damping * FREQUENCY + 1j * FREQUENCY * np.sqrt(1 - damping**2)
+
+
+def struck(dice, quantity, damping=0.004, noise=0.01, unit="N", scale=1.0):
+    """A text of time, force with an offset, and sensors."""
+    time = np.arange(SAMPLES * FINE) / (RATE * FINE)
+    start, length, peak = 0.05 + 0.01 * dice.random(), 0.0012 + 0.0006 * dice.random(), 50 * (1 + dice.random())
+    phase = np.clip((time - start) / length, 0, 1)
+    force = peak * np.sin(np.pi * phase) ** 2
+    values = np.zeros((len(POINTS), SAMPLES))
+    for k, pole in enumerate(poles(damping)):
+        step = np.exp(pole * time[1])
+        drive = time[1] / 2 * (force + step * np.roll(force, 1))
+        state = lfilter([1], [1, -step], drive.astype(complex))[::FINE]
+        moved = np.imag(pole ** DERIVATIVE[quantity] * state) / pole.imag
+        moved += force[::FINE] if quantity == "acceleration" else 0
+        values += np.outer(CONSTANT[:, k], moved)
+    values += noise * values.std(axis=1, keepdims=True) * dice.standard_normal(values.shape)
+    force = (force[::FINE] + 0.002 * peak * dice.standard_normal(SAMPLES) + 3.0) / scale
+    head = f"time [s],force [{unit}]," + ",".join(f"s{i} [{UNIT[quantity]}]" for i in range(len(POINTS)))
+    rows = np.column_stack([time[::FINE], force, values.T])
+    return head + "\n" + "\n".join(",".join(f"{x:.10g}" for x in row) for row in rows) + "\n"
+
+
+def hammered(here, quantity, repeats=3, seed=1, unknowns=(), **options):
+    dice = np.random.default_rng(seed)
+    files = [f"{i}.csv" for i in range(repeats)]
+    for name in files:
+        here.write(name, struck(dice, quantity, **options))
+    record = {"file": files if repeats > 1 else files[0], "force": "force", "force_point": STRUCK, "points": POINTS}
+    scene = namelist({"beam": BEAM, "record": record, "spectrum": {}})
+    here.write("hammer.nml", scene + "".join(namelist({"identify": unknown}) for unknown in unknowns))
+    ended = here.beamwave("run", "hammer.nml")
+    assert ended.returncode == 0, ended.stderr
+    return here.result("hammer"), ended
+
+
+@pytest.mark.parametrize("quantity", UNIT)
+def test_modal_constants_are_inside_their_intervals(here, quantity):
+    result, ended = hammered(here, quantity)
+    lines = result["measured_angular_frequency"]
+    real, imag, error = (result[f"measured_modal_constant_{part}"] for part in ("real", "imag", "error"))
+    off = []
+    for case, line in np.argwhere(~results.is_fill(lines)):
+        mode = np.abs(FREQUENCY - lines[case, line]).argmin()
+        off.append((real[case, :, line] - CONSTANT[:, mode]) / error[case, :, line])
+        off.append(imag[case, :, line] / error[case, :, line])
+    off = np.abs(np.concatenate(off))
+    assert off.size >= 2 * 3 * 3 * 4
+    assert np.mean(off < 1) >= 0.88 and off.max() < 2.5  # 95 % of some hundred, and three deviations
+    best = np.nanmin(np.where(results.is_fill(real), np.nan, error / np.abs(real)))
+    assert best < 0.01
+    assert "Frequency response over the repeats" in ended.stdout
+
+
+def test_the_frequency_response_is_that_of_the_beam_and_coherent(here):
+    """Damped so much that all has died within the record: nothing leaks."""
+    result, _ = hammered(here, "acceleration", damping=0.02, noise=0.002)
+    frequency = 2 * np.pi * result["frequency"]
+    top = [np.abs(frequency - beta).argmin() for beta in FREQUENCY[1:5]]
+    square = frequency[top, None] ** 2
+    exact = -square / (FREQUENCY**2 - square + 2j * 0.02 * FREQUENCY * np.sqrt(square)) @ CONSTANT.T
+    for name in ("h1", "h2"):
+        found = result[f"pooled_response_{name}_real"] + 1j * result[f"pooled_response_{name}_imag"]
+        np.testing.assert_allclose(found[:, top].T, exact, atol=0.02 * np.abs(exact).max())
+    assert (result["pooled_coherence"][:, top] > 0.99).all()
+    assert ((result["pooled_coherence"] <= 1 + 1e-12) | results.is_fill(result["pooled_coherence"])).all()
+
+
+def test_masses_come_in_kilograms(here):
+    """Frequencies alone know E over density; the blow knows the density itself."""
+    unknowns = [
+        {"parameter": "beam%density", "first": 2000, "last": 4000},
+        {"parameter": "beam%youngs_modulus", "first": 5e10, "last": 9e10},
+    ]
+    result, _ = hammered(here, "velocity", repeats=2, unknowns=unknowns, seed=3)
+    value, error = result["identified"], result["identified_error"]
+    assert (np.abs(value - [2700, 7e10]) <= 1.5 * error).all()
+    assert (error < 0.02 * value).all()
+
+
+def test_a_force_in_other_units_is_brought_to_newtons(here):
+    result, _ = hammered(here, "velocity", repeats=1, unit="kN", scale=1000.0)
+    assert abs(result["measured_modal_constant_real"][1, 0] / CONSTANT[1, 0] - 1) < 0.02
+
+
+def test_a_force_that_is_none_is_refused_with_its_place(here):
+    dice = np.random.default_rng(1)
+    here.write("one.csv", struck(dice, "velocity", unit="V"))
+    here.write("two.csv", struck(dice, "velocity"))
+    for name, force, words in (
+        ("one", "force", "is in 'V', which is no unit of force; accepted: N, mN, kN, lbf"),
+        ("two", "hammer", "'hammer' is no column"),
+        ("two", "s1", "is the time or a sensor, too"),
+    ):
+        here.scene("bad", {"record": {"file": f"{name}.csv", "columns": ["s0", "s1"], "force": force}, "spectrum": {}})
+        ended = here.beamwave("check", "bad.nml")
+        assert ended.returncode == 2 and "record%force: " in ended.stderr and words in ended.stderr, ended.stderr
+    here.scene("bad", {"record": {"file": "two.csv", "force_point": 0.5}, "spectrum": {}})
+    ended = here.beamwave("check", "bad.nml")
+    assert ended.returncode == 2 and "record%force_point: is there without force" in ended.stderr
