@@ -21,6 +21,7 @@ module bw_terminal_progress
     private
     character(:), allocatable :: name                 !! of the scene; nothing is shown where there is none
     integer(i8) :: cases = 1, done = 0, taken_over = 0
+    real(dp) :: reached = 0.0_dp                      !! largest fraction of the case at hand so far
     real(dp) :: started = 0.0_dp, shown = 0.0_dp
     real(dp) :: deadline = huge(1.0_dp)               !! on the clock of `wall_seconds`
     logical :: quiet = .false.
@@ -54,6 +55,7 @@ contains
     self%cases = cases
     self%done = finished
     self%taken_over = finished
+    self%reached = 0.0_dp
     self%started = wall_seconds()
     self%shown = self%started
   end subroutine begin
@@ -63,21 +65,23 @@ contains
     class(terminal_progress), intent(inout) :: self
     integer(i8), intent(in) :: count
     self%done = self%done + count
+    self%reached = 0.0_dp
     call self%advance(0.0_dp)
   end subroutine cases_done
 
   subroutine advance(self, fraction)
-    !! Show the progress, unless that was done a moment ago.
+    !! Show the progress, unless that was done a moment ago. What has been reached stays, whatever is found out about the rest.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction
     real(dp) :: now, interval
+    self%reached = max(self%reached, fraction)
     if (self%quiet .or. .not. allocated(self%name)) return
     now = wall_seconds()
     if (now - self%started < quiet_seconds) return
     interval = merge(terminal_interval, log_interval, self%on_terminal)
     if (now - self%shown < interval) return
     self%shown = now
-    call show(self, fraction, now)
+    call show(self, self%reached, now)
   end subroutine advance
 
   subroutine show(self, fraction, now)

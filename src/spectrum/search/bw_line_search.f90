@@ -27,6 +27,7 @@ module bw_line_search
   integer, parameter :: many_lines = 24           !! tuned: so many may be parts of a driven motion
   integer, parameter :: most_colour = 1024        !! order of noise alone, which a driven beam's motion is
   integer, parameter :: most_rounds = 4
+  real(dp), parameter :: first_lines = 0.6_dp     !! of the time
 
   type :: description_type
     !! What a model says of a record, to which the search may go back.
@@ -59,6 +60,7 @@ contains
     last = huge(1.0_dp)
     do round = 1, most_rounds
       if (stops(monitor)) return
+      if (present(monitor)) call monitor%advance(first_lines + (1 - first_lines)*round/(most_rounds + 2))
       call refit_all(all_steps, at_rest, model)
       call renew(samples, order_price(samples), .false., model)
       call try_blows(samples, false_alarm, model, moved)
@@ -116,6 +118,7 @@ contains
     integer :: added, steady, moved, dropped, round
     real(dp) :: cost, last
     do round = 1, most_additions
+      if (present(monitor)) call monitor%advance(first_lines*round/(round + 2))
       call renew(samples, order_price(samples), .true., model)
       call add_round(samples, false_alarm, model, added)
       if (added == 0) exit
