@@ -8,9 +8,12 @@ module bw_piece_beam
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: attach, cut_at, cut_all, joint_position, modes_at_rest, root_power, operator(==)
+  public :: attach, cut_at, cut_all, holds_tip, is_held, joint_position, &
+    modes_at_rest, root_power, side_of_tip, operator(==)
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
+
+  real(dp), parameter, public :: rigid = 1.0e60_dp   !! a spring, in EI/l³ or EI/l, that is rigid to the last digit
 
   type, public :: uniform_piece
     type(dd) :: length = dd(1.0_dp)
@@ -156,6 +159,35 @@ contains
     power = 0
     if (root%holds_deflection) power = merge(2, 1, root%holds_turning)
   end function root_power
+
+  pure function holds_tip(beam) result(held)
+    !! Whether the tip is rigidly held against deflection, and against turning.
+    type(piece_beam), intent(in) :: beam
+    logical :: held(2)
+    associate (tip => beam%joint(size(beam%joint)))
+      held = [tip%stiffness%hi >= rigid, tip%turning_stiffness%hi >= rigid]
+    end associate
+  end function holds_tip
+
+  pure logical function is_held(beam, xi)
+    !! Whether a place is an end of the beam that is rigidly held against deflection.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: xi
+    logical :: tip(2)
+    tip = holds_tip(beam)
+    is_held = (xi == 0.0_dp .and. beam%root%holds_deflection) .or. (xi == 1.0_dp .and. tip(1))
+  end function is_held
+
+  pure real(dp) function side_of_tip(beam, motion, moment) result(side)
+    !! A number of the sign that a deflection has at the tip, or, where the tip is held, next to it.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: motion(2)              !! v and ψ of the tip
+    real(dp), intent(in) :: moment                 !! M there, or what has its sign
+    logical :: held(2)
+    held = holds_tip(beam)
+    side = motion(1)
+    if (held(1)) side = merge(moment, -motion(2), held(2))
+  end function side_of_tip
 
   pure integer function modes_at_rest(beam) result(number)
     !! Modes of which it is known that λ = 0: rigid motions that no spring holds and that no inertia of turning hastens.

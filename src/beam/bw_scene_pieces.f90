@@ -7,7 +7,7 @@ module bw_scene_pieces
   use bw_body_par, only: body_par
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp, qp
-  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, uniform_piece, operator(==)
+  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, rigid, uniform_piece, operator(==)
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_shear_par, only: shear_par
@@ -75,6 +75,7 @@ contains
           call attach(beam, to_dd(scene%bodies(i)%position), joint_of(scene%bodies(i), full))
         end do
       end if
+      if (allocated(scene%tip_support)) call attach(beam, to_dd(1.0_dp), tip_of(scene%tip_support, full))
       if (allocated(scene%impact)) pieces%position = scene%impact%position
       call cut_at(beam, to_dd(pieces%position), pieces%struck)
     end associate
@@ -151,6 +152,18 @@ contains
     end if
   end function root_of
 
+  pure type(beam_joint) function tip_of(support, full) result(tip)
+    !! What is not given is a spring that is rigid to the last digit.
+    type(support_par), intent(in) :: support
+    type(full_units), intent(in) :: full
+    tip%stiffness = to_dd(rigid)
+    tip%turning_stiffness = to_dd(rigid)
+    if (allocated(support%stiffness)) tip%stiffness = spring_of(support%stiffness/full%stiffness*full%length**3)
+    if (allocated(support%rotational_stiffness)) then
+      tip%turning_stiffness = spring_of(support%rotational_stiffness/full%stiffness*full%length)
+    end if
+  end function tip_of
+
   pure type(beam_joint) function joint_of(body, full) result(joint)
     type(body_par), intent(in) :: body
     type(full_units), intent(in) :: full
@@ -163,8 +176,7 @@ contains
   pure type(dd) function spring_of(stiffness) result(spring)
     !! A stiffness in EI/l³ or EI/l. What is beyond the reach of other inputs (bw_scene_scales) is rigid to the last digit.
     real(qp), intent(in) :: stiffness
-    real(qp), parameter :: rigid = 1.0e60_qp
-    spring = to_dd(min(stiffness, rigid))
+    spring = to_dd(min(stiffness, real(rigid, qp)))
   end function spring_of
 
 end module bw_scene_pieces

@@ -97,7 +97,7 @@ contains
     integer, parameter :: fewest = 16, of_half_wave = 12   ! points
     real(dp), dimension(modes%count) :: taken, elastic
     type(piece_frequency) :: frequency
-    real(dp) :: both, held                                 ! held: what springs further out hold of a mode
+    real(dp) :: both, held, beyond             ! what springs further out hold of a mode; the shear force beyond a joint
     integer :: i, k, points
     tension = 0.0_dp
     taken = 0.0_dp
@@ -108,6 +108,7 @@ contains
     do k = 1, modes%count
       frequency = frequency_at(modes%modes%system%beam, modes%modes%lambda(k))
       held = 0.0_dp
+      beyond = 0.0_dp
       do i = size(full%piece), 1, -1
         points = fewest + ceiling(of_half_wave*full%piece(i)%length%hi*modes%alpha(k)/pi)
         call add_points(midpoints(points), full%piece(i), modes%modes%system%piece(i))
@@ -123,9 +124,11 @@ contains
       real(dp), intent(in) :: x(:)                         !! of its length, (points)
       type(uniform_piece), intent(in) :: piece
       type(piece_numbers), intent(in) :: numbers
-      real(dp) :: part, state(4, size(x)), outer(4, 1)
-      outer = states_inside(numbers, frequency, modes%modes%amplitude(:, i, k), [to_dd(0.5_dp*piece%length%hi)])
-      held = held + full%joint(i)%stiffness%hi*outer(1, 1)
+      real(dp) :: part, state(4, size(x)), ends(4, 2)
+      ends = states_inside(numbers, frequency, modes%modes%amplitude(:, i, k), to_dd([-0.5_dp, 0.5_dp]*piece%length%hi))
+      if (full%joint(i)%stiffness%hi > 0.0_dp) &
+        held = held + beyond - ends(4, 2) + full%joint(i)%mass%hi*elastic(k)*ends(1, 2)
+      beyond = ends(4, 1)
       state = states_inside(numbers, frequency, modes%modes%amplitude(:, i, k), to_dd(piece%length%hi*(x - 0.5_dp)))
       part = piece%length%hi/size(x)
       tension(k) = tension(k) + part*sum((pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :)**2)

@@ -23,7 +23,7 @@ module bw_effect_table
     character(name_length) :: groups = ''         !! that switch it, by blanks
     character(name_length) :: input = ''          !! the name that does; '': it is whether the groups are there
     character(8) :: on = '', off = ''             !! values of that name with the effect and without it
-    character(36) :: values = ''                  !! of the first group, which is tried where the scene lacks it; '': all defaults
+    character(40) :: values = ''                  !! of the first group, which is tried where the scene lacks it; '': all defaults
     real(dp) :: tried = 0.0_dp                    !! the number
     integer :: measure = plain                    !! what it is measured in
     character(24) :: needs = '', excludes = ''    !! groups of the scene without or with which it is not compared, by blanks
@@ -62,6 +62,9 @@ module bw_effect_table
                 about='compared with a uniform beam of its mass and mean E I'), &
     effect_type('support', 'support', values='rotational_stiffness = @', tried=100.0_dp, measure=own_unit, &
                 remark_off='tried with rotational_stiffness = @ N m/rad, 100 EI/l', about='compared with a clamped root'), &
+    effect_type('tip_support', 'tip_support', values='stiffness = @, rotational_stiffness = 0', tried=1.0_dp, measure=own_unit, &
+                remark_off='tried with stiffness = @ N/m, EI/l^3, and rotational_stiffness = 0', &
+                about='compared with a free tip'), &
     effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &
                 remark_off='tried with a mass of @ of the beam''s at the midpoint', about='all bodies'), &
     effect_type('position', 'impact', 'position', '@', '1', tried=0.9_dp, needs='impact', &

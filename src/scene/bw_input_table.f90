@@ -20,7 +20,7 @@ module bw_input_table
   use bw_shear_par, only: shear_group, shear_names
   use bw_spectrum_par, only: spectrum_group, spectrum_names
   use bw_stiffening_par, only: stiffening_group, stiffening_names
-  use bw_support_par, only: support_group, support_names
+  use bw_support_par, only: support_group, support_names, tip_support_group, tip_support_names
   use bw_sweep_par, only: sweep_group, sweep_names
   use bw_text, only: joined
   implicit none (type, external)
@@ -31,6 +31,7 @@ module bw_input_table
     scene_group, &
     beam_group, &
     support_group, &
+    tip_support_group, &
     body_group, &
     rotation_group, &
     stiffening_group, &
@@ -52,6 +53,7 @@ module bw_input_table
     scene_names, &
     beam_names, &
     support_names, &
+    tip_support_names, &
     body_names, &
     rotation_names, &
     stiffening_names, &

@@ -24,7 +24,7 @@ module bw_scene
   use bw_shear_par, only: build_shear, check_shear, complete_shear, shear_par, shear_text
   use bw_spectrum_par, only: build_spectrum, check_spectrum, complete_spectrum, spectrum_par
   use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
-  use bw_support_par, only: build_support, check_support, support_par, support_text
+  use bw_support_par, only: build_support, check_support, support_par, support_text, tip_support_text
   use bw_sweep_par, only: check_sweep, sweep_par
   implicit none (type, external)
   private
@@ -39,6 +39,7 @@ module bw_scene
     type(scene_par) :: header                     !! &scene
     type(beam_par) :: beam                        !! &beam; of length 0 where a record alone is analysed
     type(support_par), allocatable :: support     !! &support; absent: the root is clamped
+    type(support_par), allocatable :: tip_support !! &tip_support; absent: the tip is free
     type(body_par), allocatable :: bodies(:)      !! &body, in the order of the scene, (n); unallocated: none
     type(rotation_par), allocatable :: rotation   !! &rotation; absent: the beam does not rotate
     type(stiffening_par), allocatable :: stiffening   !! &stiffening; absent: no tension
@@ -96,6 +97,7 @@ contains
     case ('scene'); scene%header = build_header(scene%groups(g))
     case ('body'); call build_one_body(scene, g, messages)
     case ('support'); scene%support = build_support(scene%groups(g))
+    case ('tip_support'); scene%tip_support = build_support(scene%groups(g))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
     case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
     case ('shear'); scene%shear = build_shear(scene%groups(g))
@@ -185,6 +187,7 @@ contains
       if (g == 0) cycle
       select case (group_table(i)%name)
       case ('support'); text = text//', '//support_text(scene%groups(g))
+      case ('tip_support'); text = text//', '//tip_support_text(scene%groups(g))
       case ('body'); text = text//', '//bodies_text(scene%groups)
       case ('rotation'); text = text//', '//rotation_text(scene%groups(g))
       case ('stiffening'); text = text//', '//stiffening_text(scene%groups(g))

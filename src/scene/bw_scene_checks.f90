@@ -141,6 +141,7 @@ contains
     type(message_list), intent(inout) :: messages
     if (position_of(scene%groups, 'beam') == 0) return
     call check_held(scene, messages)
+    call check_struck(scene, messages)
     call check_method(scene, messages)
     call check_scales(scene, messages)
   end subroutine check_case
@@ -155,13 +156,33 @@ contains
       if (.not. (allocated(root%stiffness) .and. allocated(root%rotational_stiffness))) return
       if (root%stiffness > 0.0_dp .or. root%rotational_stiffness > 0.0_dp) return
     end associate
+    if (allocated(scene%tip_support)) then
+      if (holds(scene%tip_support%stiffness) .or. holds(scene%tip_support%rotational_stiffness)) return
+    end if
     if (allocated(scene%bodies)) then
       if (any(scene%bodies%stiffness > 0.0_dp .or. scene%bodies%rotational_stiffness > 0.0_dp)) return
     end if
     call messages%add(scene%groups(position_of(scene%groups, 'support'))%line_of('stiffness'), 'support%stiffness', &
                       'is 0, and so is rotational_stiffness: nothing holds the beam, which rotates in its plane; accepted: '// &
-                      'one of them above 0 or left out (rigid), or a spring of a &body')
+                      'one of them above 0 or left out (rigid), a &tip_support, or a spring of a &body')
+  contains
+    pure logical function holds(stiffness)
+      real(dp), intent(in), optional :: stiffness  !! absent: rigid
+      holds = .true.
+      if (present(stiffness)) holds = stiffness > 0.0_dp
+    end function holds
   end subroutine check_held
+
+  pure subroutine check_struck(scene, messages)
+    !! A blow where the beam is rigidly held moves nothing.
+    type(scene_type), intent(in) :: scene
+    type(message_list), intent(inout) :: messages
+    if (.not. (allocated(scene%impact) .and. allocated(scene%tip_support))) return
+    if (allocated(scene%tip_support%stiffness) .or. scene%impact%position < 1.0_dp) return
+    call messages%add(scene%groups(position_of(scene%groups, 'impact'))%line_of('position'), 'impact%position', &
+                      'is 1, the tip, which &tip_support holds rigidly: a blow there moves nothing; accepted: > 0 and < 1, or '// &
+                      'a stiffness of &tip_support')
+  end subroutine check_struck
 
   pure subroutine check_method(scene, messages)
     !! A Galerkin basis holds so many modes.

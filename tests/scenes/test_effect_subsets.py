@@ -20,7 +20,8 @@ SAMPLES = {  # each effect group's variants; of one that is not here that of a s
     "support": [{"rotational_stiffness": 2e5}],
     "body": [{"position": 0.6, "mass_ratio": 0.1, "rotary_inertia": 1e-3}],
 }
-EVERY = 11  # of the scenes with a support and a body, which stand together here, one in so many is run
+TOGETHER = ("support", "body", "tip_support")
+EVERY = 11  # of the scenes with a support, a body and a held tip, which stand together here, one in so many is run
 
 
 def known_groups(here):
@@ -50,7 +51,7 @@ def walked(shared):
     scenes = {}
     for number, choice in enumerate(itertools.product(*[[None, *variants(group)] for group in effects])):
         there = [group for group, values in zip(effects, choice) if values is not None]
-        if ("support" in there) != ("body" in there) or ("body" in there and number % EVERY):
+        if len({group in there for group in TOGETHER}) > 1 or ("body" in there and number % EVERY):
             continue
         scene = {
             "beam": dict(PAPER_BEAM),

@@ -43,6 +43,8 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "modes%tolerance": ({**CAPTURE, "modes": {}}, [1e-2, 1e-4]),
     "support%stiffness": ({**CAPTURE, "support": {"stiffness": 1e6}}, [1e5, 1e7]),
     "support%rotational_stiffness": ({**CAPTURE, "support": {"rotational_stiffness": 1e4}}, [1e3, 1e5]),
+    "tip_support%stiffness": ({**CAPTURE, "tip_support": {"stiffness": 1e6}}, [1e4, 1e6]),
+    "tip_support%rotational_stiffness": ({**CAPTURE, "tip_support": {"stiffness": 1e4}}, [1e3, 1e5]),
     "body%position": ({**CAPTURE, "body": SPRING}, [0.4, 1.0]),
     "body%mass": ({**CAPTURE, "body": SPRING}, [0.0, 0.2]),
     "body%mass_ratio": ({**CAPTURE, "body": {"position": 0.8, "mass_ratio": 0.1}}, [0.0, 0.2]),

@@ -40,13 +40,14 @@ def places_of_line(case: xr.Dataset, xi: np.ndarray, count: int) -> np.ndarray:
 def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> CubicSpline:
     """Line of the beam (place → deflection, times) through `deflection` (times, points) at `xi`, ascending.
 
-    The cubic spline through the points, without curvature at the last one, which is what a free tip has. A clamped root
+    The cubic spline through the points, without curvature at a last one that is a free tip. A clamped root
     is one of its points, with no slope; on an elastic support the line starts at the first point.
     """
     none = np.zeros(len(deflection))
+    tip = "not-a-knot" if "tip_support" in effects_of(case) else (2, none)
     if is_clamped(case):
         values = np.vstack((none, deflection.T))
-        return CubicSpline(np.concatenate(([0.0], xi)), values, bc_type=((1, none), (2, none)))
+        return CubicSpline(np.concatenate(([0.0], xi)), values, bc_type=((1, none), tip))
     if xi.size < 2:
         raise NothingToDraw("on an elastic support one point makes no line")
     return CubicSpline(xi, deflection.T, bc_type=("not-a-knot" if xi.size > 2 else (2, none), (2, none)))

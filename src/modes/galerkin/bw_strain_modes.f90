@@ -16,9 +16,10 @@ module bw_strain_modes
   use bw_missing, only: missing
   use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_strains, only: ends_of, motions_of, strains_inside
+  use bw_piece_beam, only: holds_tip, side_of_tip
+  use bw_piece_strains, only: ends_of, motions_of, piece_motions, strains_inside
   use bw_singular_values, only: singular_values
-  use bw_strain_basis, only: times_polynomial
+  use bw_strain_basis, only: basis_values, times_polynomial
   use bw_strain_set, only: strain_set
   use bw_strain_system, only: build_system, forms_of_spin, strain_system, unfactored
   use bw_tension_layers, only: most_layers
@@ -318,8 +319,11 @@ contains
     !! Scale modes from mass 1 to ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
     integer, intent(in) :: struck
     type(strain_set), intent(inout) :: set
-    real(dp) :: scale
-    integer :: i, k
+    real(dp) :: scale, side
+    logical :: held(2)
+    integer :: i, k, n
+    n = size(set%piece)
+    held = holds_tip(set%given%beam)
     do k = 1, set%count
       scale = 0.0_dp
       do i = 1, size(set%piece)
@@ -327,7 +331,10 @@ contains
       end do
       scale = 1.0_dp/sqrt(scale)
       set%modal_mass(k) = scale**2
-      if (mod(k, 2) == 0 .neqv. set%deflection(size(set%piece), k) > 0.0_dp) scale = -scale
+      side = side_of_tip(set%given%beam, [set%deflection(n, k), set%turning(n, k)], last_curvature(set%piece(n), k))
+      if (mod(k, 2) == 0 .neqv. side > 0.0_dp) scale = -scale
+      if (held(1)) set%deflection(n, k) = 0.0_dp
+      if (held(2)) set%turning(n, k) = 0.0_dp
       set%deflection(:, k) = scale*set%deflection(:, k)
       set%turning(:, k) = scale*set%turning(:, k)
       do i = 1, size(set%piece)
@@ -342,6 +349,15 @@ contains
     set%struck_joint = struck
     set%struck = set%deflection(struck, :)
   end subroutine normalise
+
+  pure real(dp) function last_curvature(piece, k) result(curvature)
+    !! At the outer end of a piece, but for a positive factor.
+    type(piece_motions), intent(in) :: piece
+    integer, intent(in) :: k                       !! the mode
+    real(dp) :: values(size(piece%turning, 1) - 1, 1)
+    values = basis_values(size(values, 1), [1.0_dp])
+    curvature = dot_product(values(:, 1), piece%strain(:size(values, 1), k))
+  end function last_curvature
 
   subroutine find_waves(given, set)
     !! Mean wave numbers over the beam, and the velocities that follow from them.

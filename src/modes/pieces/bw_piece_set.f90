@@ -10,6 +10,7 @@ module bw_piece_set
   use bw_missing, only: no_number
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: is_held
   use bw_piece_overlap, only: overlap_sums, piece_modes
   use bw_piece_shape, only: beam_place, deflections_inside, gap_to_end, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
@@ -57,9 +58,8 @@ contains
         end associate
       end do
     end do
-    if (.not. self%modes%system%beam%root%holds_deflection) return
     do p = 1, size(xi)
-      if (xi(p) == 0.0_dp) state(1, :, p) = 0.0_dp
+      if (is_held(self%modes%system%beam, xi(p))) state(1, :, p) = 0.0_dp
     end do
   end function states_at
 
@@ -96,7 +96,7 @@ contains
     end do
     do p = 1, size(xi)
       if (xi(p) == self%struck_at) values(:, p) = self%struck(first:last)
-      if (xi(p) == 0.0_dp .and. self%modes%system%beam%root%holds_deflection) values(:, p) = 0.0_dp
+      if (is_held(self%modes%system%beam, xi(p))) values(:, p) = 0.0_dp
     end do
   end function piece_shapes
 

@@ -8,7 +8,7 @@ module bw_piece_source
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source, take_terms, terms_of_set
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_beam, only: modes_at_rest, piece_beam, root_power
+  use bw_piece_beam, only: holds_tip, modes_at_rest, piece_beam, root_power, side_of_tip
   use bw_piece_critical, only: critical_speed_of, without_inertia
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
@@ -179,7 +179,8 @@ contains
     type(dd), intent(in) :: lambda
     integer, intent(in) :: j
     type(piece_set), intent(inout) :: set
-    real(dp) :: beam_part, turning_part, squares(2), scale
+    real(dp) :: beam_part, turning_part, side, squares(2), scale
+    logical :: held(2)
     integer :: i, n
     associate (system => set%modes%system, modes => set%modes)
       n = size(system%piece)
@@ -193,7 +194,11 @@ contains
       modes%deflection(:, j) = probe%motion(1, 1:n)
       modes%turning(:, j) = probe%motion(2, 1:n)
       scale = 1.0_dp/sqrt(beam_part)
-      if (mod(number, 2) == 0 .neqv. modes%deflection(n, j) > 0.0_dp) scale = -scale
+      side = side_of_tip(system%beam, probe%motion(:, n), probe%before(2, n))
+      if (mod(number, 2) == 0 .neqv. side > 0.0_dp) scale = -scale
+      held = holds_tip(system%beam)
+      if (held(1)) modes%deflection(n, j) = 0.0_dp
+      if (held(2)) modes%turning(n, j) = 0.0_dp
       modes%amplitude(:, :, j) = scale*probe%amplitude
       modes%deflection(:, j) = scale*modes%deflection(:, j)
       modes%turning(:, j) = scale*modes%turning(:, j)

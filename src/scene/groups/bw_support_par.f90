@@ -1,16 +1,16 @@
 module bw_support_par
-  !! `&support`: the root is held by springs, to the rotating frame.
+  !! `&support` and `&tip_support`: an end of the beam is held by springs, to the rotating frame.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_support, check_support, support_text
+  public :: build_support, check_support, support_text, tip_support_text
 
   type, public :: support_par
     !! A stiffness that is unallocated is rigid.
-    real(dp), allocatable :: stiffness              !! k_v against the deflection of the root [N/m], ≥ 0
+    real(dp), allocatable :: stiffness              !! k_v against the deflection of the end [N/m], ≥ 0
     real(dp), allocatable :: rotational_stiffness   !! k_θ against its turning [N m/rad], ≥ 0
   end type support_par
 
@@ -25,6 +25,18 @@ module bw_support_par
                meaning='of a spring against the deflection of the root'), &
     input_name('support', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, swept=.true., &
                meaning='of a spring against the turning of the root')]
+
+  type(input_group), parameter, public :: tip_support_group = input_group( &
+    'tip_support', is_effect=.true., builds_up=.true., changes_shapes=.true., absent='the tip is free', &
+    rules='A name that is left out is rigid: without either the tip is clamped, with a `rotational_stiffness` of 0 it is '// &
+    'pinned, with a `stiffness` of 0 it slides. Springs are fixed to the rotating frame. The tip stays free to move along the '// &
+    'beam, so that the tension of `&stiffening` is that of a free tip. A tip that is rigidly held cannot be struck.')
+
+  type(input_name), parameter, public :: tip_support_names(*) = [ &
+    input_name('tip_support', 'stiffness', real_input, 'N m-1', not_negative, swept=.true., &
+               meaning='of a spring against the deflection of the tip'), &
+    input_name('tip_support', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, swept=.true., &
+               meaning='of a spring against the turning of the tip')]
 
 contains
 
@@ -48,21 +60,30 @@ contains
     !! What a report calls it: `soft root (stiffness 1e6 N/m, turning 2000 N m/rad)`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    text = 'soft root (deflection '//word('stiffness', ' N/m', 'free')//', turning '// &
-      word('rotational_stiffness', ' N m/rad', 'hinged')//')'
-  contains
-    pure function word(name, unit, free)
-      !! A stiffness, or what its absence means.
-      character(*), intent(in) :: name, unit, free
-      character(:), allocatable :: word
-      if (.not. values%known(name)) then
-        word = 'rigid'
-      else if (values%number(name) == 0.0_dp .and. .not. values%is_swept(name)) then
-        word = free
-      else
-        word = values%number_or_swept(name, unit)
-      end if
-    end function word
+    text = 'soft root (deflection '//word(values, 'stiffness', ' N/m', 'free')//', turning '// &
+      word(values, 'rotational_stiffness', ' N m/rad', 'hinged')//')'
   end function support_text
+
+  pure function tip_support_text(values) result(text)
+    !! The same of the tip: `held tip (deflection rigid, turning free)`.
+    type(group_values), intent(in) :: values
+    character(:), allocatable :: text
+    text = 'held tip (deflection '//word(values, 'stiffness', ' N/m', 'free')//', turning '// &
+      word(values, 'rotational_stiffness', ' N m/rad', 'free')//')'
+  end function tip_support_text
+
+  pure function word(values, name, unit, free)
+    !! A stiffness, or what its absence means.
+    type(group_values), intent(in) :: values
+    character(*), intent(in) :: name, unit, free
+    character(:), allocatable :: word
+    if (.not. values%known(name)) then
+      word = 'rigid'
+    else if (values%number(name) == 0.0_dp .and. .not. values%is_swept(name)) then
+      word = free
+    else
+      word = values%number_or_swept(name, unit)
+    end if
+  end function word
 
 end module bw_support_par
