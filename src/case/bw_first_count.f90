@@ -150,7 +150,7 @@ contains
         if (exhausted .or. .not. plan%within) exit
         last_before = last
         before = errors
-        last = next_count(last, maxval((errors/allowed)**(1.0_dp/power)), min(most, moving%source%highest))
+        last = next_count(last, 1.1_dp*maxval((errors/allowed)**(1.0_dp/power)), min(most, moving%source%highest))
         call survey%add_source(moving%source, segment%force, min(most, max(last, min(2*last, 2*looked_ahead))), monitor)
         if (monitor%stop_requested()) return
       end do

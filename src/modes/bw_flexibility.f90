@@ -16,7 +16,7 @@ module bw_flexibility
 
   type, public :: flexibility_table
     !! Flexibilities of a beam at points, at the shifts s² = 4ʲ that somebody has asked for: each is found once.
-    real(dp), allocatable :: at(:, :)            !! (points, j)
+    real(dp), allocatable :: at(:, :)            !! (points, j); negative: not asked for
   contains
     procedure :: cover
   end type flexibility_table
@@ -24,23 +24,26 @@ module bw_flexibility
 contains
 
   pure subroutine cover(self, beam, xi, first, last)
-    !! Find what is not there of the shifts from 4^first to 4^last, and between them and those that are.
+    !! Find what is not there of the shifts from 4^first to 4^last.
     class(flexibility_table), intent(inout) :: self   !! of this beam and these points, if it has any
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi(:)                !! (points)
     integer, intent(in) :: first, last
+    real(dp), parameter :: unknown = -1.0_dp
     real(dp), allocatable :: at(:, :)
-    integer :: ends(2), known(2), j
-    known = [first, first - 1]
-    if (allocated(self%at)) known = [lbound(self%at, 2), ubound(self%at, 2)]
-    if (known(1) <= first .and. known(2) >= last) return
-    ends = [min(first, known(1)), max(last, known(2))]
-    allocate (at(size(xi), ends(1):ends(2)))
-    if (allocated(self%at)) at(:, known(1):known(2)) = self%at
-    do j = ends(1), ends(2)
-      if (j < known(1) .or. j > known(2)) at(:, j) = point_flexibility(beam, 4.0_dp**j, xi)
+    integer :: ends(2), j
+    ends = [first, last]
+    if (allocated(self%at)) ends = [min(first, lbound(self%at, 2)), max(last, ubound(self%at, 2))]
+    if (.not. allocated(self%at)) then
+      allocate (self%at(size(xi), first:last), source=unknown)
+    else if (ends(1) < lbound(self%at, 2) .or. ends(2) > ubound(self%at, 2)) then
+      allocate (at(size(xi), ends(1):ends(2)), source=unknown)
+      at(:, lbound(self%at, 2):ubound(self%at, 2)) = self%at
+      call move_alloc(at, self%at)
+    end if
+    do j = first, last
+      if (any(self%at(:, j) < 0.0_dp)) self%at(:, j) = point_flexibility(beam, 4.0_dp**j, xi)
     end do
-    call move_alloc(at, self%at)
   end subroutine cover
 
   pure function point_flexibility(beam, shift, xi) result(flexibility)

@@ -47,7 +47,8 @@ module bw_mode_survey
     integer :: bins = 0                            !! that are full
     type(mode_bin), allocatable :: bin(:)          !! (bins and more)
     type(point_sums), allocatable :: at(:, :)      !! (points, bins and more)
-    type(flexibility_table) :: flexibility         !! of the beam at the points and the struck place, as far as it was asked for
+    type(flexibility_table) :: flexibility         !! of the beam at the points, as far as it was asked for
+    type(flexibility_table) :: struck              !! at the struck place
     real(dp), allocatable :: bound(:)              !! of what all modes beyond these add, if it is known, (points)
     real(dp) :: bound_energy = 0.0_dp              !! of the motion that it is for
   contains

@@ -61,8 +61,11 @@ contains
     real(dp) :: swing
     if (c == 0.0_dp .and. beta_squared%hi > 0.0_dp) then      ! most modes
       swing = min(stretch%end, 1.0_dp/sqrt(beta_squared%hi))
-      amplitude = hypot(q, rate*swing)
-      if (velocity) amplitude = hypot(rate, beta_squared%hi*q*swing)
+      if (velocity) then
+        amplitude = sqrt(rate**2 + (beta_squared%hi*q*swing)**2)
+      else
+        amplitude = sqrt(q**2 + (rate*swing)**2)
+      end if
     else if (turns(beta_squared, c)) then
       root = sqrt(turning_square(beta_squared, c))
       slow = slow_exponent(beta_squared, c)

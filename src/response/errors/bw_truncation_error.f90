@@ -73,7 +73,7 @@ contains
     integer, intent(in) :: count                   !! n, the last of a bin
     type(tail_type), intent(out) :: tail
     real(dp), intent(in), optional :: force        !! f, where all modes start from rest position with fΦ_k(ξ₀)/M_k
-    real(dp), intent(in), optional :: place        !! ξ₀: of all tails of a survey or of none
+    real(dp), intent(in), optional :: place        !! ξ₀
     real(dp) :: beyond(size(survey%points))
     integer :: b
     b = survey%bin_of(count)
@@ -98,23 +98,21 @@ contains
       integer, intent(in) :: b
       real(dp), intent(out) :: bound(size(survey%points))
       real(dp) :: left
-      integer :: ends(2), level
-      logical :: of_blow
+      integer :: level
       bound = no_bound
       if (survey%quantity == curvatures .or. survey%bin(b)%square <= 0.0_dp) return
       left = energy_beyond(survey, energy, b)
-      level = level_of(survey%bin(b)%square)
-      ends = levels_near(level, beam)
-      of_blow = present(force) .and. left > 0.5_dp*energy .and. level + lowest >= lowest_level(beam) &
-        .and. all(beam%piece%compliance%hi <= 0.0_dp)          ! with shear T grows without end
-      if (of_blow) ends = level + [lowest, highest]
-      if (present(place)) then
-        call survey%flexibility%cover(beam, [survey%points, place], ends(1), ends(2))
-      else
-        call survey%flexibility%cover(beam, survey%points, ends(1), ends(2))
+      call find_residual(survey, beam, b, bound)
+      bound = sqrt(2.0_dp*left*bound)
+      if (present(force) .and. present(place)) then
+        level = level_of(survey%bin(b)%square)
+        if (left > 0.5_dp*energy .and. level + lowest >= lowest_level(beam) &
+            .and. all(beam%piece%compliance%hi <= 0.0_dp)) then    ! with shear T grows without end
+          call survey%flexibility%cover(beam, survey%points, level + lowest, level + highest)
+          call survey%struck%cover(beam, [place], level + lowest, level + highest)
+          bound = min(bound, bound_of_blow(survey, force, b))
+        end if
       end if
-      bound = sqrt(2.0_dp*left*residual_flexibility(survey, beam, b))
-      if (of_blow) bound = min(bound, bound_of_blow(survey, force, b))
       bound = left_by_damping(survey, law, b)*bound
     end subroutine find_schwarz
   end subroutine find_tail
@@ -147,15 +145,6 @@ contains
     if (beam%spin_squared%hi > 0.0_dp) level = level_of(1.5_dp*beam%spin_squared%hi) + 1
   end function lowest_level
 
-  pure function levels_near(level, beam) result(ends)
-    !! The first and the last j of the shifts that bound a residual flexibility.
-    integer, intent(in) :: level                   !! of β_n²
-    type(piece_beam), intent(in) :: beam
-    integer :: ends(2)
-    ends(1) = max(level + shifts(1), lowest_level(beam))
-    ends(2) = max(level + shifts(2), ends(1))
-  end function levels_near
-
   pure real(dp) function energy_beyond(survey, energy, b) result(left)
     !! Of the modes beyond a bin, with what rounding may hide of it.
     type(mode_survey), intent(in) :: survey
@@ -165,23 +154,26 @@ contains
     left = max(0.0_dp, energy - sum(survey%bin(:b)%energy)) + unit*(abs(energy) + sum(survey%bin(:b)%size_of_energy))
   end function energy_beyond
 
-  pure function residual_flexibility(survey, beam, b) result(residual)
-    !! A bound of Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²), the sharpest of those that some shifts give. Tension stiffens a beam: the flexibility of
-    !! that without it is a bound, too, and the sharper the higher the frequency.
-    type(mode_survey), intent(in) :: survey        !! whose flexibilities cover the shifts
+  pure subroutine find_residual(survey, beam, b, residual)
+    !! A bound of Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²) by the smallest shift that leaves digits. Tension stiffens a beam: the flexibility of that
+    !! without it is a bound, too, and the sharper the higher the frequency, so that larger shifts are tried as long as they serve.
+    type(mode_survey), intent(inout) :: survey     !! gets the flexibilities that are asked for
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: b                       !! β² of its last mode is positive
-    real(dp) :: residual(size(survey%points)), shift
-    integer :: ends(2), j
+    real(dp), intent(out) :: residual(:)           !! (points)
+    real(dp), dimension(size(residual)) :: now
+    real(dp) :: shift
+    integer :: first, j
     residual = huge(residual)
-    ends = levels_near(level_of(survey%bin(b)%square), beam)
-    do j = ends(1), ends(2)
+    first = max(level_of(survey%bin(b)%square) + shifts(1), lowest_level(beam))
+    do j = first, max(first, level_of(survey%bin(b)%square) + shifts(2))
       shift = 4.0_dp**j
-      associate (whole => survey%flexibility%at(:size(residual), j))
-        residual = min(residual, (1.0_dp + shift/survey%bin(b)%square)*remaining(whole, taken(survey, b, shift)))
-      end associate
+      call survey%flexibility%cover(beam, survey%points, j, j)
+      now = (1.0_dp + shift/survey%bin(b)%square)*remaining(survey%flexibility%at(:, j), taken(survey, b, shift))
+      if (all(now >= residual)) exit
+      residual = min(residual, now)
     end do
-  end function residual_flexibility
+  end subroutine find_residual
 
   pure function bound_of_blow(survey, force, b) result(bound)
     !! f√(T(ξ)T(ξ₀)) of the modes beyond a bin.
@@ -195,7 +187,7 @@ contains
     beyond = 0.0_dp
     do j = lowest, highest
       shift = 4.0_dp**(level + j)
-      left = remaining(survey%flexibility%at(:, level + j), [taken(survey, b, shift), &
+      left = remaining([survey%flexibility%at(:, level + j), survey%struck%at(:, level + j)], [taken(survey, b, shift), &
         & sum((2.0_dp*survey%bin(:b)%energy/force)/force/(survey%bin(:b)%mean_square + shift))])   ! energies are ½f²Φ_k(ξ₀)²/M_k
       beyond = beyond + 2.0_dp**j*left
     end do
