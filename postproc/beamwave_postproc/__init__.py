@@ -12,9 +12,11 @@ from .draw.measured import measured
 from .draw.mode_shapes import mode_shapes
 from .draw.prices import work_precision
 from .draw.record_dispersion import record_dispersion
+from .draw.record_envelopes import record_envelopes
 from .draw.record_fit import record_fit
 from .draw.record_model import identified, record_model
 from .draw.record_repeats import record_repeats
+from .draw.record_response import record_response
 from .draw.record_shapes import record_shapes
 from .draw.record_spectrum import record_spectrum
 from .draw.record_windows import record_windows
@@ -58,9 +60,11 @@ __all__ = [
     "phase_velocity",
     "pictures",
     "record_dispersion",
+    "record_envelopes",
     "record_fit",
     "record_model",
     "record_repeats",
+    "record_response",
     "record_shapes",
     "record_spectrum",
     "record_windows",

@@ -18,6 +18,8 @@ ELSEWHERE = {
     "sweep_map",
     "impulses",
     "record_fit",
+    "record_envelopes",
+    "record_response",
     "record_spectrum",
     "record_windows",
     "record_repeats",

@@ -1,7 +1,6 @@
 module bw_record_case
   !! A case whose histories are read from a file: record ► lines ► waves ► result. The main line of records, beside that of simulated
   !! cases.
-  use bw_amplitude_spectrum, only: spectrum_plan
   use bw_belief, only: believed_line, find_believed_lines
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_found_lines, only: found_lines
@@ -13,7 +12,7 @@ module bw_record_case
   use bw_read_record, only: read_record
   use bw_record, only: clock_text, extent_of, record_type
   use bw_record_lines, only: lines_in_si
-  use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_noise, view_spectra
+  use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_spectra
   use bw_record_waves, only: find_record_waves
   use bw_result_layout, only: result_layout
   use bw_samples, only: samples_type
@@ -32,7 +31,6 @@ module bw_record_case
     type(record_type) :: record
     integer :: file = 0                                !! its number; 0: there is none
     real(dp) :: part(2) = 0                            !! first and last time, as the scene says them
-    type(spectrum_plan) :: spectrum
   end type record_cache
 
 contains
@@ -63,7 +61,6 @@ contains
     allocate (result%record)
     result%record%extent = extent_of(record)
     call add_notes(result%notes, record%notes)
-    call view_spectra(record, layout, scene%spectrum%window, cache%spectrum, result%amplitude)
     call view_histories(record, layout, result%record%recorded)
     if (monitor%stop_requested()) return
 
@@ -74,7 +71,7 @@ contains
     if (monitor%stop_requested()) return
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
     if (allocated(hammer)) call find_constants_of_lines(hammer, samples, found, result%record)
-    call view_noise(record, samples, layout, scene%spectrum%window, found, result%record%noise)
+    call view_spectra(samples, layout, scene%spectrum%window, found, result%amplitude, result%record%noise)
     call view_fit(record, samples, layout, found, result%record)
     if (monitor%stop_requested()) return
     call find_record_waves(scene, layout, result, monitor)

@@ -1,7 +1,7 @@
 module bw_record_view
   !! What is drawn of a record, on the axes of its result: histories and their fit over time, amplitudes and noise over
   !! frequency.
-  use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan, window_at
+  use bw_amplitude_spectrum, only: window_at
   use bw_case_result, only: record_result
   use bw_found_lines, only: found_lines
   use bw_fourier, only: real_fourier
@@ -12,11 +12,11 @@ module bw_record_view
   use bw_record_flaws, only: mark_flaws
   use bw_record_lines, only: fitted_history, noise_level
   use bw_result_layout, only: record_layout, result_layout
-  use bw_samples, only: samples_type, span_of
+  use bw_samples, only: place_of, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: samples_of, step_of, take_values, view_fit, view_histories, view_noise, view_spectra
+  public :: samples_of, step_of, take_values, view_fit, view_histories, view_spectra
 
 contains
 
@@ -97,53 +97,75 @@ contains
     end do
   end subroutine take_values
 
-  subroutine view_spectra(record, layout, window, plan, amplitude)
-    !! The amplitude spectrum of each sensor: the largest amplitude around each frequency of the result.
-    type(record_type), intent(in) :: record
+  subroutine view_spectra(samples, layout, window, found, amplitude, noise)
+    !! The amplitude spectrum of each sensor from the blow on: the largest amplitude around each frequency of the result; and what
+    !! noise alone makes of it, the root of the mean square.
+    type(samples_type), intent(in) :: samples        !! in which the lines were found
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: window               !! a word of `&spectrum`
-    type(spectrum_plan), intent(inout) :: plan
-    real(dp), allocatable, intent(out) :: amplitude(:, :)    !! (frequencies, sensors); unallocated where it is not shown
-    real(dp), allocatable :: own(:)
-    type(samples_type) :: samples
-    real(dp) :: spacing
-    integer :: s
+    type(found_lines), intent(in) :: found
+    real(dp), allocatable, intent(out) :: amplitude(:, :), noise(:, :)   !! (frequencies, sensors); unallocated where not shown
+    type(real_fourier) :: fourier
+    complex(dp), allocatable :: spectrum(:)
+    real(dp), allocatable :: weight(:), own(:)
+    real(dp) :: factor, mean
+    integer :: length, s, j
     if (layout%frequencies == 0) return
-    samples%count = size(record%times)
-    samples%step = step_of(record)
-    if (.not. record%interval > 0) samples%place = record%times/samples%step
-    allocate (amplitude(layout%frequencies, layout%points))
+    weight = weight_from_blow(samples, window, found)
+    length = 2*ceiling(span_of(samples)/2)
+    if (.not. allocated(samples%place)) length = samples%count
+    factor = 2*norm2(weight)/sum(weight)
+    allocate (amplitude(layout%frequencies, layout%points), noise(layout%frequencies, layout%points), source=missing)
+    allocate (spectrum(0:length/2))
     do s = 1, layout%points
-      if (allocated(samples%place)) then
-        call uneven_spectrum(samples, record%values(:, s), window, own, spacing)
-      else
-        if (.not. allocated(own)) allocate (own(0:samples%count/2))
-        call amplitude_spectrum(record%values(:, s), window, plan, own)
-        spacing = 1/(samples%count*samples%step)
-      end if
-      amplitude(:, s) = on_axis(own, spacing, layout%record%frequencies)
+      associate (distinct => found%distinct)
+        mean = distinct%constant(s)
+        spectrum = 0
+        if (distinct%place(s) > 0) then
+          own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
+          mean = sum(own*weight)/sum(weight)
+          own = (own - mean)*weight
+          if (allocated(samples%place)) then
+            call uneven_transform(samples%place, own, length, fourier, spectrum)
+          else
+            call fourier%prepare(length)
+            fourier%samples = own
+            call fourier%transform()
+            spectrum = fourier%spectrum
+          end if
+        end if
+      end associate
+      own = 2*abs(spectrum)/sum(weight)
+      own(1) = abs(mean)                             ! beside the record's offset nothing is known there
+      associate (frequency => layout%record%frequencies)
+        amplitude(:, s) = on_axis(own, 1/(length*samples%step), frequency)
+        do j = 1, layout%frequencies
+          if (2*frequency(j)*samples%step <= 1) noise(j, s) = factor*noise_level(samples, found, frequency(j), s)
+        end do
+      end associate
     end do
   end subroutine view_spectra
 
-  subroutine uneven_spectrum(samples, values, window, amplitude, spacing)
-    !! The amplitude spectrum of samples at uneven times, each with the same weight but for the window.
+  pure function weight_from_blow(samples, window, found) result(weight)
+    !! A window that rises soon after the first blow, so that it keeps the beginning of decays, and falls to the end of the record. It
+    !! is 0 before the blow, and where a sample tells nothing.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: values(:)
     character(*), intent(in) :: window
-    real(dp), allocatable, intent(inout) :: amplitude(:)     !! from 0 to half of one over the step
-    real(dp), intent(out) :: spacing                 !! Hz
-    type(real_fourier) :: fourier
-    complex(dp), allocatable :: spectrum(:)
-    real(dp), allocatable :: weight(:)
-    integer :: length
-    length = 2*ceiling(span_of(samples)/2)
-    weight = window_at(window, samples%place, span_of(samples))
-    allocate (spectrum(0:length/2))
-    call uneven_transform(samples%place, values*weight, length, fourier, spectrum)
-    amplitude = 2*abs(spectrum)/sum(weight)
-    amplitude(1) = amplitude(1)/2
-    spacing = 1/(length*samples%step)
-  end subroutine uneven_spectrum
+    type(found_lines), intent(in) :: found
+    real(dp) :: weight(samples%count), since(samples%count), rest
+    real(dp), parameter :: rise = 1.0_dp/32          !! of what is left of the record: else a sudden beginning hides what is weak
+    integer :: first, n
+    first = 1
+    associate (stretches => found%model%stretches)
+      if (ubound(stretches, 2) > 0) first = stretches(1, 1)
+    end associate
+    if (2*first > samples%count) first = 1           ! too little is left to look at
+    since = [(place_of(samples, n) - place_of(samples, first), n=1, samples%count)]
+    rest = span_of(samples) - place_of(samples, first)
+    weight = window_at(window, merge(since/rise, rest + (since - rise*rest)/(1 - rise), since < rise*rest)/2, rest)
+    weight(:first - 1) = 0
+    if (allocated(samples%valid)) weight = merge(weight, 0.0_dp, samples%valid)
+  end function weight_from_blow
 
   pure function on_axis(own, spacing, axis) result(values)
     !! The largest of the ordinates that are nearer to a frequency of the axis than to the next, or the nearest where there is
@@ -163,30 +185,6 @@ contains
       values(j) = maxval(own(min(first, last):last))
     end do
   end function on_axis
-
-  subroutine view_noise(record, samples, layout, window, found, noise)
-    !! What noise alone makes of the amplitude spectrum: the root of the mean square.
-    type(record_type), intent(in) :: record          !! its values do not count
-    type(samples_type), intent(in) :: samples        !! as well
-    type(result_layout), intent(in) :: layout
-    character(*), intent(in) :: window
-    type(found_lines), intent(in) :: found
-    real(dp), allocatable, intent(out) :: noise(:, :)        !! (frequencies, sensors)
-    real(dp), allocatable :: weight(:)
-    real(dp) :: factor
-    integer :: j, s
-    if (layout%frequencies == 0) return
-    weight = window_at(window, record%times, span_of(samples)*samples%step)
-    factor = 2*norm2(weight)/sum(weight)
-    allocate (noise(layout%frequencies, layout%points), source=missing)
-    do s = 1, layout%points
-      do j = 1, layout%frequencies
-        associate (frequency => layout%record%frequencies(j))
-          if (2*frequency*samples%step <= 1) noise(j, s) = factor*noise_level(samples, found, frequency, s)
-        end associate
-      end do
-    end do
-  end subroutine view_noise
 
   pure subroutine view_histories(record, layout, shown)
     !! The samples, at the times of the result.

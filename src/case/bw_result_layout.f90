@@ -90,6 +90,7 @@ contains
       layout%candidates = most_candidates
       layout%hammer = allocated(scene%record%force)
       if (size(scene%sweeps) == 1 .and. all(scene%sweeps%implied)) layout%pooled = layout%peaks
+      if (int(usual_profile, i8)*layout%peaks*max(1, layout%cases) <= most_shape_numbers) layout%profile = usual_profile
       return
     end if
     call count_modes(scene, layout)
@@ -163,7 +164,7 @@ contains
     case ('case'); length = layout%cases
     case ('mode'); length = layout%modes
     case ('mode_before'); length = layout%modes_before
-    case ('profile'); length = layout%profile
+    case ('profile'); length = merge(layout%profile, 0, layout%modelled .or. .not. layout%of_record)
     case ('event'); length = layout%events
     case ('point'); length = layout%points
     case ('time'); length = layout%samples

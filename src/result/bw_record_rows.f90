@@ -111,6 +111,8 @@ contains
     type(record_result), intent(in), optional :: record
     if (row('noise_deviation', 'point', 'standard deviation of what the lines leave')) &
       call table%put(record%lines%noise_deviation)
+    if (table%real_row('measured_blow_time', '', 's', 'time of the first blow since the first sample', needs='record')) &
+      call table%put(record%lines%blow(:min(1, size(record%lines%blow))))
     if (row('noise_level', 'point frequency', 'root mean square of what noise adds to the amplitude spectrum')) &
       call table%put_columns(record%noise)
     if (row('recorded', 'point time', 'samples, or in turn the least and the largest of a stretch of time')) &

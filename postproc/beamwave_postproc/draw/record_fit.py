@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..parts.envelope import is_dense
+from ..parts.envelope import is_dense, is_thinned
 from ..parts.sensors import one_record, sensor_label, shown_sensors
 from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require
@@ -25,7 +25,7 @@ LEFT = {"color": COLOURS[1], "linewidth": 0.6, "label": "what they leave"}
 
 @styled
 def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
-    """Draw `recorded` and `fitted` (point, time): the whole record, and beside it its beginning from near.
+    """Draw `recorded` and `fitted` (point, time): the whole record, and beside it the beginning of its decay from near.
 
     Of a sweep the first case is drawn. What was thinned in the file is drawn as the band between the least and the
     largest value of each stretch, and has no second column.
@@ -39,14 +39,14 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         raise NothingToDraw("the record is not in the file")
     time, recorded, fitted = time[known], recorded[:, known], fitted[:, known]
     sensors, left = shown_sensors(case)
-    thin = _is_thinned(recorded)
+    thin = is_thinned(recorded)
     near = None if thin else _near(case, time)
     sheet = sheet_for(ax, len(sensors), 1 if near is None else 2, width=6.8 if near is None else 9.6, height=2.3, share="x")
     for row, sensor in zip(sheet.grid, sensors):
         _draw_whole(row[0], time, recorded[sensor], fitted[sensor], thin)
         row[0].set_ylabel(sensor_label(case, sensor))
         if near is not None:
-            _draw_near(row[1], time[:near], recorded[sensor, :near], fitted[sensor, :near])
+            _draw_near(row[1], time[near], recorded[sensor, near], fitted[sensor, near])
     for axes in sheet.grid[-1]:
         axes.set_xlabel("Time since the first sample (s)")
     words = "bands: least to largest of each stretch of time" if thin else ""
@@ -93,20 +93,14 @@ def _extremes(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     )
 
 
-def _is_thinned(recorded: np.ndarray) -> bool:
-    """Whether values stand in pairs, the least before the largest, throughout."""
-    if recorded.shape[1] % 2:
-        return False
-    return bool((recorded[:, ::2] <= recorded[:, 1::2]).all())
-
-
-def _near(case: xr.Dataset, time: np.ndarray) -> int | None:
-    """How many samples make some periods of the fastest of the strong lines; none where that is most of the record."""
+def _near(case: xr.Dataset, time: np.ndarray) -> slice | None:
+    """Samples of some periods of the fastest of the strong lines from the blow on; none where that is most of the record."""
     strength = np.nan_to_num(case["measured_amplitude"].values).max(axis=0)
     if not strength.any():
         return None
     beta = case["measured_angular_frequency"].values[strength >= STRONG * strength.max()].max()
-    end = time[0] + min(PERIODS * 2.0 * np.pi / beta, PART * (time[-1] - time[0]))
-    count = int(np.searchsorted(time, end))
-    count = max(count, LEAST)
-    return count if count < 0.5 * time.size else None
+    blow = float(case["measured_blow_time"]) if "measured_blow_time" in case else time[0]
+    first = int(np.searchsorted(time, blow)) if np.isfinite(blow) else 0
+    end = time[first] + min(PERIODS * 2.0 * np.pi / beta, PART * (time[-1] - time[0]))
+    count = max(int(np.searchsorted(time, end)) - first, LEAST)
+    return slice(first, first + count) if count < 0.5 * time.size and first + count <= time.size else None

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ..parts.labels import axis_label
 from ..parts.sensors import one_record
-from ..parts.shapes import known_shape
+from ..parts.shapes import known_shape, modelled_shape
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import with_unit
 from ..result import NothingToDraw, require
@@ -23,8 +23,9 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw the amplitude of each of the strongest lines at each sensor, with its interval, each on its own zero line.
 
     The sign is that of the motion when the sensor of the largest amplitude is at its crest. What is a quarter of a period
-    away from that, as in a wave that travels, is drawn as an open marker. Where a line has a wave number and all but the mass at
-    the tip is known of the ends, the shape that goes with it is drawn too. Of a sweep the first case is drawn.
+    away from that, as in a wave that travels, is drawn as an open marker. Through them goes the shape of the mode that the line is
+    taken for in the beam, which may be identified; else that of the line's wave number where all but the mass at the tip is known
+    of the ends. Of a sweep the first case is drawn.
     """
     case, note = one_record(ds)
     names = ["measured_amplitude", "measured_phase", "measured_amplitude_error", "measured_phase_error"]
@@ -55,9 +56,11 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         error = np.hypot(size_error[:, line] * turn.real, size[:, line] * phase_error[:, line] * turn.imag)
         scale = HALF / size[largest, line]
         axes.axhline(row, color=GREY, linewidth=0.6, zorder=0)
-        shape = known_shape(case, line, place, value.real, error)
+        shape, words = modelled_shape(case, line, place, value.real, error), "shape of the model's mode"
+        if shape is None:
+            shape, words = known_shape(case, line, place, value.real, error), "shape of its wave number"
         if shape is not None:
-            axes.plot(shape[0], row + scale * shape[1], color=GREY, linewidth=1.0, label="shape of its wave number", zorder=1)
+            axes.plot(shape[0], row + scale * shape[1], color=GREY, linewidth=1.0, label=words, zorder=1)
         look = {"color": COLOURS[1], "linestyle": "", "marker": "o", "capsize": 3}
         label = "in phase with the largest" if row == 0 else None
         axes.errorbar(place[order], row + scale * value.real[order], scale * error[order], label=label, **look)

@@ -36,3 +36,10 @@ def _parts(values: np.ndarray) -> list[np.ndarray]:
     """Cut into intervals of nearly one length, each with the first number of the next, so that steps between count."""
     edges = np.linspace(0, values.size - 1, INTERVALS + 1).round().astype(int)
     return [values[start : end + 1] for start, end in zip(edges, edges[1:])]
+
+
+def is_thinned(recorded: np.ndarray) -> bool:
+    """Whether values stand in pairs, the least before the largest, throughout."""
+    if recorded.shape[1] % 2:
+        return False
+    return bool((recorded[:, ::2] <= recorded[:, 1::2]).all())

@@ -34,11 +34,29 @@ def known_shape(
     if not np.isfinite(alpha):
         return None
     strain = "sensor_quantity" in case and _is_strain(case["sensor_quantity"])
-    at_sensors = tip_shape(alpha, place, strain)
-    weight = 1.0 / np.maximum(np.nan_to_num(error), 1e-9 * np.abs(value).max()) ** 2
-    size = np.sum(weight * at_sensors * value) / np.sum(weight * at_sensors**2)
     along = np.linspace(0.0, 1.0, 301)
-    return along, size * tip_shape(alpha, along, strain)
+    return along, _size(tip_shape(alpha, place, strain), value, error) * tip_shape(alpha, along, strain)
+
+
+def modelled_shape(
+    case: xr.Dataset, line: int, place: np.ndarray, value: np.ndarray, error: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Places along the beam and the shape of the mode that a line is taken for, as large as fits the amplitudes best.
+
+    None where the file has none.
+    """
+    if "modelled_shape" not in case or "point_position" not in case:
+        return None
+    along, shape = case["profile_position"].values, case["modelled_shape"].values[line]
+    if not np.isfinite(shape).all():
+        return None
+    return along, _size(np.interp(place, along, shape), value, error) * shape
+
+
+def _size(shape: np.ndarray, value: np.ndarray, error: np.ndarray) -> float:
+    """By how much a shape at the sensors fits amplitudes best."""
+    weight = 1.0 / np.maximum(np.nan_to_num(error), 1e-9 * np.abs(value).max()) ** 2
+    return float(np.sum(weight * shape * value) / np.sum(weight * shape**2))
 
 
 def _is_strain(quantity: xr.DataArray) -> bool:

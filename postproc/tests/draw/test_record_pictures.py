@@ -6,7 +6,9 @@ import xarray as xr
 
 from beamwave_postproc import (
     NothingToDraw,
+    record_response,
     record_dispersion,
+    record_envelopes,
     record_fit,
     record_repeats,
     record_shapes,
@@ -214,7 +216,69 @@ def test_repeats_stand_side_by_side_with_the_bands_of_all_of_them(record):
         record_repeats(both.assign(pooled_count=("pooled", [0, 0, 0])))
 
 
-RECORD_PICTURES = [record_fit, record_repeats, record_spectrum, record_windows, record_shapes, record_dispersion]
+def test_the_near_view_of_a_fit_begins_with_the_blow(record):
+    late = record.assign(measured_blow_time=((), 0.4))
+    near = record_fit(late).axes[1]
+    assert near.get_xlim()[0] == pytest.approx(0.4)
+
+
+def test_an_envelope_is_straight_and_the_record_lies_on_it(record):
+    fig = record_envelopes(record.assign(measured_blow_time=((), 0.0)))
+    axes = fig.axes[0]
+    by_label = {line.get_label(): line for line in axes.lines}
+    line = by_label[r"line, $A\,\mathrm{e}^{-\delta t}$"]
+    np.testing.assert_allclose(line.get_ydata(), np.exp(-TIME), rtol=1e-12)
+    seen = by_label["record about the line"]
+    np.testing.assert_allclose(seen.get_ydata(), np.exp(-seen.get_xdata()), rtol=0.03)
+    assert axes.get_yscale() == "log" and axes.get_ylabel().startswith("line 1")
+
+
+def test_the_models_shape_goes_through_the_dots(record):
+    xi = np.linspace(0, 1, 11)
+    shape = np.array([xi**2, -(xi**3), np.full(11, np.nan)])
+    known = record.assign(modelled_shape=(("peak", "profile"), shape)).assign_coords(profile_position=("profile", xi))
+    axes = record_shapes(known).axes[0]
+    drawn = [line for line in axes.lines if line.get_label() == "shape of the model's mode"]
+    assert len(drawn) == 2
+    rise = drawn[0].get_ydata() - drawn[0].get_ydata()[0]
+    np.testing.assert_allclose(rise / rise[-1], xi**2, atol=1e-12)
+
+
+def test_a_frequency_response_stands_beside_the_sum_of_its_modal_constants(record):
+    beta, decay = 2 * np.pi * HERTZ, np.array([1.0, 0.5])
+    constant = np.array([[2.0, 1.0, np.nan], [-1.0, 0.5, np.nan]])
+    at = 2j * np.pi * record["frequency"].values[:, None]
+    response = ((at**2 / ((at + decay) ** 2 + beta**2)) @ constant[:, :2].T).T
+    parts = {
+        "measured_modal_constant_real": (("point", "peak"), constant),
+        "measured_modal_constant_imag": (("point", "peak"), 0 * constant),
+        "frequency_response_real": (("point", "frequency"), response.real),
+        "frequency_response_imag": (("point", "frequency"), response.imag),
+    }
+    axes = record_response(record.assign(parts)).axes
+    assert len(axes) == 2
+    for one in axes:
+        by_label = {line.get_label(): line for line in one.lines}
+        measured, summed = by_label["response over force"], by_label["modal constants"]
+        np.testing.assert_allclose(summed.get_ydata(), measured.get_ydata(), rtol=1e-9)
+        assert one.get_xlim()[1] == pytest.approx(90.0, abs=1.0)
+    for name in ("h1", "h2"):
+        for part in ("real", "imag"):
+            parts[f"pooled_response_{name}_{part}"] = parts[f"frequency_response_{part}"]
+    parts["pooled_coherence"] = (("point", "frequency"), np.ones(response.shape))
+    assert len(record_response(record.assign(parts)).axes) == 4
+
+
+RECORD_PICTURES = [
+    record_fit,
+    record_repeats,
+    record_spectrum,
+    record_windows,
+    record_shapes,
+    record_dispersion,
+    record_envelopes,
+    record_response,
+]
 
 
 @pytest.mark.parametrize("draw", RECORD_PICTURES)

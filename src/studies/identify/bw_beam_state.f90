@@ -59,6 +59,7 @@ module bw_beam_state
     character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns where they start
   contains
     procedure :: modes_at
+    procedure :: shapes_along
     procedure :: is_twin_of
     procedure :: odds_left
   end type beam_state
@@ -136,6 +137,23 @@ contains
     call solve(self, values, number, rough, modes)
     self%last = modes
   end subroutine modes_at
+
+  subroutine shapes_along(self, values, number, places, shapes)
+    !! What sensors of the kind that there are would see of modes along the whole beam.
+    class(beam_state), intent(in) :: self
+    real(dp), intent(in) :: values(:)            !! of the unknowns
+    integer, intent(in) :: number(:)             !! of the modes, ascending
+    real(dp), intent(in) :: places(:)            !! ξ
+    real(dp), allocatable, intent(out) :: shapes(:, :)   !! (modes, places); unallocated where there are none
+    type(beam_state) :: other
+    type(state_modes) :: modes
+    other = self
+    other%last%found = .false.
+    other%lines%points = places
+    other%lines%over_blow = .false.
+    call other%modes_at(values, number, modes)
+    if (modes%found) shapes = modes%shape
+  end subroutine shapes_along
 
   subroutine solve(state, values, number, roughly, modes)
     !! Find modes of the scene with these values.

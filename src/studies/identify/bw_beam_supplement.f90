@@ -47,6 +47,7 @@ module bw_beam_supplement
     type(measured_scene), allocatable :: measured(:)     !! (cases of all scenes)
     type(result_lines), allocatable :: lines(:)          !! (the same)
     integer :: own = 0                                   !! cases of the scene itself
+    integer :: places = 0                                !! along the beam, of shapes that are written
   end type record_set
 
 contains
@@ -94,6 +95,7 @@ contains
     listener%share = 0.0_dp
     quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
     call read_all(self, draft%file%path, quantile, listener, set, error)
+    set%places = draft%layout%profile
     if (allocated(error)) return
     more = ''
     allocate (findings%scenes(0))
@@ -176,7 +178,7 @@ contains
         state%monitor => set%measured(c)%monitor
         state%is_harmonic = btest(measured%status, harmonic)
         call match_lines(state, misfit)
-        call compare_case(measured, state, nothing, findings%cases(c))
+        call compare_case(measured, state, nothing, set%places, findings%cases(c))
         if (size(measured%error) == 0 .or. c > shown_cases) cycle
         call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
         call lines%append_line('  Misfit: '//explained_text(misfit))
@@ -231,7 +233,7 @@ contains
     allocate (findings%cases(size(states)), findings%misfits(1))
     findings%misfits(1) = found%fit%misfit_type
     do c = 1, size(states)
-      call compare_case(set%lines(c), states(c), found%values, findings%cases(c))
+      call compare_case(set%lines(c), states(c), found%values, set%places, findings%cases(c))
       if (c > shown_cases .or. size(set%lines(c)%error) == 0) cycle
       call report_comparison('Lines beside the modes of the identified beam'//case_text(set, c), set%lines(c), &
                              findings%cases(c), lines)

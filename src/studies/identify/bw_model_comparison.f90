@@ -19,6 +19,7 @@ module bw_model_comparison
     real(dp), allocatable :: decay(:)            !! of the mode [1/s], (lines)
     real(dp), allocatable :: frequency_misfit(:) !! measured − computed over half the interval, (lines)
     real(dp), allocatable :: decay_misfit(:)     !! likewise; missing where nothing damps the modes, (lines)
+    real(dp), allocatable :: shape(:, :)         !! of the mode along the beam, (places, lines)
   end type compared_lines
 
 contains
@@ -43,19 +44,22 @@ contains
     state = problem%states(1)
   end subroutine match_lines
 
-  subroutine compare_case(measured, state, values, compared)
+  subroutine compare_case(measured, state, values, places, compared)
     !! Lines beside the modes that they are taken for.
     type(result_lines), intent(in) :: measured
     type(beam_state), intent(inout) :: state     !! with its assignment
     real(dp), intent(in) :: values(:)            !! of the unknowns
+    integer, intent(in) :: places                !! along the beam, of shapes; 0: none are wanted
     type(compared_lines), intent(out) :: compared
     type(state_modes) :: modes
+    real(dp), allocatable :: shape(:, :)
     integer, allocatable :: line(:)
     real(dp) :: square
     integer :: i, k, n
     n = size(state%mode_of)
     compared%mode = state%mode_of
     allocate (compared%frequency(n), compared%decay(n), compared%frequency_misfit(n), compared%decay_misfit(n), source=missing)
+    allocate (compared%shape(places, n), source=missing)
     compared%why_none = [(why_none(state, k), k=1, n)]
     line = pack([(k, k=1, n)], state%mode_of > 0)
     call state%modes_at(values, state%mode_of(line), modes)
@@ -70,6 +74,9 @@ contains
       if (measured%decay_error(k) > 0 .and. modes%decay(i) > 0) compared%decay_misfit(k) = &
         (measured%lines%decay(k) - modes%decay(i))/measured%decay_error(k)
     end do
+    if (places == 0 .or. .not. allocated(state%lines%points)) return
+    call state%shapes_along(values, state%mode_of(line), [(real(i, dp)/(places - 1), i=0, places - 1)], shape)
+    if (allocated(shape)) compared%shape(:, line) = transpose(shape)
   end subroutine compare_case
 
   pure function why_none(state, k) result(words)

@@ -69,6 +69,8 @@ contains
       call table%put_columns(line_values(4, missing))
     if (table%real_row('decay_misfit', along, '1', 'measured less modelled rate of decay over half its interval')) &
       call table%put_columns(line_values(5, missing))
+    if (table%real_row('modelled_shape', along//' profile', '1', 'shape of that mode along the beam, as the sensors measure it')) &
+      call table%put_columns(line_shapes())
     if (table%real_row('misfit', each, '1', 'chi squared of the lines'' frequencies, and of lines that are taken for no modes')) &
       call table%put(findings%misfits%chi_squared)
     if (table%whole_row('misfit_freedom', each, 'degrees of freedom of it')) call table%put(findings%misfits%freedom)
@@ -78,6 +80,16 @@ contains
       call table%put(findings%misfits%scatter)
     if (is_identified) call identified_rows(table, findings)
   contains
+    function line_shapes() result(values)
+      !! Of each line of each case, (places, peaks·cases).
+      real(dp), allocatable :: values(:, :)
+      integer :: c, n
+      allocate (values(table%layout%profile, table%layout%peaks*size(findings%cases)), source=missing)
+      do c = 1, size(findings%cases)
+        n = size(findings%cases(c)%shape, 2)
+        values(:, (c - 1)*table%layout%peaks + 1:(c - 1)*table%layout%peaks + n) = findings%cases(c)%shape
+      end do
+    end function line_shapes
     function line_values(which, none) result(values)
       !! Of each line of each case, (peaks, cases).
       integer, intent(in) :: which
