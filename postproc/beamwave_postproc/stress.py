@@ -14,7 +14,7 @@ def strain(ds: xr.Dataset, *, reach: float | None = None, error: bool = False) -
     """Bending strain (1) of the outermost fibre at each point and time, positive with the moment: M c/(EI).
 
     `reach` is c, the distance (m) from the neutral axis to that fibre, and has to be given where the result knows the
-    section by area and second moment alone. Where two pieces meet the larger strain of both is taken. With `error` the
+    section by area and second moment alone, without `extreme_fibre`. Where two pieces meet the larger strain of both is taken. With `error` the
     estimated error at each point instead. Raises `NothingToDraw` without bending moments.
     """
     return _of_moment(ds, "strain", reach, error)
@@ -59,7 +59,9 @@ def _factor(section: Section, quantity: str, reach: float | None) -> float:
     distance = section.reach if reach is None else reach
     if distance is None:
         raise NothingToDraw(
-            "the section is known by area and second moment alone: give reach, the outermost fibre's distance"
+            "the section does not tell the outermost fibre's distance: give it as reach, or as extreme_fibre in the scene"
         )
+    if section.is_lumped and quantity == "stress":
+        raise NothingToDraw("the beam is known by mass per length and bending stiffness: its modulus and stress are not")
     by_stress = distance / section.second_moment
     return by_stress / section.youngs_modulus if quantity == "strain" else by_stress

@@ -4,7 +4,7 @@ module bw_beam_units
   !! Units of length, time and mass changed by powers of two change these by powers of two exactly, so
   !! numbers without dimensions keep their bits.
   use bw_kinds, only: dp, qp
-  use bw_beam_par, only: beam_mass, beam_par, second_moment_of
+  use bw_beam_par, only: beam_mass, beam_par, second_moment_of, sections_of_beam
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
   use bw_missing, only: scaled
   use bw_shear_par, only: shear_par
@@ -66,10 +66,14 @@ contains
   end function root_of_stiffness
 
   pure real(dp) function slenderness(beam) result(r)
-    !! r = √(I/A)/l: D/(4l) for a solid circle; of several pieces the largest.
+    !! r = √(I/A)/l: D/(4l) for a solid circle; of several pieces the largest; 0 where it is not known.
     type(beam_par), intent(in) :: beam
-    if (allocated(beam%pieces)) then
-      r = sqrt(maxval(beam%pieces%second_moment/beam%pieces%area))/beam%length
+    if (beam%is_lumped) then
+      r = 0.0_dp
+    else if (allocated(beam%pieces)) then
+      associate (section => sections_of_beam(beam))
+        r = sqrt(maxval(section%second_moment/section%area))/beam%length
+      end associate
     else if (beam%round) then
       r = 0.25_dp*beam%diameter/beam%length
     else

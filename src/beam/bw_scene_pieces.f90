@@ -1,22 +1,24 @@
 module bw_scene_pieces
-  !! The beam of a scene as uniform pieces with bodies and springs at their ends, without its tension and without dimensions:
-  !! lengths in l, times in l²/h, masses in m_i. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
-  !! Where tension leaves bending to thin layers these are pieces of their own.
+  !! The beam of a scene as pieces with bodies and springs at their ends, without its tension and without dimensions: lengths in l,
+  !! times in l²/h, masses in m_i. So EI at the root is 1, and so is the mean of ρA. Numbers are double-double; of a piece that tapers
+  !! they are those of its inner end, and its section varies by a law. Where tension leaves bending to thin layers these are pieces
+  !! of their own.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, second_moment_of
+  use bw_beam_piece, only: mass_law, rotary_law, stiffness_law, stretch_law
   use bw_beam_units, only: beam_units
   use bw_body_par, only: body_par
-  use bw_double_double, only: dd, to_dd, operator(*)
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*)
   use bw_kinds, only: dp, qp
-  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, rigid, uniform_piece, operator(==)
+  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, joint_position, rigid, piece_beam, uniform_piece, operator(==)
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_shear_par, only: shear_par
   use bw_support_par, only: support_par
   use bw_tension_layers, only: cut_layers
-  use bw_varying_beam, only: tension_in_pieces
+  use bw_varying_beam, only: piece_law, soft_parts, stepped, under_tension, varying_beam, without_tension
   implicit none (type, external)
   private
-  public :: mass_struck, pieces_of
+  public :: in_uniform_parts, mass_struck, pieces_of, varying_of
 
   type, public :: struck_beam
     !! A beam of pieces, and what strikes it.
@@ -24,6 +26,7 @@ module bw_scene_pieces
     integer :: struck = 1                          !! the joint at which the mass strikes, of the beam with and without it
     real(dp) :: position = 1.0_dp                  !! ξ₀ of it
     type(beam_joint) :: captured                   !! what the beam has there of the mass that it has captured
+    type(piece_law), allocatable :: section(:)     !! how sections vary along the pieces of a beam that tapers, else unallocated
   contains
     procedure, private :: same_struck
     generic :: operator(==) => same_struck
@@ -39,7 +42,7 @@ module bw_scene_pieces
 contains
 
   pure logical function same_struck(self, other) result(same)
-    !! To the bit.
+    !! To the bit, of a beam that does not taper.
     class(struck_beam), intent(in) :: self
     type(struck_beam), intent(in) :: other
     same = self%beam == other%beam .and. self%struck == other%struck .and. self%position == other%position &
@@ -83,7 +86,8 @@ contains
       pieces%captured%mass = dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low)
       pieces%captured%inertia = to_dd(scene%capture%rotary_inertia/full%mass/full%length**2)
     end if
-    if (allocated(scene%stiffening)) call cut_its_layers(scene%stiffening%hub_radius/units%length, pieces)
+    if (allocated(scene%stiffening)) call cut_its_layers(scene, units, pieces)
+    if (allocated(scene%beam%outer)) call find_sections(scene, pieces)
     if (loaded) then
       call attach(pieces%beam, to_dd(pieces%position), pieces%captured)
     else
@@ -91,15 +95,95 @@ contains
     end if
   end function pieces_of
 
-  pure subroutine cut_its_layers(hub_radius, pieces)
+  pure subroutine cut_its_layers(scene, units, pieces)
     !! Cut layers as thin as they become with what the beam captures, so that its pieces are the same with it and without.
-    real(dp), intent(in) :: hub_radius             !! R in l
+    type(scene_type), intent(in) :: scene          !! with tension
+    type(beam_units), intent(in) :: units
     type(struck_beam), intent(inout) :: pieces     !! with what it captures, which its beam does not have yet
-    type(piece_beam) :: heaviest
-    heaviest = pieces%beam
-    call attach(heaviest, to_dd(pieces%position), pieces%captured)
-    call cut_layers(pieces%beam, tension_in_pieces(heaviest, hub_radius), pieces%struck)
+    type(struck_beam) :: heaviest
+    heaviest = pieces
+    call attach(heaviest%beam, to_dd(pieces%position), pieces%captured)
+    if (allocated(scene%beam%outer)) call find_sections(scene, heaviest)
+    call cut_layers(pieces%beam, varying_of(scene, units, heaviest), pieces%struck)
   end subroutine cut_its_layers
+
+  pure subroutine find_sections(scene, pieces)
+    !! The sections of pieces that taper, which are parts of those that the scene gives.
+    type(scene_type), intent(in) :: scene          !! whose beam tapers
+    type(struck_beam), intent(inout) :: pieces
+    type(full_units) :: full
+    real(qp) :: ends(2)                            ! of a part, from 0 to 1 over the given piece
+    real(qp) :: outer, length
+    integer :: g, i
+    full = full_units_of(scene%beam)
+    allocate (pieces%section(size(pieces%beam%piece)))
+    g = 1
+    outer = scene%beam%pieces(1)%length/full%length
+    do i = 1, size(pieces%beam%piece)
+      ends = [to_quad(joint_position(pieces%beam, i - 1)), to_quad(joint_position(pieces%beam, i))]
+      do while (g < size(scene%beam%pieces) .and. 0.5_qp*sum(ends) > outer)
+        g = g + 1
+        outer = outer + scene%beam%pieces(g)%length/full%length
+      end do
+      length = scene%beam%pieces(g)%length/full%length
+      ends = max(0.0_qp, min(1.0_qp, 1 - (outer - ends)/length))
+      associate (inner => scene%beam%pieces(g), tip => scene%beam%outer(g), piece => pieces%beam%piece(i), law => pieces%section(i))
+        call set_law(stiffness_law(inner, tip)/full%stiffness, ends, piece%stiffness, law%stiffness)
+        call set_law(mass_law(inner, tip)/full%mass*full%length, ends, piece%mass, law%mass)
+        law%shear = [1.0_dp]
+        law%rotary = [1.0_dp]
+        law%tension = [0.0_dp]
+        if (.not. allocated(scene%shear) .or. inner%is_lumped) cycle
+        call set_law(stretch_law(inner, tip)/full%stiffness*full%length**2, ends, piece%compliance, law%shear)
+        piece%compliance = to_dd(2*(1 + real(scene%shear%poisson_ratio, qp))/scene%shear%shear_coefficient &
+                                 /to_quad(piece%compliance))
+        call set_law(rotary_law(inner, tip)/full%mass/full%length, ends, piece%rotary, law%rotary)
+      end associate
+    end do
+  end subroutine find_sections
+
+  pure subroutine set_law(whole, ends, value, law)
+    !! A part of a polynomial: its value at the inner end, and the part over that.
+    real(qp), intent(in) :: whole(0:)
+    real(qp), intent(in) :: ends(2)                !! of the part
+    type(dd), intent(out) :: value
+    real(dp), allocatable, intent(out) :: law(:)
+    real(qp) :: part(0:size(whole) - 1)
+    integer :: i, j, n
+    n = size(whole) - 1
+    part = whole                                   ! of powers of x less the inner end, by Horner's scheme
+    do i = 0, n - 1
+      do j = n - 1, i, -1
+        part(j) = part(j) + ends(1)*part(j + 1)
+      end do
+    end do
+    part = part*[((ends(2) - ends(1))**i, i=0, n)]
+    value = to_dd(part(0))
+    law = real(part/part(0), dp)
+  end subroutine set_law
+
+  pure type(varying_beam) function varying_of(scene, units, pieces) result(varying)
+    !! The beam with what varies along its pieces, tension or sections.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(struck_beam), intent(in) :: pieces
+    if (allocated(scene%stiffening)) then
+      varying = under_tension(pieces%beam, scene%stiffening%hub_radius/units%length, pieces%section)
+    else
+      varying = without_tension(pieces%beam, pieces%section)
+    end if
+  end function varying_of
+
+  pure subroutine in_uniform_parts(pieces)
+    !! Put steps in the place of taper, for estimates.
+    type(struck_beam), intent(inout) :: pieces
+    type(varying_beam) :: varying
+    if (.not. allocated(pieces%section)) return
+    varying = without_tension(pieces%beam, pieces%section)
+    pieces%beam = stepped(varying)
+    pieces%struck = soft_parts*pieces%struck
+    deallocate (pieces%section)
+  end subroutine in_uniform_parts
 
   pure real(dp) function mass_struck(scene, units) result(mass)
     !! Mass of the bodies at the place of the blow, in m_i.
@@ -130,11 +214,12 @@ contains
   end function piece_of
 
   elemental subroutine add_shear(given, shear, full, piece)
-    !! 1/(κGA) = 2(1 + ν)/κ · 1/(EA), the shear modulus being E/(2(1 + ν)), and ρI.
+    !! 1/(κGA) = 2(1 + ν)/κ · 1/(EA), the shear modulus being E/(2(1 + ν)), and ρI; none where only ρA and EI are known.
     type(beam_piece), intent(in) :: given
     type(shear_par), intent(in) :: shear
     type(full_units), intent(in) :: full
     type(uniform_piece), intent(inout) :: piece
+    if (given%is_lumped) return
     piece%compliance = to_dd(2*(1 + real(shear%poisson_ratio, qp))/shear%shear_coefficient &
                              /(given%youngs_modulus*area_of(given))*(full%stiffness/full%length**2))
     piece%rotary = to_dd(given%density*second_moment_of(given)/full%mass/full%length)

@@ -7,6 +7,7 @@ module bw_tension_layers
   use bw_double_double, only: dd, to_dd, operator(-)
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_joint, piece_beam, uniform_piece
+  use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
   public :: cut_layers
@@ -17,10 +18,10 @@ module bw_tension_layers
 
 contains
 
-  pure subroutine cut_layers(beam, tension, joint)
+  pure subroutine cut_layers(beam, pulled, joint)
     !! Cut thin layers off the ends of the pieces of a beam.
     type(piece_beam), intent(inout) :: beam
-    real(dp), intent(in) :: tension(:, :)          !! T/Ω² as that of `tension_in_pieces`, (3, n)
+    type(varying_beam), intent(in) :: pulled       !! the same pieces under the tension that they have
     integer, intent(inout) :: joint                !! the number of a joint, which it keeps track of
     type(piece_beam) :: whole
     type(dd) :: part(3)
@@ -31,7 +32,7 @@ contains
     beam%piece = [uniform_piece ::]
     beam%joint = [beam_joint ::]
     do i = 1, size(whole%piece)
-      layer = depth*widths_of(whole%piece(i), whole%spin_squared%hi*tension(:, i))
+      layer = depth*widths_of(pulled, i)
       call cut_piece(whole%piece(i)%length, layer, part, parts)
       do j = 1, parts
         beam%piece = [beam%piece, whole%piece(i)]
@@ -64,15 +65,21 @@ contains
     parts = parts + 1
   end subroutine cut_piece
 
-  pure function widths_of(piece, tension) result(width)
+  pure function widths_of(pulled, i) result(width)
     !! δ at the inner end of a piece and at the outer one, in l; 1 where it is more, as in a beam that does not turn.
-    type(uniform_piece), intent(in) :: piece
-    real(dp), intent(in) :: tension(3)             !! T as a polynomial in x from 0 to 1
-    real(dp) :: width(2), pull(2), rise(2)
-    pull = [tension(1), max(0.0_dp, sum(tension))]
-    rise = abs([tension(2), tension(2) + 2.0_dp*tension(3)])/piece%length%hi
-    width = 1.0_dp/max(sqrt(pull/piece%stiffness%hi/(1.0_dp + piece%compliance%hi*pull)), &
-                       (rise/piece%stiffness%hi)**(1.0_dp/3.0_dp), 1.0_dp)
+    type(varying_beam), intent(in) :: pulled
+    integer, intent(in) :: i                       !! the piece
+    real(dp) :: width(2), pull(2), rise(2), stiffness(2), compliance(2)
+    real(dp), allocatable :: tension(:)            ! T as a polynomial in x from 0 to 1
+    integer :: k
+    tension = pulled%beam%spin_squared%hi*pulled%tension(i)
+    associate (piece => pulled%beam%piece(i), law => pulled%law(i))
+      pull = [tension(1), max(0.0_dp, sum(tension))]
+      rise = abs([tension(2), sum([(k*tension(k + 1), k=1, size(tension) - 1)])])/piece%length%hi
+      stiffness = piece%stiffness%hi*[1.0_dp, sum(law%stiffness)]
+      compliance = piece%compliance%hi/[1.0_dp, sum(law%shear)]
+    end associate
+    width = 1.0_dp/max(sqrt(pull/stiffness/(1.0_dp + compliance*pull)), (rise/stiffness)**(1.0_dp/3.0_dp), 1.0_dp)
   end function widths_of
 
 end module bw_tension_layers

@@ -8,9 +8,9 @@ module bw_varying_beam
   use bw_piece_beam, only: beam_joint, joint_position, piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: softest, tension_in_pieces, under_tension, value_of, without_tension
+  public :: softest, stepped, tension_in_pieces, under_tension, value_of, without_tension
 
-  integer, parameter, public :: soft_parts = 32   !! uniform ones that each piece of `softest` is cut into
+  integer, parameter, public :: soft_parts = 32   !! uniform ones that each piece of `softest` and `stepped` is cut into
 
   type, public :: piece_law
     !! Coefficients of 1, x, x², …; the first is 1 but for the tension.
@@ -34,6 +34,14 @@ module bw_varying_beam
     procedure, private :: same_beam
     generic :: operator(==) => same_beam
   end type varying_beam
+
+  abstract interface
+    pure real(dp) function value_interface(polynomial, ends) result(value)
+      import :: dp
+      implicit none (type, external)
+      real(dp), intent(in) :: polynomial(0:), ends(2)
+    end function value_interface
+  end interface
 
 contains
 
@@ -148,30 +156,42 @@ contains
 
   pure type(piece_beam) function softest(self) result(beam)
     !! A beam of many uniform pieces that are nowhere stiffer or heavier, without tension: no point of this one gives more to a force
-    !! that grows as e^(st) than it does there. Every joint is that of so many pieces more.
+    !! that grows as e^(st) than it does there.
     class(varying_beam), intent(in) :: self
+    beam = in_parts(self, least_value)
+  end function softest
+
+  pure type(piece_beam) function stepped(self) result(beam)
+    !! The same of many uniform pieces with the sections of their middles, which the beam is like to within about 1e-3 of a frequency.
+    class(varying_beam), intent(in) :: self
+    beam = in_parts(self, middle_value)
+  end function stepped
+
+  pure type(piece_beam) function in_parts(self, uniform_value) result(beam)
+    !! The beam of uniform pieces without tension; every joint is that of so many pieces more.
+    class(varying_beam), intent(in) :: self
+    procedure(value_interface) :: uniform_value    !! that stands for a polynomial between two places
     integer :: i, j
     beam = self%beam
     beam%piece = [(spread(self%beam%piece(i), 1, soft_parts), i=1, size(self%beam%piece))]
     beam%joint = [(spread(beam_joint(), 1, soft_parts - 1), self%beam%joint(i), i=1, size(self%beam%piece))]
     do i = 1, size(self%beam%piece)
       do j = 1, soft_parts
-        call soften(self%law(i), [j - 1, j]/real(soft_parts, dp), beam%piece((i - 1)*soft_parts + j))
+        associate (law => self%law(i), ends => [j - 1, j]/real(soft_parts, dp), piece => beam%piece((i - 1)*soft_parts + j))
+          piece%length = piece%length/to_dd(real(soft_parts, dp))
+          piece%stiffness = piece%stiffness*uniform_value(law%stiffness, ends)
+          piece%mass = piece%mass*uniform_value(law%mass, ends)
+          piece%compliance = piece%compliance/to_dd(uniform_value(law%shear, ends))
+          piece%rotary = piece%rotary*uniform_value(law%rotary, ends)
+        end associate
       end do
     end do
-  end function softest
+  end function in_parts
 
-  pure subroutine soften(law, ends, piece)
-    !! Part of a piece, with the least of all that resists.
-    type(piece_law), intent(in) :: law
-    real(dp), intent(in) :: ends(2)                !! of the part, from 0 to 1 over the piece
-    type(uniform_piece), intent(inout) :: piece    !! then that part
-    piece%length = piece%length/to_dd(real(soft_parts, dp))
-    piece%stiffness = piece%stiffness*least_value(law%stiffness, ends)
-    piece%mass = piece%mass*least_value(law%mass, ends)
-    piece%compliance = piece%compliance/to_dd(least_value(law%shear, ends))
-    piece%rotary = piece%rotary*least_value(law%rotary, ends)
-  end subroutine soften
+  pure real(dp) function middle_value(polynomial, ends) result(middle)
+    real(dp), intent(in) :: polynomial(0:), ends(2)
+    middle = sum(value_of(polynomial, [0.5_dp*sum(ends)]))
+  end function middle_value
 
   pure real(dp) function least_value(polynomial, ends) result(least)
     !! A bound of a positive polynomial from below, between two places: the least of its coefficients in Bernstein's form there.

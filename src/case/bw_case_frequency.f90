@@ -4,7 +4,7 @@ module bw_case_frequency
   !!
   !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ),
   !!
-  !! r being what the n modes lack of the boundary problem's answer without tension, damped as the highest of them. It has no
+  !! r being what the n modes lack of the boundary problem's answer for uniform pieces without tension, damped as the highest of them. It has no
   !! poles near Ω, so that it is the mean of its values above and below the axis, where neither part of it has any. What r takes
   !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -18,7 +18,7 @@ module bw_case_frequency
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_piece_source, only: source_of_pieces
-  use bw_scene, only: answers_by_modes, scene_type
+  use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_segment, only: together
   use bw_text, only: append, shortest, string
@@ -112,7 +112,7 @@ contains
     type(case_mode_cache), intent(inout) :: cache
     type(answer_type), intent(inout) :: answer
     type(modal_terms) :: own, plain
-    class(mode_source), allocatable :: untensioned
+    class(mode_source), allocatable :: uniform
     class(mode_set), allocatable :: set
     complex(dp) :: half(size(answer%value, 2))
     integer :: j, n
@@ -123,9 +123,9 @@ contains
     if (.not. set%resolved) return
     n = set%count
     own = terms_of(scene, set)
-    if (allocated(scene%stiffening)) then
-      allocate (untensioned, source=source_of_pieces(pieces))
-      call untensioned%find(first_numbers(n), set, monitor=monitor)
+    if (varies_along_pieces(scene)) then
+      allocate (uniform, source=source_of_pieces(pieces))
+      call uniform%find(first_numbers(n), set, monitor=monitor)
       if (monitor%stop_requested() .or. .not. set%resolved) return
       plain = terms_of(scene, set)
     else

@@ -14,12 +14,11 @@ module bw_case_modes
   use bw_piece_source, only: source_of_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: by_pieces, changes_shapes, is_built_up, scene_type
-  use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
   use bw_segment, only: alone, together
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   use bw_timeline, only: comes_back
-  use bw_varying_beam, only: under_tension
   implicit none (type, external)
   private
   public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
@@ -101,8 +100,8 @@ contains
   end subroutine find_set
 
   subroutine find_sources(scene, units, monitor, modes, cache)
-    !! By the closed form where shapes are those of the paper's beam, by Galerkin's method where there is tension, else exactly by
-    !! pieces: of the beam alone, and with the mass if that is captured.
+    !! By the closed form where shapes are those of the paper's beam, by Galerkin's method where there is tension or taper, else
+    !! exactly by pieces: of the beam alone, and with the mass if that is captured.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor
@@ -133,7 +132,7 @@ contains
     !! Without tension rotation acts in its own plane, and out of it by the turning of the sections alone.
     type(scene_type), intent(in) :: scene
     type(case_modes), intent(inout) :: modes
-    if (.not. allocated(scene%rotation) .or. (changes_shapes(scene) .and. .not. by_pieces(scene))) return
+    if (.not. allocated(scene%rotation) .or. allocated(scene%stiffening)) return
     modes%can_grow = acts_in_plane(scene%rotation) .or. allocated(scene%shear)
     if (.not. modes%can_grow) call note_no_effect(modes%notes)
   end subroutine note_rotation
@@ -188,7 +187,7 @@ contains
     logical, intent(in) :: carries_mass            !! the captured mass is there
     type(struck_beam) :: pieces
     pieces = pieces_of(scene, units, carries_mass)
-    problem%given = under_tension(pieces%beam, scene%stiffening%hub_radius/units%length)
+    problem%given = varying_of(scene, units, pieces)
     problem%struck = pieces%struck
     problem%position = pieces%position
     problem%captured = pieces%captured

@@ -2,6 +2,8 @@ module bw_case_moments
   !! Bending moments EI v'' at the points of the histories: the same sums over the same modes as those of the displacement, of curvatures
   !! in the place of shapes, and their errors in the same way as those of velocities. Amplitudes of curvatures fall two powers of the
   !! mode number more slowly than those of displacements, as those of velocities do: no tolerance is promised.
+  use bw_beam_par, only: has_fibre, second_moment_of, section_at
+  use bw_beam_piece, only: fibre_of
   use bw_case_errors, only: errors_of_quantity
   use bw_case_histories, only: sum_histories
   use bw_case_result, only: case_diverged, case_histories, case_motion, history_errors, octave_of
@@ -37,6 +39,7 @@ contains
     end if
     allocate (histories%response%bending_moment, mold=found%response%displacement)
     histories%response%bending_moment(:, :) = scaled(found%response%displacement, stiffness_of(scene))
+    if (has_fibre(scene%beam)) histories%response%stress_of_moment = stress_of_moment(scene)
     if (allocated(found%blocks)) histories%octave_moment = octave_of(found, size(scene%response%points))*stiffness_of(scene)
     call fill_overflow(scene, histories%response, errors)
   end subroutine find_moments
@@ -46,6 +49,18 @@ contains
     type(scene_type), intent(in) :: scene
     stiffness = scene%beam%youngs_modulus*scene%beam%second_moment/scene%beam%length/scene%beam%length
   end function stiffness_of
+
+  pure function stress_of_moment(scene) result(factor)
+    !! c/I at the points, m⁻³: what makes the stress at the extreme fibre of a moment.
+    type(scene_type), intent(in) :: scene
+    real(dp) :: factor(size(scene%response%points))
+    integer :: p
+    do p = 1, size(factor)
+      associate (section => section_at(scene%beam, scene%response%points(p)))
+        factor(p) = real(fibre_of(section)/second_moment_of(section), dp)
+      end associate
+    end do
+  end function stress_of_moment
 
   subroutine fill_overflow(scene, response, errors)
     !! Moments that leave the range of numbers before the displacements do are fill from there on, and a note says so.

@@ -1,7 +1,8 @@
 module bw_case_strains
   !! How far the material of a beam is strained, and where the most: by bending, and by the centrifugal force. Linear theory
   !! holds for small strains alone.
-  use bw_beam_par, only: area_of, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of
+  use bw_beam_par, only: area_of, beam_par, beam_piece, pieces_of_beam, second_moment_of, section_at
+  use bw_beam_piece, only: fibre_of, mass_moments
   use bw_kinds, only: dp, qp
   use bw_missing, only: is_missing, scaled
   use bw_mode_set, only: mode_set
@@ -51,8 +52,8 @@ contains
     real(dp), parameter :: beside = 8.0_dp*epsilon(1.0_dp)     ! so near to a joint is its inner or its outer side
     type(beam_piece), allocatable :: pieces(:)
     real(dp), allocatable :: between(:)
-    real(dp) :: inner, outer, strain
-    integer :: b, i
+    real(dp) :: inner, outer
+    integer :: b, i, p
     pieces = pieces_of_beam(scene%beam)
     between = quarters
     if (allocated(scene%impact)) between = [between, [1.0_dp - beside, 1.0_dp + beside]*scene%impact%position]
@@ -65,26 +66,23 @@ contains
     inner = 0.0_dp
     do i = 1, size(pieces)
       outer = real(sum(real(pieces(:i)%length, qp))/sum(real(pieces%length, qp)), dp)
-      strain = fibre_strain(pieces(i), scene%beam)
-      places = [places, fibres([inner*(1.0_dp + beside), inner + quarters*(outer - inner), outer*(1.0_dp - beside)], strain)]
-      places = [places, fibres(pack(between, between > inner .and. between < outer), strain)]
+      associate (here => [inner*(1.0_dp + beside), inner + quarters*(outer - inner), outer*(1.0_dp - beside), &
+                          pack(between, between > inner .and. between < outer)])
+        places = [places, [(fibre(here(p), fibre_strain(section_at(scene%beam, here(p)), scene%beam)), p=1, size(here))]]
+      end associate
       inner = outer
     end do
   end function places_of
 
-  elemental type(fibre) function fibres(position, strain)
-    real(dp), intent(in) :: position, strain
-    fibres = fibre(position, strain)
-  end function fibres
-
   pure real(dp) function fibre_strain(piece, beam) result(strain)
-    !! c/l over EI of the piece by that of the root piece, c being the distance of the outermost fibre from the axis: D/2 of a
-    !! circle, h/2 of a rectangle, and 2√(I/A), D/2 of a circle, of any other section.
+    !! c/l over EI of the section by that of the root, c being the distance of the outermost fibre from the axis: given, D/2 of a
+    !! circle, h/2 of a rectangle, and 2√(I/A), D/2 of a circle, of any other section; 0 where nothing tells it.
     type(beam_piece), intent(in) :: piece
     type(beam_par), intent(in) :: beam
     real(qp) :: c
     c = 2*sqrt(second_moment_of(piece)/area_of(piece))
-    if (.not. is_missing(piece%height)) c = 0.5_qp*piece%height
+    if (piece%is_lumped) c = 0
+    if (.not. is_missing(fibre_of(piece))) c = fibre_of(piece)
     c = c/beam%length*(beam%youngs_modulus*second_moment_of(beam%beam_piece))/(piece%youngs_modulus*second_moment_of(piece))
     strain = real(min(c, real(huge(strain), qp)), dp)
   end function fibre_strain
@@ -95,16 +93,18 @@ contains
     type(scene_type), intent(in) :: scene
     type(placed_strain) :: found
     type(beam_piece), allocatable :: pieces(:)
-    real(qp) :: hub, inner, pull, strain
+    real(qp) :: hub, inner, pull, strain, moments(2)
     integer :: b, i
-    if (.not. allocated(scene%rotation)) return
+    if (.not. allocated(scene%rotation) .or. scene%beam%is_lumped) return
     pieces = pieces_of_beam(scene%beam)
     hub = 0.0_qp
     if (allocated(scene%stiffening)) hub = scene%stiffening%hub_radius
     pull = 0.0_qp
     do i = size(pieces), 1, -1
       inner = sum(real(pieces(:i - 1)%length, qp))
-      pull = pull + piece_mass(pieces(i))*(hub + inner + 0.5_qp*pieces(i)%length)
+      moments = mass_moments(pieces(i), pieces(i))
+      if (allocated(scene%beam%outer)) moments = mass_moments(pieces(i), scene%beam%outer(i))
+      pull = pull + moments(1)*(hub + inner) + moments(2)
       strain = pull
       if (allocated(scene%bodies)) then
         do b = 1, size(scene%bodies)

@@ -45,7 +45,7 @@ contains
     class(mode_set), intent(in) :: modes           !! that move, or the first of them
     type(string), allocatable, intent(inout) :: notes(:)
     integer :: b
-    call note_material(pieces_of_beam(scene%beam), notes)
+    if (.not. scene%beam%is_lumped) call note_material(pieces_of_beam(scene%beam), notes)
     if (scene%beam%length > longest .or. beam_mass(scene%beam) > heaviest) call append(notes, &
       'large beam: '//shortest(scene%beam%length, 6)//' m long, of a mass of '//shortest(real(beam_mass(scene%beam), dp), 3)// &
       ' kg. Are length and section in m, not in mm?')

@@ -1,5 +1,6 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
+  use bw_beam_par, only: has_fibre
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_start
@@ -14,8 +15,8 @@ module bw_result_layout
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'body', 'unknown', &
-    'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage']
+    'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', 'body', &
+    'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage']
 
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
@@ -53,11 +54,13 @@ module bw_result_layout
     logical :: by_modes = .false.     !! the answer is a sum of modes, and has an error
     integer :: peaks = 0
     integer :: pieces = 0             !! of a beam that has several
+    integer :: stations = 0           !! of a beam that tapers
     integer :: bodies = 0
     integer :: unknowns = 0           !! that are identified
     logical :: modelled = .false.     !! a record's lines are held against the modes of its beam
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: bending_moment = .false.   !! and bending moments
+    logical :: bending_stress = .false.   !! and stresses follow from them
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
@@ -80,6 +83,8 @@ contains
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
     layout%of_record = allocated(scene%record)
     if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
+    if (layout%pieces == 1) layout%pieces = 0
+    if (allocated(scene%beam%outer)) layout%stations = size(scene%beam%outer) + 1
     if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
     if (allocated(scene%unknowns)) layout%unknowns = size(scene%unknowns) + scene%further_unknowns
     if (layout%of_record) then
@@ -111,6 +116,7 @@ contains
     layout%samples = scene%response%samples
     layout%velocity = scene%response%velocity
     layout%bending_moment = scene%response%bending_moment
+    layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
     layout%continuum = allocated(scene%capture)
     layout%contacts = allocated(scene%recontact)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
@@ -176,6 +182,7 @@ contains
     case ('pooled'); length = layout%pooled
     case ('letter'); length = letters_of(layout)
     case ('piece'); length = layout%pieces
+    case ('station'); length = layout%stations
     case ('body'); length = layout%bodies
     case ('unknown'); length = layout%unknowns
     case ('unknown_too'); length = merge(layout%unknowns, 0, layout%modelled)
@@ -198,10 +205,10 @@ contains
   end function letters_of
 
   pure recursive logical function has(layout, words) result(there)
-    !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
-    !! that go through them), `continuum` (whose motion histories are held against), `estimates` (of their errors), `mode_shapes`
-    !! (there are not too many), `record` or `simulated`, `hammer` (whose force is measured), `model` (of the record's beam), `places`
-    !! (of all points along the beam), `waves`.
+    !! The result has all that the words name: dimensions, `velocity`, `bending_moment` and `bending_stress` (histories of them),
+    !! `contacts` (histories that go through them), `continuum` (whose motion histories are held against), `estimates` (of their
+    !! errors), `mode_shapes` (there are not too many), `record` or `simulated`, `hammer` (whose force is measured), `by_modes` (how
+    !! a harmonic force is answered), `model` (of the record's beam), `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -215,6 +222,7 @@ contains
     case (''); there = .true.
     case ('velocity'); there = layout%velocity
     case ('bending_moment'); there = layout%bending_moment
+    case ('bending_stress'); there = layout%bending_stress
     case ('mode_shapes'); there = layout%mode_shapes
     case ('model'); there = layout%modelled
     case ('hammer'); there = layout%hammer

@@ -10,12 +10,11 @@ module bw_some_modes
   use bw_monitor, only: monitor_type
   use bw_piece_set, only: piece_set
   use bw_piece_source, only: set_of_pieces
-  use bw_scene, only: by_pieces, scene_type
-  use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_scene, only: by_pieces, scene_type, varies_along_pieces
+  use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
   use bw_segment, only: alone
   use bw_strain_modes, only: strain_modes
   use bw_strain_set, only: strain_set
-  use bw_varying_beam, only: under_tension
   implicit none (type, external)
   private
   public :: find_some_modes
@@ -31,13 +30,13 @@ contains
     integer, intent(in) :: number(:)             !! ascending; may be of size 0
     class(mode_set), allocatable, intent(out) :: set   !! not `resolved`, or unallocated, where there are none to be had
     integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
-    logical, intent(in) :: roughly               !! under tension frequencies may err by 1e-8, else by 1e-12
+    logical, intent(in) :: roughly               !! under tension or with taper frequencies may err by 1e-8, else by 1e-12
     class(monitor_type), intent(inout) :: monitor      !! the modes mean nothing where it asks to stop
     type(case_modes) :: known
     integer :: i
     place = number
-    if (allocated(scene%stiffening)) then
-      call find_under_tension(scene, units, max(1, maxval(number)), mode_demand(merge(rough, fine, roughly), waves=.false.), set, &
+    if (varies_along_pieces(scene)) then
+      call find_varying(scene, units, max(1, maxval(number)), mode_demand(merge(rough, fine, roughly), waves=.false.), set, &
                               monitor)
       return
     end if
@@ -67,8 +66,8 @@ contains
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))
   end subroutine find_of_pieces
 
-  subroutine find_under_tension(scene, units, count, demand, set, monitor)
-    !! Find the first modes of a scene with tension.
+  subroutine find_varying(scene, units, count, demand, set, monitor)
+    !! Find the first modes of a scene with tension or taper.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: count                 !! ≥ 1
@@ -79,11 +78,10 @@ contains
     type(struck_beam) :: pieces
     allocate (found)
     pieces = pieces_of(scene, units, .false.)
-    call strain_modes(under_tension(pieces%beam, scene%stiffening%hub_radius/units%length), count, pieces%struck, found, &
-                      monitor, demand)
+    call strain_modes(varying_of(scene, units, pieces), count, pieces%struck, found, monitor, demand)
     found%struck_at = pieces%position
     call move_alloc(found, set)
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))
-  end subroutine find_under_tension
+  end subroutine find_varying
 
 end module bw_some_modes

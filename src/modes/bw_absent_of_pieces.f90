@@ -14,7 +14,7 @@ module bw_absent_of_pieces
   use bw_piece_source, only: piece_source, source_of_pieces
   use bw_piece_waves, only: frequency_at, parts_at_rest, piece_frequency, piece_numbers
   use bw_scene, only: scene_type
-  use bw_scene_pieces, only: pieces_of
+  use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam
   use bw_shear_par, only: usual_shear
   use bw_varying_beam, only: tension_in_pieces
   implicit none (type, external)
@@ -34,6 +34,7 @@ contains
     type(scene_type) :: plain, sheared
     type(beam_units) :: units
     type(piece_source) :: source
+    type(struck_beam) :: pieces
     type(piece_beam) :: full
     class(mode_set), allocatable :: modes
     real(dp) :: hub
@@ -46,10 +47,12 @@ contains
     units = units_of(scene%beam)
     hub = 0.0_dp
     if (allocated(scene%stiffening)) hub = scene%stiffening%hub_radius/units%length
-    source = source_of_pieces(pieces_of(plain, units, allocated(scene%capture)))
-    associate (pieces => pieces_of(sheared, units, allocated(scene%capture)))
-      full = pieces%beam
-    end associate
+    pieces = pieces_of(plain, units, allocated(scene%capture))
+    call in_uniform_parts(pieces)
+    source = source_of_pieces(pieces)
+    pieces = pieces_of(sheared, units, allocated(scene%capture))
+    call in_uniform_parts(pieces)
+    full = pieces%beam
     tension = 0.0_dp
     shear = 0.0_dp
     stretch = 0.0_dp
@@ -133,7 +136,7 @@ contains
       part = piece%length%hi/size(x)
       tension(k) = tension(k) + part*sum((pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :)**2)
       taken(k) = taken(k) + part*sum(piece%compliance%hi*state(4, :)**2/elastic(k) + piece%rotary%hi*state(2, :)**2)
-      stretch(k) = stretch(k) + part/stretching(piece)*sum(((state(4, :) + held)/elastic(k))**2)
+      if (piece%rotary%hi > 0.0_dp) stretch(k) = stretch(k) + part/stretching(piece)*sum(((state(4, :) + held)/elastic(k))**2)
     end subroutine add_points
   end subroutine add_integrals
 

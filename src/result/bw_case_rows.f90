@@ -180,13 +180,30 @@ contains
       call table%put(response%velocity_error)
     if (table%real_row('bending_moment_error', 'point', 'N m', estimate_of//'bending moment'//limit_of, &
                        needs='estimates bending_moment')) call table%put(response%bending_moment_error)
+    if (table%real_row('bending_stress_error', 'point', 'Pa', estimate_of//'bending stress'//limit_of, &
+                       needs='estimates bending_stress')) &
+      call table%put(scaled(response%bending_moment_error, response%stress_of_moment))
     if (table%real_row('displacement', 'point time', 'm', 'transverse displacement in the rotating frame', &
                        'Eqs 4, 13 and 29', needs='simulated')) call table%put_columns(response%displacement)
     if (table%real_row('velocity', 'point time', 'm s-1', 'transverse velocity in the rotating frame', needs='velocity')) &
       call table%put_columns(response%velocity)
     if (table%real_row('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi''', &
                        needs='bending_moment')) call table%put_columns(response%bending_moment)
+    if (table%real_row('bending_stress', 'point time', 'Pa', 'bending stress at the extreme fibre, where a positive moment pulls', &
+                       needs='bending_stress')) &
+      call table%put_columns(stresses_of(response))
   end subroutine history_rows
+
+  pure function stresses_of(response) result(stress)
+    !! M c/I, (samples, points).
+    type(response_type), intent(in) :: response
+    real(dp), allocatable :: stress(:, :)
+    integer :: p
+    stress = response%bending_moment
+    do p = 1, size(stress, 2)
+      stress(:, p) = scaled(stress(:, p), response%stress_of_moment(p))
+    end do
+  end function stresses_of
 
   subroutine answer_rows(table, answer)
     !! The response to a harmonic force.

@@ -62,6 +62,7 @@ contains
     call count_row(table, 'candidate', 'number of what was looked at and is no line')
     call count_row(table, 'pooled', 'number of the line that repeats share, by frequency')
     call count_row(table, 'piece', 'number of the piece of the beam, from the root')
+    call count_row(table, 'station', 'number of the station where pieces of the beam begin and end, from the root')
     call count_row(table, 'body', 'number of the body, in the order of the scene')
     call count_row(table, 'unknown', 'number of the unknown, in the order of the scene, then of further scenes')
     call count_row(table, 'unknown_too', 'number of the unknown, as unknown')

@@ -60,6 +60,9 @@ module bw_effect_table
                 remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
                 remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
                 about='compared with a uniform beam of its mass and mean E I'), &
+    effect_type('taper', 'beam', 'taper', tried=0.9_dp, remark_off='tried with a tip of @ of the root''s', &
+                remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
+                about='compared with a uniform beam of its mass and mean E I'), &
     effect_type('support', 'support', values='rotational_stiffness = @', tried=100.0_dp, measure=own_unit, &
                 remark_off='tried with rotational_stiffness = @ N m/rad, 100 EI/l', about='compared with a clamped root'), &
     effect_type('tip_support', 'tip_support', values='stiffness = @, rotational_stiffness = 0', tried=1.0_dp, measure=own_unit, &

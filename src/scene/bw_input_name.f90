@@ -32,7 +32,7 @@ module bw_input_name
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(760) :: rules = ''             !! what its names have to do with each other
+    character(1000) :: rules = ''             !! what its names have to do with each other
     character(48) :: needs = ''              !! groups that have to be there too, by blanks; `a|b`: one of the two
     character(48) :: excludes = ''           !! groups that it stands instead of, by blanks
     logical :: required = .false.
@@ -55,11 +55,12 @@ module bw_input_name
     type(number_range) :: range = any_number !! of each number
     character(24) :: default = ''            !! as a scene would write it; '' where there is none
     logical :: required = .false.
+    character(40) :: unless = ''             !! names of the same group, by blanks, with one of which a required one may be absent
     logical :: swept = .false.               !! `&sweep` may vary it: a number that sets no axis of the result
     integer :: most = 1                      !! most elements
     character(8) :: along = ''               !! of one number or a list: dimension of a result along which the list lies
     character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
-    character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
+    character(72) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
     character(80) :: meaning = ''
     logical :: changes_shapes = .false.      !! where it is not `plain`, modes have no closed form here
     real(dp) :: plain = 0.0_dp

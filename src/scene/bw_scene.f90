@@ -29,8 +29,8 @@ module bw_scene
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
-  public :: answers_by_modes, by_pieces, changes_shapes, count_methods, effect_names, effects_text, has_parts, is_built_up, &
-    method_name
+  public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, effects_text, &
+    has_parts, is_built_up, method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -300,14 +300,20 @@ contains
   pure logical function by_pieces(scene)
     !! Its modes have no closed form, but are found exactly, piece by piece: nothing varies along a piece, as tension does.
     type(scene_type), intent(in) :: scene
-    by_pieces = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
+    by_pieces = changes_shapes(scene) .and. .not. varies_along_pieces(scene)
   end function by_pieces
 
-  pure logical function answers_by_modes(scene) result(by_modes)
-    !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, and with a ratio of
-    !! damping that all modes share.
+  pure logical function varies_along_pieces(scene) result(varies)
+    !! Tension varies along a piece, or the section does.
     type(scene_type), intent(in) :: scene
-    by_modes = allocated(scene%stiffening)
+    varies = allocated(scene%stiffening) .or. allocated(scene%beam%outer)
+  end function varies_along_pieces
+
+  pure logical function answers_by_modes(scene) result(by_modes)
+    !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, with a taper, and
+    !! with a ratio of damping that all modes share.
+    type(scene_type), intent(in) :: scene
+    by_modes = varies_along_pieces(scene)
     if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
   end function answers_by_modes
 

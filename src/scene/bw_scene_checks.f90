@@ -107,7 +107,7 @@ contains
     absent = merge(group%line, 0, group_table(group%row)%repeatable)
     do i = 1, size(group%values)
       associate (row => name_table(group%values(i)%row))
-        if (row%required .and. .not. group%values(i)%given) then
+        if (row%required .and. .not. group%values(i)%given .and. .not. stands_for(row%unless, group)) then
           call messages%add(absent, place_of(row), 'is missing; accepted: '//accepted_text(row))
         end if
         if (group%values(i)%given) call check_excluded(group, i, row%excludes, messages)
@@ -115,6 +115,14 @@ contains
     end do
     call check_rules(group, messages)
   end subroutine check_group
+
+  pure logical function stands_for(names, group)
+    !! One of some names is given.
+    character(*), intent(in) :: names             !! by blanks
+    type(group_values), intent(in) :: group
+    integer :: i
+    stands_for = any([(group%values(i)%given .and. has_word(names, group%values(i)%name), i=1, size(group%values))])
+  end function stands_for
 
   pure subroutine check_excluded(group, i, excludes, messages)
     !! Value i is given, and so is one that it stands instead of: reported at the later of the two.
@@ -202,7 +210,7 @@ contains
     associate (modes => scene%groups(position_of(scene%groups, 'modes')))
       if (count <= most_galerkin_modes .or. .not. modes%given(name)) return
       call messages%add(modes%line_of(name), 'modes%'//name, 'is '//text_of(count)// &
-                        ', more than the basis for stiffening holds; accepted: 1 to '//text_of(most_galerkin_modes))
+                        ', more than the Galerkin basis holds; accepted: 1 to '//text_of(most_galerkin_modes))
     end associate
   end subroutine check_count
 

@@ -223,6 +223,7 @@ contains
         input%sweeps = value%sweeps
       end associate
       if (size(input%values) > 1) input%dimension = row%along
+      if (input%dimension == 'piece' .and. row%name /= 'length' .and. allocated(scene%beam%outer)) input%dimension = 'station'
     else                                           ! one number in each group
       allocate (input%values(size(places)), source=missing)
       allocate (input%sweeps(size(places)), source=0)

@@ -2,7 +2,7 @@ module bw_scene_scales
   !! Whether what a scene asks for can be computed in double precision. Everything inside is computed in the beam's own units: its
   !! length l, its mass and the time l²/h (bw_beam_units). Where these lie far inside the range of numbers, and so does every input
   !! in these units, products of a few of them are numbers too, and no formula has to ask.
-  use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of
+  use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of, sections_of_beam
   use bw_input_name, only: has_unit, in_range, is_simulated, place_of
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: input_value, position_of
@@ -87,7 +87,7 @@ contains
     type(beam_piece), allocatable :: pieces(:)
     real(qp), allocatable :: stiffness(:), mass(:)  ! EI and ρA
     integer :: line
-    pieces = pieces_of_beam(scene%beam)
+    pieces = sections_of_beam(scene%beam)
     stiffness = pieces%youngs_modulus*second_moment_of(pieces)
     mass = piece_mass(pieces)/pieces%length
     own = own_units_of(scene%beam)
@@ -99,6 +99,7 @@ contains
     call check(pieces%length/own%length, finest, 'the length of a piece over that of the beam', line, messages)
     call check(mass/(own%mass/own%length), told_apart, 'the mass per length of a piece over that of the beam', line, messages)
     call check(stiffness/stiffness(1), told_apart, 'the bending stiffness of a piece over that of the first', line, messages)
+    if (scene%beam%is_lumped) return
     call check(second_moment_of(pieces)/area_of(pieces)/own%length**2, reach, 'I/(A l^2)', line, messages)
   end subroutine check_beam
 
@@ -200,7 +201,7 @@ contains
     type(message_list), intent(inout) :: messages
     type(beam_piece), allocatable :: pieces(:)
     real(qp) :: highest                           ! mode of a beam as fast as its fastest piece, rad/s
-    pieces = pieces_of_beam(scene%beam)
+    pieces = sections_of_beam(scene%beam)
     highest = sqrt(maxval(pieces%youngs_modulus*second_moment_of(pieces)*pieces%length/piece_mass(pieces)))/own%length**2 &
       *(pi*max(scene%modes%before, scene%modes%after))**2
     if (highest*scene%response%duration <= longest_phase) return

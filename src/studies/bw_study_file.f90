@@ -74,6 +74,7 @@ contains
       file%swept = ''
       call file%begin_section(before_cases)
       if (allocated(scene%beam%pieces)) call file%put_axis('piece', size(scene%beam%pieces), 'piece, from the root')
+      if (allocated(scene%beam%outer)) call file%put_axis('station', size(scene%beam%outer) + 1, 'station, from the root')
       if (allocated(scene%bodies)) call file%put_axis('body', size(scene%bodies), 'body, in the order of the scene')
       call input_rows(file, scene)
       call values%put(file)

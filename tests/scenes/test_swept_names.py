@@ -12,6 +12,7 @@ OF_RECORDS = {"record%start", "record%end", "spectrum%confidence", "spectrum%fal
 RESPONSE = {"duration": 0.02, "samples": 16, "points": [1.0]}
 SQUARE = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "area": 1e-3, "second_moment": 1e-7}
 BAR = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "width": 0.03, "height": 0.02}
+LUMPED = {"length": 1.0, "mass_per_length": 3.0, "bending_stiffness": 500.0}
 REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
 SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
@@ -24,6 +25,9 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "beam%height": ({**CAPTURE, "beam": BAR}, [0.02, 0.03]),
     "beam%area": ({**CAPTURE, "beam": SQUARE}, [1e-3, 2e-3]),
     "beam%second_moment": ({**CAPTURE, "beam": SQUARE}, [1e-7, 2e-7]),
+    "beam%mass_per_length": ({**CAPTURE, "beam": LUMPED}, [3.0, 4.0]),
+    "beam%bending_stiffness": ({**CAPTURE, "beam": LUMPED}, [500.0, 600.0]),
+    "beam%extreme_fibre": ({**CAPTURE, "beam": SQUARE}, [0.01, 0.02]),
     "rotation%angular_velocity": (CAPTURE, [0.0, 30.0]),
     "stiffening%hub_radius": ({**CAPTURE, "stiffening": {}}, [0.0, 0.5]),
     "shear%poisson_ratio": ({**CAPTURE, "shear": {}}, [0.25, 0.35]),

@@ -9,7 +9,7 @@ import xarray as xr
 
 from ..parts.describe import turns_out_of_plane
 from ..parts.events import events_of
-from ..parts.section import sections_of
+from ..parts.section import beam_mass
 
 
 @dataclass(frozen=True)
@@ -98,6 +98,4 @@ def struck_mass(case: xr.Dataset) -> float:
     """Mass m_j (kg), given itself or by its ratio to the beam's."""
     if "impact_mass" in case:
         return float(case["impact_mass"])
-    return float(case["impact_mass_ratio"]) * sum(
-        piece.density * piece.area * piece.length for piece in sections_of(case)
-    )
+    return float(case["impact_mass_ratio"]) * beam_mass(case)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from .describe import turns_out_of_plane
-from .section import sections_of
+from .section import sections_of, tapers
 
 # A result's modes obey Eq. 2 to rounding, or (tension, shear, damping) follow another relation.
 SAME_RELATION = 1e-9
@@ -40,7 +40,7 @@ def bending_constant(case: xr.Dataset) -> float | None:
         sections = sections_of(case)
     except KeyError:
         return None
-    if len(sections) != 1:
+    if len(sections) != 1 or tapers(case):
         return None
     (beam,) = sections
     return float(np.sqrt(beam.youngs_modulus / beam.density) * np.sqrt(beam.second_moment / beam.area))

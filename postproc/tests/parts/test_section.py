@@ -6,7 +6,8 @@ import synthetic
 import xarray as xr
 
 from beamwave_postproc import NothingToDraw, bending_moment, open_result, strain, stress
-from beamwave_postproc.parts.section import sections_at, sections_of
+from beamwave_postproc.parts.relation import bending_constant
+from beamwave_postproc.parts.section import beam_mass, sections_at, sections_of
 
 DIAMETER, MODULUS = 0.037, 2e11
 
@@ -58,6 +59,27 @@ def test_where_two_pieces_meet_the_larger_counts(moments):
     assert len(sections_at(pieces, 0.5)) == 2 and len(sections_at(pieces, 0.7)) == 1
     thin = 6.0 / (0.02 * 0.01**2) * one["bending_moment"]
     np.testing.assert_allclose(stress(pieces), thin, rtol=1e-14)  # at 0.5, the joint, and at 1
+
+
+def test_sections_between_stations_are_linear_in_their_sides(moments):
+    one = moments.isel(case=0)
+    cone = one.assign(beam_diameter=("station", [0.04, 0.02]))
+    assert [section.reach for xi in (0.0, 0.5, 1.0) for section in sections_at(cone, xi)] == [0.02, 0.015, 0.01]
+    density, length = float(one["beam_density"]), float(one["beam_length"])
+    assert beam_mass(cone) == pytest.approx(density * length * np.pi / 12 * (0.04**2 + 0.04 * 0.02 + 0.02**2), rel=1e-14)
+    assert bending_constant(cone) is None and bending_constant(one) is not None
+    middle = one["point_position"].values == 0.5
+    np.testing.assert_allclose(stress(cone)[middle], 32 / (np.pi * 0.03**3) * one["bending_moment"][middle], rtol=1e-14)
+
+
+def test_mass_per_length_and_bending_stiffness_tell_strain_and_no_stress(moments):
+    area, second_moment = np.pi / 4 * DIAMETER**2, np.pi / 64 * DIAMETER**4
+    lumped = moments.drop_vars(["beam_diameter", "beam_density", "beam_youngs_modulus"]).assign(
+        beam_mass_per_length=7870 * area, beam_bending_stiffness=MODULUS * second_moment, beam_extreme_fibre=DIAMETER / 2
+    )
+    np.testing.assert_allclose(strain(lumped), strain(moments), rtol=1e-13)
+    with pytest.raises(NothingToDraw, match="stress"):
+        stress(lumped)
 
 
 def test_the_picture_of_the_moment_has_the_stress_at_its_right(moments):

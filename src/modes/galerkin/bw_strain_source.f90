@@ -5,7 +5,8 @@ module bw_strain_source
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: beam_joint, root_power, operator(==)
+  use bw_piece_beam, only: beam_joint, modes_at_rest, root_power, operator(==)
+  use bw_piece_critical, only: without_inertia
   use bw_scene_pieces, only: struck_beam
   use bw_strain_modes, only: strain_modes
   use bw_strain_set, only: strain_set
@@ -58,6 +59,8 @@ contains
       source%uniform = problem%uniform
       source%root_power = root_power(given%beam%root)
       call strain_modes(given, count, problem%struck, set, monitor)
+      if (.not. given%is_pulled) set%grows_at_any_speed = modes_at_rest(without_inertia(given%beam)) > 0 .and. &
+        (given%beam%in_plane .or. given%beam%spin_squared%hi == 0.0_dp)
       set%gamma = source%gamma
       set%struck_at = source%struck_at
       set%uniform = source%uniform

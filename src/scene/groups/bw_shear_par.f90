@@ -37,6 +37,12 @@ contains
     shear = position_of(groups, 'shear')
     beam = position_of(groups, 'beam')
     if (shear == 0 .or. beam == 0) return
+    if (groups(beam)%given('mass_per_length') .or. groups(beam)%given('bending_stiffness')) then
+      call messages%add(groups(shear)%line, '&shear', 'needs material and section of the beam: mass_per_length and '// &
+                        'bending_stiffness tell neither its shear stiffness nor its rotary inertia; accepted: a beam by '// &
+                        'density, youngs_modulus and a section, or without &shear')
+      return
+    end if
     if (groups(shear)%given('shear_coefficient') .or. groups(beam)%given('diameter')) return
     if (groups(beam)%given('width') .or. groups(beam)%given('height')) return
     if (.not. (groups(beam)%given('area') .or. groups(beam)%given('second_moment'))) return

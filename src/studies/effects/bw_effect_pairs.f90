@@ -4,7 +4,8 @@ module bw_effect_pairs
   !! the row's remark says.
   use bw_constants, only: pi
   use bw_kinds, only: dp, qp
-  use bw_beam_par, only: area_of, beam_mass, beam_par, second_moment_of
+  use bw_beam_par, only: beam_mass, beam_par, beam_piece, pieces_of_beam
+  use bw_beam_piece, only: mass_moments, stiffness_law
   use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_modes
@@ -66,6 +67,10 @@ contains
     end if
     if (reason == '' .and. any_group(text, effect%needs, is_there=.false.)) reason = 'needs &'// &
       replaced(trim(effect%needs), ' ', ' and &')
+    if (effect%name == 'pieces' .and. allocated(scene%beam%outer)) reason = 'the beam tapers: see taper'
+    if (effect%name == 'taper' .and. allocated(scene%beam%pieces) .and. .not. allocated(scene%beam%outer)) &
+      reason = 'is tried on a beam of one piece alone'
+    if (reason == '' .and. effect%measure == of_sphere .and. scene%beam%is_lumped) reason = 'needs a density of the beam'
     if (reason == '' .and. effect%counted .and. has_group(text, trim(effect%groups)) .and. by_tolerance(scene%modes)) &
       reason = 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added'
   end function why_not_compared
@@ -92,7 +97,7 @@ contains
     type(compared_scenes), intent(inout) :: list
     type(effect_row), intent(inout) :: row
     character(:), allocatable :: with, without, reason
-    if (effect%name == 'pieces') then
+    if (effect%name == 'pieces' .or. effect%name == 'taper') then
       call pair_pieces(scene, text, effect, list, row, with, without)
     else if (effect%input /= '') then
       call pair_values(scene, text, effect, list, row, with, without)
@@ -190,45 +195,90 @@ contains
   end subroutine pair_values
 
   subroutine pair_pieces(scene, text, effect, list, row, with, without)
-    !! A beam of several pieces beside a uniform one, or one whose outer half is softer beside a uniform one.
+    !! A beam of several pieces or one that tapers beside a uniform one, or one whose outer half is softer, or whose tip is thinner,
+    !! beside a uniform one.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
     type(effect_row), intent(inout) :: row
     character(:), allocatable, intent(out) :: with, without
-    character(:), allocatable :: values
+    character(:), allocatable :: values, name
+    real(dp) :: root
     with = text
     without = text
     associate (beam => scene%beam)
+      if (effect%name == 'pieces' .and. beam%is_lumped) then
+        name = 'bending_stiffness'
+        root = beam%youngs_modulus
+      else if (effect%name == 'pieces') then
+        name = 'youngs_modulus'
+        root = beam%youngs_modulus
+      else if (beam%round) then
+        name = 'diameter'
+        root = beam%diameter
+      else if (.not. is_missing(beam%height)) then
+        name = 'height'
+        root = beam%height
+      else
+        name = merge('bending_stiffness', 'second_moment    ', beam%is_lumped)
+        root = merge(beam%youngs_modulus, beam%second_moment, beam%is_lumped)
+      end if
       if (allocated(beam%pieces)) then
         row%state = effect_on
         row%remark = trim(effect%remark_on)
         without = with_group(text, 'beam', mean_beam(beam))
       else
         row%state = effect_off
-        values = text_of(beam%youngs_modulus)//', '//text_of(effect%tried*beam%youngs_modulus)
-        with = with_value(text, 'beam', 'length', text_of(0.5_dp*beam%length)//', '//text_of(0.5_dp*beam%length))
-        with = with_value(with, 'beam', 'youngs_modulus', values)
+        values = text_of(root)//', '//text_of(effect%tried*root)
+        with = with_value(text, 'beam', trim(name), values)
+        if (effect%name == 'pieces') then
+          with = with_value(with, 'beam', 'length', text_of(0.5_dp*beam%length)//', '//text_of(0.5_dp*beam%length))
+        else
+          with = with_value(with, 'beam', 'taper', "'linear'")
+        end if
         call find_values(scene, effect, list, values, row%remark)
+        row%remark = row%remark//repeat(' '//trim(name), merge(1, 0, effect%name == 'taper'))
       end if
     end associate
   end subroutine pair_pieces
 
   pure function mean_beam(beam) result(values)
-    !! A uniform beam of the length, mass and mean bending stiffness of one of several pieces.
+    !! A uniform beam of the length, mass and mean bending stiffness of one of several pieces, or one that tapers.
     type(beam_par), intent(in) :: beam
     character(:), allocatable :: values
-    real(qp) :: area, length, modulus, second_moment
-    associate (piece => beam%pieces)
-      length = sum(real(piece%length, qp))
-      area = sum(area_of(piece)*piece%length)/length
-      second_moment = sum(second_moment_of(piece)*piece%length)/length
-      modulus = sum(piece%youngs_modulus*second_moment_of(piece)*piece%length)/length/second_moment
-      values = 'length = '//text_of(beam%length)//', density = '//text_of(real(beam_mass(beam)/length/area, dp))// &
-        ', youngs_modulus = '//text_of(real(modulus, dp))//', area = '//text_of(real(area, dp))// &
-        ', second_moment = '//text_of(real(second_moment, dp))
-    end associate
+    type(beam_piece), allocatable :: inner(:), outer(:)
+    real(qp) :: area, length, stiffness, second_moment, moments(2)
+    real(qp), allocatable :: law(:)
+    integer :: i, k
+    inner = pieces_of_beam(beam)
+    outer = inner
+    if (allocated(beam%outer)) outer = beam%outer
+    length = sum(real(inner%length, qp))
+    stiffness = 0
+    second_moment = 0
+    area = 0
+    do i = 1, size(inner)
+      law = stiffness_law(inner(i), outer(i))
+      stiffness = stiffness + sum([(law(k)/k, k=1, size(law))])*inner(i)%length/length
+      inner(i)%density = 1
+      outer(i)%density = 1
+      inner(i)%youngs_modulus = 1
+      outer(i)%youngs_modulus = 1
+      law = stiffness_law(inner(i), outer(i))
+      second_moment = second_moment + sum([(law(k)/k, k=1, size(law))])*inner(i)%length/length
+      moments = mass_moments(inner(i), outer(i))
+      area = area + moments(1)/length
+    end do
+    values = 'length = '//text_of(beam%length)
+    if (beam%is_lumped) then
+      values = values//', mass_per_length = '//text_of(real(beam_mass(beam)/length, dp))//', bending_stiffness = '// &
+        text_of(real(stiffness, dp))
+    else
+      values = values//', density = '//text_of(real(beam_mass(beam)/length/area, dp))//', youngs_modulus = '// &
+        text_of(real(stiffness/second_moment, dp))//', area = '//text_of(real(area, dp))//', second_moment = '// &
+        text_of(real(second_moment, dp))
+    end if
   end function mean_beam
 
   subroutine find_values(scene, effect, list, values, remark)
