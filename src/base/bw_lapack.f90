@@ -5,7 +5,7 @@ module bw_lapack
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: ddot, dgemm, dtrsm
+  public :: ddot, dgbsv, dgemm, dgesv, dtrsm
   public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgeev, zgesv, zgesvd
 
   interface
@@ -94,6 +94,24 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotri
+
+    pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
+      !! The solution of A X = B by elimination; info > 0: A is singular.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: n, nrhs, lda, ldb
+      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine dgesv
+
+    pure subroutine dgbsv(n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
+      !! The same of a band matrix with kl diagonals below the main one and ku above it: A(i, j) is ab(kl + ku + 1 + i − j, j).
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: n, kl, ku, nrhs, ldab, ldb
+      real(dp), intent(inout) :: ab(ldab, *), b(ldb, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine dgbsv
 
     subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
       !! A = QR by Householder reflections.

@@ -1,15 +1,16 @@
 module bw_case_frequency
   !! The frequency response of a case. Undamped and with Rayleigh's damping it follows from the boundary problem, without modes
-  !! (bw_forced_beam). A ratio that all modes share, and tension, have modes alone:
+  !! (bw_forced_beam). With a ratio that all modes share, with tension and with a taper there are modes alone:
   !!
   !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ),
   !!
-  !! r being what the n modes lack of the boundary problem's answer for uniform pieces without tension, damped as the highest of them. It has no
+  !! r being what the n modes lack of the boundary problem's answer for uniform pieces without tension, damped as the n-th. It has no
   !! poles near Ω, so that it is the mean of its values above and below the axis, where neither part of it has any. What r takes
   !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use bw_case_modes, only: case_mode_cache, extend_source
-  use bw_case_result, only: answer_type, case_motion
+  use bw_beam_units, only: beam_units
+  use bw_case_modes, only: case_mode_cache, extend_source, find_sources
+  use bw_case_result, only: answer_type, case_modes
   use bw_constants, only: two_pi
   use bw_damping, only: law_of
   use bw_forced_beam, only: forced_beam
@@ -19,8 +20,7 @@ module bw_case_frequency
   use bw_monitor, only: monitor_type
   use bw_piece_source, only: source_of_pieces
   use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
-  use bw_scene_pieces, only: pieces_of, struck_beam
-  use bw_segment, only: together
+  use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam
   use bw_text, only: append, shortest, string
   implicit none (type, external)
   private
@@ -41,12 +41,12 @@ module bw_case_frequency
 
 contains
 
-  subroutine find_frequency_response(scene, motion, monitor, cache, answer, notes)
+  subroutine find_frequency_response(scene, units, monitor, cache, answer, notes)
     !! The answer of all points at all frequencies, in SI units.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion       !! whose modes may become more
+    type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor    !! the answer means nothing where it asks to stop
-    type(case_mode_cache), intent(inout) :: cache
+    type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), allocatable, intent(out) :: answer
     type(string), allocatable, intent(inout) :: notes(:)
     type(forced_beam) :: forced
@@ -54,27 +54,28 @@ contains
     real(dp), allocatable :: omega(:)                ! in h/l²
     complex(dp), allocatable :: factor(:)
     allocate (answer)
-    pieces = pieces_of(scene, motion%units, motion%modes%moving == together)
+    pieces = pieces_of(scene, units, allocated(scene%capture))
+    call in_uniform_parts(pieces)                    ! where it tapers
     associate (asked => scene%frequency_response)
-      omega = two_pi*asked%frequency*motion%units%time%hi
+      omega = two_pi*asked%frequency*units%time%hi
       call forced%place(pieces%beam, asked%position, asked%points)
       allocate (answer%value(size(omega), size(asked%points)))
-      factor = factors_of(asked%quantity, two_pi*asked%frequency, motion%units%time%hi**2/motion%units%mass)
+      factor = factors_of(asked%quantity, two_pi*asked%frequency, units%time%hi**2/units%mass)
     end associate
     if (answers_by_modes(scene)) then
-      call by_modes(scene, motion, pieces, forced, omega, factor, monitor, cache, answer)
+      call by_modes(scene, units, pieces, forced, omega, factor, monitor, cache, answer)
     else
-      call by_boundary(scene, motion, forced, omega, factor, monitor, answer%value)
+      call by_boundary(scene, units, forced, omega, factor, monitor, answer%value)
     end if
     if (monitor%stop_requested()) return
     call keep_numbers(answer%value)
     if (allocated(answer%error)) call note_error(answer, notes)
   end subroutine find_frequency_response
 
-  subroutine by_boundary(scene, motion, forced, omega, factor, monitor, value)
+  subroutine by_boundary(scene, units, forced, omega, factor, monitor, value)
     !! Exactly.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    type(beam_units), intent(in) :: units
     type(forced_beam), intent(inout) :: forced
     real(dp), intent(in) :: omega(:)
     complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
@@ -85,7 +86,7 @@ contains
     mass = 0.0_dp
     stiffness = 0.0_dp
     if (allocated(scene%damping)) then
-      associate (law => law_of(scene%damping, motion%units))
+      associate (law => law_of(scene%damping, units))
         mass = law%mass
         stiffness = law%stiffness
       end associate
@@ -100,23 +101,23 @@ contains
     end do
   end subroutine by_boundary
 
-  subroutine by_modes(scene, motion, pieces, forced, omega, factor, monitor, cache, answer)
+  subroutine by_modes(scene, units, pieces, forced, omega, factor, monitor, cache, answer)
     !! By all modes that are found, and once more by half of them.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
+    type(beam_units), intent(in) :: units
     type(struck_beam), intent(in) :: pieces
     type(forced_beam), intent(inout) :: forced
     real(dp), intent(in) :: omega(:)
     complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
     class(monitor_type), intent(inout) :: monitor
-    type(case_mode_cache), intent(inout) :: cache
+    type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), intent(inout) :: answer
     type(modal_terms) :: own, plain
     class(mode_source), allocatable :: uniform
     class(mode_set), allocatable :: set
     complex(dp) :: half(size(answer%value, 2))
     integer :: j, n
-    call find_enough(scene, motion, omega(size(omega)), monitor, cache, set)
+    call find_enough(scene, units, omega(size(omega)), monitor, cache, set)
     if (monitor%stop_requested()) return
     allocate (answer%error(size(half)), source=missing)
     answer%value = cmplx(missing, missing, dp)
@@ -144,21 +145,24 @@ contains
     end do
   end subroutine by_modes
 
-  subroutine find_enough(scene, motion, omega, monitor, cache, set)
+  subroutine find_enough(scene, units, omega, monitor, cache, set)
     !! Modes far beyond the highest frequency.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
+    type(beam_units), intent(in) :: units
     real(dp), intent(in) :: omega                    !! the highest frequency
     class(monitor_type), intent(inout) :: monitor
-    type(case_mode_cache), intent(inout) :: cache
+    type(case_mode_cache), intent(inout), target :: cache
     class(mode_set), allocatable, intent(out) :: set
+    type(case_modes) :: modes
     integer :: n
     logical :: extended
-    associate (source => motion%modes%configuration(motion%modes%moving)%source)
+    call find_sources(scene, units, monitor, modes, cache)
+    if (monitor%stop_requested()) return
+    associate (source => modes%configuration(modes%moving)%source)
       n = modes_of_answer
       do
         if (source%highest < n) then
-          call extend_source(scene, motion%units, motion%modes%moving == together, monitor, source, extended, cache)
+          call extend_source(scene, units, allocated(scene%capture), monitor, source, extended, cache)
           if (monitor%stop_requested()) return
           if (extended) cycle
         end if

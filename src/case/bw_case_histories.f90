@@ -8,6 +8,7 @@ module bw_case_histories
   use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp
+  use bw_loaded_sum, only: add_loaded_motion
   use bw_mode_set, only: configuration_type, deflections, first_failure
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
@@ -138,6 +139,12 @@ contains
     own = sampling
     own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
     call start_histories(own, part)
+    if (allocated(segment%load)) then
+      call add_loaded_motion(configuration%set, segment, sampling%grid, samples(1), &
+                             scene%impact%approach_velocity*motion%units%time%hi, monitor, part)
+      call finish_histories(part)
+      return
+    end if
     call move_to_sample(segment, configuration, sampling%grid, samples(1), moved, part)
     if (part%failing_mode > 0) return
     allocate (block%value(size(own%points), 2), block%rate(size(own%points), 2), source=0.0_dp)

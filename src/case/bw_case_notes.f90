@@ -1,7 +1,7 @@
 module bw_case_notes
   !! What there is to say of a case beside its numbers: warnings, and remarks, which give an account of what was done.
   use bw_beam_units, only: beam_units, in_joules
-  use bw_case_result, only: case_done, case_ill_conditioned, case_motion
+  use bw_case_result, only: case_done, case_ill_conditioned, case_motion, contact_result
   use bw_constants, only: pi
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
@@ -21,7 +21,7 @@ module bw_case_notes
   implicit none (type, external)
   private
   public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
-  public :: note_added_energy, note_contacts, note_no_change, note_relaxed, note_release, note_rounding
+  public :: note_added_energy, note_contacts, note_lasting_contacts, note_no_change, note_relaxed, note_release, note_rounding
   public :: most_of, out_of_reach, why_untrusted
 
   integer, parameter, public :: most_modes = 10000000      !! that a tolerance may take
@@ -207,6 +207,24 @@ contains
       seconds = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
     end function known_until
   end subroutine note_contacts
+
+  subroutine note_lasting_contacts(scene, motion, found, cut, out_of_range, failed)
+    !! How the contacts of a finite duration ended.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(contact_result), intent(in) :: found
+    logical, intent(in) :: cut, out_of_range, failed
+    character(:), allocatable :: until
+    until = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
+    if (cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%contact%max_contacts)// &
+      ', and the mass strikes once more at t = '//until//' s: the histories hold fill from there on. '// &
+      'Give a larger max_contacts, or a duration that ends there')
+    if (out_of_range) call append(motion%notes, 'overflow: the motion grows out of the range of numbers from t = '//until// &
+      ' s on: the histories hold fill from there')
+    if (failed) call append(motion%notes, 'not converged: no force was found that obeys the law of the contact at t = '//until// &
+      ' s; the histories hold fill from there on')
+    if (found%lasting) call remark(motion%notes, 'contact: the last contact has not ended at the end of the record')
+  end subroutine note_lasting_contacts
 
   pure function why_untrusted(notes) result(reason)
     !! The first of a case's notes on why it is not done, which every such case has.

@@ -99,6 +99,17 @@ module bw_case_result
     real(dp) :: angular_velocity(2) = missing               !! |ω| from it, rad/s
   end type record_result
 
+  type, public :: contact_result
+    !! What contacts that last yield beside their events, SI.
+    real(dp), allocatable :: force(:, :)            !! at Chebyshev's points from the begin to the end of each, N, (samples, events)
+    real(dp), allocatable :: force_error(:)         !! estimate of its largest error; missing where there is none, N, (events)
+    real(dp), allocatable :: largest(:)             !! N, (events)
+    real(dp), allocatable :: largest_time(:)        !! s, (events)
+    real(dp) :: restitution = missing               !! of the first contact, whatever it is followed by
+    real(dp) :: indentation = 0.0_dp                !! the largest, m
+    logical :: lasting = .false.                    !! the last contact had not ended when the record did
+  end type contact_result
+
   type, public :: case_result
     !! An unallocated component was not asked for.
     type(beam_units) :: units
@@ -119,6 +130,7 @@ module bw_case_result
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(answer_type), allocatable :: answer          !! to a harmonic force
     type(measured_type), allocatable :: measured      !! SI
+    type(contact_result), allocatable :: contact      !! of contacts that last
     type(record_result), allocatable :: record        !! of a record
     integer :: status = case_done
     type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)

@@ -23,7 +23,7 @@ module bw_case_tolerance
 contains
 
   subroutine plan_case(scene, monitor, count, error, reached)
-    !! How many modes a scene with a tolerance will sum; 0 of one that counts them.
+    !! How many modes a scene with a tolerance will sum; 0 of one that counts them, or whose impact lasts.
     !! **Errors**: `status_bad_input` where the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
     class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
@@ -32,7 +32,7 @@ contains
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
     type(case_motion), allocatable :: motion
     count = 0
-    if (.not. by_tolerance(scene%modes)) return
+    if (.not. by_tolerance(scene%modes) .or. allocated(scene%contact)) return
     call plan_motion(scene, monitor, motion, count, error)
     if (present(reached)) reached = motion%plan%reached
   end subroutine plan_case
@@ -87,7 +87,7 @@ contains
     integer(i8), allocatable :: corners(:)
     integer :: i, ignored
     count = 0
-    if (.not. by_tolerance(scene%modes)) return
+    if (.not. by_tolerance(scene%modes) .or. allocated(scene%contact)) return     ! a contact is not linear: its run finds the count
     if (size(scene%sweeps) == 0) then
       call plan_relaxed(scene, monitor, planned, count, error)
       if (present(motion) .and. count > 0 .and. .not. allocated(error)) call move_alloc(planned, motion)

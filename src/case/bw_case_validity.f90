@@ -2,11 +2,12 @@ module bw_case_validity
   !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
   !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
   use bw_beam_par, only: beam_par
-  use bw_beam_units, only: slenderness
-  use bw_case_result, only: case_motion, history_errors
+  use bw_beam_units, only: beam_units, slenderness
+  use bw_case_result, only: case_motion, contact_result, history_errors
   use bw_case_strains, only: centrifugal_strain, largest_bending, placed_strain
   use bw_case_units, only: note_units
   use bw_constants, only: pi
+  use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: scaled
@@ -20,7 +21,7 @@ module bw_case_validity
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
-  public :: note_history_errors, note_validity
+  public :: note_contact, note_history_errors, note_validity
 
   integer, parameter :: looked_at = 20                        !! modes, the first
   real(dp), parameter :: thickest = 0.1_dp                    !! D/l of a slender beam
@@ -64,7 +65,7 @@ contains
     real(dp) :: flight, step, spin                 ! V l²/h; l²/h; h/l²
     integer :: j, p
     p = findloc(scene%response%points, scene%impact%position, dim=1)
-    if (allocated(scene%capture) .or. allocated(scene%recontact) .or. p == 0) return
+    if (allocated(scene%capture) .or. allocated(scene%recontact) .or. allocated(scene%contact) .or. p == 0) return
     if (scene%impact%mass_ratio == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
     step = scene%response%duration/scene%response%samples/motion%units%time%hi
     spin = speed_in_plane(scene%rotation, motion%units)
@@ -78,6 +79,27 @@ contains
       return
     end do
   end subroutine note_return
+
+  subroutine note_contact(scene, units, found, events, notes)
+    !! The first contact lasts longer than shear takes to cross the section, so that this moves as a whole, and the indentation is small
+    !! beside the radius of the sphere.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(contact_result), intent(in) :: found
+    type(event_type), intent(in) :: events(:)
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), parameter :: largest_part = 0.1_dp   ! of the radius
+    real(dp), parameter :: stretched = 1.612_dp    ! √(2(1 + ν)): the speed of longitudinal waves over that of shear, ν = 0.3
+    real(dp) :: crossing
+    if (size(events) == 0) return
+    crossing = 4.0_dp*slenderness(scene%beam)**2*units%time%hi*stretched    ! thickness over √(G/ρ), √(E/ρ) being h over √(I/A)
+    if (events(1)%end_time - events(1)%time < crossing) call append(notes, &
+      'short contact: it lasts '//shortest(events(1)%end_time - events(1)%time, 3)//' s, less than the '// &
+      shortest(crossing, 2)//' s in which shear crosses the section: the beam does not yet move as a beam')
+    if (scene%contact%radius > 0.0_dp .and. found%indentation > largest_part*scene%contact%radius) call append(notes, &
+      'deep contact: the indentation comes to '//shortest(found%indentation, 3)//' m, more than a tenth of the radius, beyond '// &
+      'which Hertz''s law does not hold')
+  end subroutine note_contact
 
   pure subroutine note_thickness(scene, notes)
     !! The beam is slender or has shear.
@@ -245,7 +267,7 @@ contains
     character(:), allocatable :: words
     if (allocated(scene%recontact)) then
       words = 'contacts amplify every error, and a shorter duration has fewer of them'
-    else if (quantity == 'displacement' .or. allocated(scene%damping)) then
+    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. allocated(scene%contact)) then
       words = 'more modes lessen it: larger counts, or a smaller tolerance'
     else
       words = 'ten times as many modes (before, after) leave about a third of it, and &damping far less'

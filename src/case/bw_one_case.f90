@@ -1,5 +1,5 @@
 module bw_one_case
-  !! One case from scene to result, in one line: that of records (bw_record_case), or
+  !! One case from scene to result, in one line: that of records (bw_record_case), that of an impact that lasts (bw_contact_case), or
   !! modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each stage takes the values of those before it
   !! and returns its own.
   use bw_amplitude_spectrum, only: spectrum_plan
@@ -14,6 +14,7 @@ module bw_one_case
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
+  use bw_contact_case, only: run_contact_case
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
   use bw_mode_set, only: attend, search_failure
@@ -55,6 +56,9 @@ contains
     type(scene_type) :: relaxed
     if (allocated(scene%record)) then
       call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
+    else if (allocated(scene%contact)) then
+      call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
+                            result, whole)
     else
       call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
       relaxed = scene
@@ -64,7 +68,23 @@ contains
         call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
       end do
     end if
+    if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, watch, monitor, cache, result, whole)
   end subroutine run_case
+
+  subroutine answer_force(scene, watch, monitor, cache, result, whole)
+    !! Add the response to a harmonic force to a result.
+    type(scene_type), intent(in) :: scene
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout) :: monitor
+    type(case_cache), intent(inout), target :: cache
+    type(case_result), intent(inout) :: result
+    logical, intent(out) :: whole
+    type(part_monitor) :: part
+    part = stage_part(monitor, case_shares(scene), answer_share)
+    call find_frequency_response(scene, result%units, part, cache%motion%modes, result%answer, result%notes)
+    whole = .not. monitor%stop_requested()
+    call watch%lap(stage_response)
+  end subroutine answer_force
 
   subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
     !! The way the data goes.
@@ -133,12 +153,6 @@ contains
       call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum)
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
-    end if
-    if (allocated(scene%frequency_response)) then
-      part = stage_part(monitor, share, answer_share)
-      call find_frequency_response(scene, motion, part, cache%motion%modes, result%answer, motion%notes)
-      if (monitor%stop_requested()) return
-      call watch%lap(stage_response)
     end if
     whole = .true.
     result%profile_points = layout%profile

@@ -4,6 +4,7 @@ module bw_result_layout
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_start
+  use bw_modes_par, only: by_tolerance
   use bw_record, only: sensor_type
   use bw_scene, only: answers_by_modes, scene_type
   use bw_scene_cases, only: case_count
@@ -16,8 +17,10 @@ module bw_result_layout
 
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
     'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', 'body', &
-    'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage']
+    'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', 'contact_sample']
 
+  integer, parameter, public :: contact_samples = 128   !! of the force of a contact
+  integer, parameter :: swept_contacts = 16         !! that a sweep keeps of each case
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
     !! of mode shapes, all cases together, that a result holds unasked: 1.6 MB, 49 cases of 20 modes
@@ -63,6 +66,7 @@ module bw_result_layout
     logical :: bending_stress = .false.   !! and stresses follow from them
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
+    integer :: contact_samples = 0    !! of the force of each contact that lasts
     logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
@@ -100,7 +104,12 @@ contains
     end if
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
-    if (allocated(scene%recontact)) then
+    if (allocated(scene%contact)) then
+      layout%contact_samples = contact_samples
+      layout%events = scene%contact%max_contacts
+      if (layout%cases > 0) layout%events = min(layout%events, swept_contacts)
+      layout%events = layout%events + most_events(scene, 0) - 1      ! a contact takes the place of the impact
+    else if (allocated(scene%recontact)) then
       layout%events = most_events(scene, largest(scene, 'recontact', 'max_contacts', scene%recontact%max_contacts))
     else
       layout%events = most_events(scene, 0)
@@ -117,8 +126,8 @@ contains
     layout%velocity = scene%response%velocity
     layout%bending_moment = scene%response%bending_moment
     layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
-    layout%continuum = allocated(scene%capture)
-    layout%contacts = allocated(scene%recontact)
+    layout%continuum = allocated(scene%capture) .and. .not. allocated(scene%contact)
+    layout%contacts = allocated(scene%recontact) .or. allocated(scene%contact)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
     layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
     if (.not. allocated(scene%spectrum)) return
@@ -134,6 +143,7 @@ contains
     before = largest(scene, 'modes', 'before', scene%modes%before)
     after = largest(scene, 'modes', 'after', scene%modes%after)
     layout%modes = merge(after, before, allocated(scene%capture))
+    if (allocated(scene%contact) .and. by_tolerance(scene%modes)) layout%modes = after
     layout%modes_before = merge(before, 0, allocated(scene%capture))
   end subroutine count_modes
 
@@ -189,6 +199,7 @@ contains
     case ('parameter_letter'); length = merge(parameter_letters, 0, layout%modelled .and. layout%unknowns > 0)
     case ('note_letter'); length = merge(note_letters, 0, layout%cases > 0)
     case ('stage'); length = stage_count
+    case ('contact_sample'); length = layout%contact_samples
     case default; length = 0
     end select
   end function dimension_length
@@ -207,7 +218,8 @@ contains
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity`, `bending_moment` and `bending_stress` (histories of them),
     !! `contacts` (histories that go through them), `continuum` (whose motion histories are held against), `estimates` (of their
-    !! errors), `mode_shapes` (there are not too many), `record` or `simulated`, `hammer` (whose force is measured), `by_modes` (how
+    !! errors), `mode_shapes` (there are not too many), `blow` (an instantaneous one), `record` or `simulated`, `hammer` (whose force is
+    !! measured), `by_modes` (how
     !! a harmonic force is answered), `model` (of the record's beam), `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
@@ -234,6 +246,7 @@ contains
       if (allocated(layout%record)) there = layout%record%placed
     case ('waves'); there = has(layout, 'places') .and. (layout%of_plain_beam .or. .not. layout%of_record)
     case ('contacts'); there = layout%contacts
+    case ('blow'); there = layout%events > 0 .and. layout%contact_samples == 0
     case ('continuum'); there = layout%continuum
     case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0

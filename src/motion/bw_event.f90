@@ -16,6 +16,8 @@ module bw_event
     real(dp) :: time_error = 0.0_dp                 !! s, estimate of the error of `time`
     real(dp) :: end_error = 0.0_dp                  !! s, the same of `end_time`
     real(dp) :: impulse = 0.0_dp                    !! on the beam's tip, m_i V
+    real(dp) :: largest_force = 0.0_dp              !! in a contact that lasts, m_i V h/l²
+    real(dp) :: largest_force_time = 0.0_dp         !! when it is so large, s
     real(dp) :: energy_before = 0.0_dp              !! energy of beam and mass in the rotating frame, m_i V²
     real(dp) :: energy_after = 0.0_dp
     real(dp) :: momentum_before = 0.0_dp

@@ -29,6 +29,15 @@ module bw_segment
     integer :: bounded = huge(1)                       !! modes that the bounds are of; those after them may have this energy
   end type lack_type
 
+  type, public :: load_type
+    !! A force at the place that the mass strikes: in each step a polynomial through Chebyshev's points (bw_force_step).
+    real(dp), allocatable :: length(:)       !! of the steps, l²/h
+    real(dp), allocatable :: force(:, :)     !! m_iV h/l², (0:points, steps)
+    integer :: taking_part = 0               !! modes that it drives; the others are at rest
+    real(dp), allocatable :: residual(:, :)
+      !! what modes that are not summed add for a force of 1, at once, to displacements and curvatures where they are seen, (points, 2)
+  end type load_type
+
   type, public :: segment_type
     integer :: configuration = alone         !! which modes move
     type(dd) :: start                        !! when
@@ -41,6 +50,7 @@ module bw_segment
     real(dp) :: energy = 0.0_dp              !! of all modes there are, then
     type(lack_type), allocatable :: lack     !! unallocated: the modes lack nothing, or nobody asks
     real(dp) :: start_error = 0.0_dp         !! estimate of the error of `start`, where contacts amplify errors
+    type(load_type), allocatable :: load     !! unallocated: the modes move freely
     real(dp), allocatable :: error(:, :)
       !! the same of modal displacements and velocities until the next segment; else unallocated, (modes, 2)
   end type segment_type

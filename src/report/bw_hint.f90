@@ -140,7 +140,7 @@ contains
     real(dp), allocatable :: change(:, :), square(:), inward(:)
     integer :: i, n, last
     last = scene%modes%before
-    if (allocated(scene%capture)) last = scene%modes%after
+    if (allocated(scene%capture) .or. last == 0) last = scene%modes%after
     n = min(compared_modes, last)
     allocate (change(n + 1, size(absent_words)), square(n + 1), inward(n + 1))
     call absent_changes(scene, [(i, i=1, n), last], change, estimates%steadies, square, inward)

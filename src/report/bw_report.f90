@@ -35,6 +35,7 @@ contains
     if (result%mode_count == 0) return             ! a note says why
     call report_modes(scene, result, lines)
     if (allocated(result%impact)) call report_impact(scene, result, lines)
+    if (allocated(result%contact)) call report_contact(scene, result, lines)
     if (allocated(result%response)) call report_histories(scene, result, lines)
     if (allocated(result%answer)) call report_answer(scene%frequency_response, allocated(scene%damping), &
                                                      result%answer, lines)
@@ -154,6 +155,38 @@ contains
       '  With infinitely many modes only the very '//spot//' jumps, and that takes no impulse.')
     call report_events(result, lines)
   end subroutine report_impact
+
+  subroutine report_contact(scene, result, lines)
+    !! How long the first contact lasts, how hard it is, how much the mass rebounds, and what an instantaneous blow would have said.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    character(:), allocatable :: text
+    call lines%append_line('')
+    if (size(result%events) == 0) then
+      call lines%append_line('  Nothing strikes the beam: the mass or its velocity is 0.')
+      return
+    end if
+    associate (first => result%events(1), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
+               blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*scene%impact%approach_velocity)
+      text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
+        shortest(abs(contact%largest(1)), 6)//' N, '//shortest(1.0e6_dp*contact%largest_time(1), 4)// &
+        ' us after its begin; impulse '//shortest(impulse(1), 6)//' N s'
+      if (is_missing(contact%restitution)) then
+        call lines%append_line(text//'.')
+        call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
+      else
+        call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//'.')
+        call lines%append_line('  An instantaneous blow with that restitution has the impulse '//shortest(blow, 4)// &
+          ' N s on a rigid wall, '//shortest(blow/(1.0_dp + scene%impact%mass_ratio*sum(result%modes%struck**2/ &
+          result%modes%modal_mass)), 4)//' N s on '//text_of(result%modes%count)// &
+          ' modes of the beam, and none on infinitely many.')
+      end if
+      if (size(result%events) > 1) call lines%append_line('  '//text_of(size(result%events))// &
+        ' contacts, with the impulse '//shortest(sum(impulse), 6)//' N s in all.')
+    end associate
+    call report_events(result, lines)
+  end subroutine report_contact
 
   subroutine report_events(result, lines)
     !! The balance of every event; their times where not all are at t = 0, with their errors where contacts amplify them,

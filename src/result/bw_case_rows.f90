@@ -2,7 +2,7 @@ module bw_case_rows
   !! What a result holds of a case: a row for each variable, with its values in SI. A case itself has its masses in m_i and its
   !! velocities in the approach velocity V.
   use bw_beam_units, only: beam_units, in_joules, in_newton_seconds
-  use bw_case_result, only: answer_type, case_result
+  use bw_case_result, only: answer_type, case_result, contact_result
   use bw_event, only: event_type, event_words
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -18,7 +18,7 @@ module bw_case_rows
   public :: case_rows, values_of
 
   character(*), parameter :: of_blow = 'Eq. 12, reference [8]', estimate_of = 'estimate of the largest error of the ', &
-    limit_of = '; with a capture against infinitely many modes', &
+    limit_of = '; with a capture or a contact that lasts against infinitely many modes', &
     momentum = 'generalised momentum of the first mode that the mass strikes, per unit of displacement there'
 
 contains
@@ -37,7 +37,7 @@ contains
     call modal_rows(table, result, before, 'mode_before', [character(12) :: 'Eq. 8', 'Eqs 2 and 10', 'Eqs 2 and 10', 'Eq. 10'])
     call table%begin_names('', '')
     if (table%real_row('modal_velocity', 'mode', 'm s-1', 'modal velocity just after the last event at t = 0', 'Eq. 26', &
-                       needs='event')) &
+                       needs='blow')) &
       call table%put(result%modal_velocity(:modes%count)*result%approach_velocity)
     if (table%real_row('modal_velocity_before', 'mode_before', 'm s-1', 'jump of the modal velocity at the impact', 'Eq. 12')) &
       call table%put(result%impact%modal_velocity(:before%count)*result%approach_velocity)
@@ -45,6 +45,7 @@ contains
       call table%put_columns(shapes_of(modes, result%profile_points))
     call impact_rows(table, result, modes, before)
     call event_rows(table, result%events, result%units, result%approach_velocity)
+    call contact_rows(table, result%contact)
     call history_rows(table, result%response)
     if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
       call table%put_columns(result%amplitude)
@@ -116,13 +117,13 @@ contains
     class(mode_set), pointer, intent(in) :: modes, before
     associate (velocity => result%approach_velocity)
       if (table%real_row('velocity_jump', 'profile', 'm s-1', 'jump of the velocity along the beam at the impact', 'Fig. 3', &
-                         needs='event')) call table%put(result%velocity_jump*velocity)
-      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='event')) &
+                         needs='blow')) call table%put(result%velocity_jump*velocity)
+      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='blow')) &
         call table%put([in_newton_seconds(result%impact%impulse, result%units, velocity)])
-      if (table%real_row('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', of_blow, needs='event')) &
+      if (table%real_row('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', of_blow, needs='blow')) &
         call table%put([result%impact%mass_velocity*velocity])
       if (table%real_row('tip_velocity', '', 'm s-1', 'velocity of the beam where the mass strikes, just after the impact', &
-                         of_blow, needs='event')) call table%put([result%impact%tip_velocity*velocity])
+                         of_blow, needs='blow')) call table%put([result%impact%tip_velocity*velocity])
     end associate
     if (table%real_row('critical_angular_velocity', '', 'rad s-1', 'lowest angular velocity at which a mode is unstable', &
                        'Eq. 31', needs='mode')) call table%put([critical_speed(result, modes)])
@@ -164,6 +165,24 @@ contains
       call table%put(in_newton_seconds(events%momentum_after, units, velocity))
     if (table%whole_row('event_kind', 'event', 'kind of the event', event_words)) call table%put(events%kind)
   end subroutine event_rows
+
+  subroutine contact_rows(table, contact)
+    !! The force of contacts that last, and how much the mass rebounds.
+    class(result_table), intent(inout) :: table
+    type(contact_result), intent(in), optional :: contact
+    if (table%real_row('restitution', '', '1', 'velocity at which mass and beam separate after the first contact over that at '// &
+                       'which they met', needs='contact_sample')) call table%put([contact%restitution])
+    if (table%real_row('largest_indentation', '', 'm', 'largest indentation of all contacts', needs='contact_sample')) &
+      call table%put([contact%indentation])
+    if (table%real_row('event_force', 'event', 'N', 'largest contact force of the event', needs='contact_sample')) &
+      call table%put(contact%largest)
+    if (table%real_row('event_force_time', 'event', 's', 'time of the largest contact force of the event', &
+                       needs='contact_sample')) call table%put(contact%largest_time)
+    if (table%real_row('contact_force_error', 'event', 'N', estimate_of//'contact force', needs='contact_sample')) &
+      call table%put(contact%force_error)
+    if (table%real_row('contact_force', 'event contact_sample', 'N', 'contact force at Chebyshev''s points from begin to '// &
+                       'end of each contact, (1 - cos(pi j/127))/2 of it')) call table%put_columns(contact%force)
+  end subroutine contact_rows
 
   subroutine history_rows(table, response)
     !! Histories, their largest values and their errors.

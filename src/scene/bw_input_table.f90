@@ -5,6 +5,7 @@ module bw_input_table
   use bw_beam_par, only: beam_group, beam_names
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
+  use bw_contact_par, only: contact_group, contact_names
   use bw_damping_par, only: damping_group, damping_names
   use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
   use bw_identify_par, only: identify_group, identify_names
@@ -38,6 +39,7 @@ module bw_input_table
     shear_group, &
     damping_group, &
     impact_group, &
+    contact_group, &
     capture_group, &
     release_group, &
     recontact_group, &
@@ -60,6 +62,7 @@ module bw_input_table
     shear_names, &
     damping_names, &
     impact_names, &
+    contact_names, &
     capture_names, &
     release_names, &
     recontact_names, &

@@ -4,6 +4,7 @@ module bw_scene
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
   use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
+  use bw_contact_par, only: build_contact, check_contact, check_contact_place, complete_contact, contact_par, contact_text
   use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
   use bw_frequency_response_par, only: build_frequency_response, check_frequency_response, complete_frequency_response, &
     frequency_response_par
@@ -46,6 +47,7 @@ module bw_scene
     type(shear_par), allocatable :: shear         !! &shear; absent: Euler–Bernoulli
     type(damping_par), allocatable :: damping     !! &damping; absent: undamped
     type(impact_par), allocatable :: impact       !! &impact; absent: modes and wave velocities only
+    type(contact_par), allocatable :: contact     !! &contact; absent: the blow is instantaneous
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
     type(release_par), allocatable :: release     !! &release; absent: a captured mass stays
     type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
@@ -83,9 +85,9 @@ contains
   end subroutine build_scene
 
   pure logical function has_ratio(group)
-    !! The group's mass is told by its ratio to that of the beam, or the ratio follows.
+    !! The group's mass is told by its ratio to that of the beam, or the ratio follows; or its stiffness follows from the beam's.
     type(group_values), intent(in) :: group
-    has_ratio = group%group == 'impact' .or. group%group == 'body'
+    has_ratio = group%group == 'impact' .or. group%group == 'body' .or. group%group == 'contact'
   end function has_ratio
 
   pure subroutine build_group(scene, g, messages)
@@ -103,6 +105,7 @@ contains
     case ('shear'); scene%shear = build_shear(scene%groups(g))
     case ('damping'); scene%damping = build_damping(scene%groups(g))
     case ('impact'); call build_impact(scene%groups(g), beam_mass(scene%beam), scene%impact, messages)
+    case ('contact'); call build_contact(scene%groups(g), scene%beam, scene%contact)
     case ('capture'); scene%capture = build_capture(scene%groups(g))
     case ('release'); scene%release = build_release(scene%groups(g))
     case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
@@ -136,6 +139,7 @@ contains
     case ('body'); call check_body(group, messages)
     case ('damping'); call check_damping(group, messages)
     case ('impact'); call check_impact(group, messages)
+    case ('contact'); call check_contact(group, messages)
     case ('response'); call check_response(group, messages)
     case ('record'); call check_record(group, messages)
     case ('identify'); call check_identify(group, messages)
@@ -151,13 +155,14 @@ contains
     call check_shear(groups, messages)
     call check_spectrum(groups, messages)
     call check_frequency_response(groups, messages)
+    call check_contact_place(groups, messages)
   end subroutine check_rules_together
 
   pure subroutine complete_groups(groups, messages)
     !! Fill in the values of new groups that follow from others, which may change from case to case.
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
-    logical :: struck, captured
+    logical :: struck, captured, lasting
     integer :: g
     do g = 1, size(groups)
       if (.not. groups(g)%changed) cycle
@@ -165,12 +170,15 @@ contains
       case ('damping'); call complete_damping(groups(g))
       case ('shear'); call complete_shear(groups)
       case ('frequency_response'); call complete_frequency_response(groups, g)
+      case ('contact'); call complete_contact(groups)
       case ('record'); call complete_record(groups, messages)
       case ('spectrum'); call complete_spectrum(groups(g), has_parts(groups))
       case ('modes')
         struck = position_of(groups, 'impact') > 0
         captured = struck .and. position_of(groups, 'capture') > 0
-        call complete_modes(groups(g), struck .and. .not. captured, captured, position_of(groups, 'response') > 0, messages)
+        lasting = struck .and. position_of(groups, 'contact') > 0
+        call complete_modes(groups(g), struck .and. .not. (captured .or. lasting), captured, lasting, &
+                            position_of(groups, 'response') > 0, messages)
       case default                                   ! nothing follows from others
       end select
     end do
@@ -196,6 +204,7 @@ contains
       case ('impact')
         text = text//', '//impact_text(scene%groups(g), scene%impact)
         if (.not. allocated(scene%capture)) text = text//after_impact(scene%groups(g))
+      case ('contact'); text = text//', '//contact_text(scene%groups(g), scene%contact)
       case ('capture'); text = text//', '//capture_text(scene%groups(g))
       case ('release'); text = text//', '//release_text(scene%groups(g))
       case ('recontact'); text = text//', recontact'

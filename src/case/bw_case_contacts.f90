@@ -1,0 +1,247 @@
+module bw_case_contacts
+  !! One way to follow the motion of a case whose impact lasts, to its histories, and how far two ways are apart.
+  use bw_case_drift, only: drift_errors, rounding_errors
+  use bw_case_histories, only: sum_histories
+  use bw_case_modes, only: whole_beam
+  use bw_case_moments, only: find_moments
+  use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
+    history_errors
+  use bw_contact_law, only: contact_law, contact_law_of
+  use bw_event, only: event_type
+  use bw_initial_state, only: initial_state
+  use bw_kinds, only: dp
+  use bw_lasting_contact, only: demand_type, follow_lasting_contacts, force_at, lasting_contacts
+  use bw_magnitude, only: largest_magnitude
+  use bw_missing, only: is_missing, missing
+  use bw_mode_set, only: curvatures, deflections
+  use bw_monitor, only: monitor_type
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_response, only: response_type
+  use bw_result_layout, only: contact_samples
+  use bw_rotation, only: full_speed_in_plane
+  use bw_scene, only: scene_type
+  use bw_segment, only: alone, segment_type
+  use bw_static_shape, only: find_residual
+  use bw_text, only: string
+  use bw_timeline, only: timeline_type
+  use bw_varying_beam, only: varying_beam
+  implicit none (type, external)
+  private
+  public :: add_difference, add_force_difference, add_rounding, find_errors, follow_run, part_of_peak
+
+  type, public :: run_type
+    type(timeline_type) :: timeline
+    type(initial_state) :: initial                  !! of its modes the speeds of the first flight
+    type(contact_result), allocatable :: result
+    type(response_type), allocatable :: response    !! SI
+    integer :: status = case_done                   !! of the histories
+    integer :: ending = case_done                   !! why the motion is not known to its end
+    logical :: cut = .false., out_of_range = .false., failed = .false.   !! as those of lasting_contacts
+    type(string), allocatable :: notes(:)
+  end type run_type
+
+contains
+
+  subroutine follow_run(scene, motion, demand, monitor, workspace, run)
+    !! Contacts, flights and histories. The timeline of the motion is that of this run then.
+    type(scene_type), intent(in) :: scene            !! with counts of modes
+    type(case_motion), intent(inout) :: motion       !! its modes are known
+    type(demand_type), intent(in) :: demand
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(run_type), intent(out) :: run
+    type(lasting_contacts) :: contacts
+    type(case_histories) :: histories
+    type(history_errors) :: none
+    call find_contacts(scene, motion, demand, monitor, contacts)
+    if (monitor%stop_requested()) return
+    run%cut = contacts%cut
+    run%out_of_range = contacts%out_of_range
+    run%failed = contacts%failed
+    if (contacts%out_of_range) run%ending = case_diverged
+    if (contacts%cut .or. contacts%failed) run%ending = case_not_converged
+    call keep_contacts(scene, motion, contacts, run)
+    call move_alloc(contacts%events, run%timeline%events)
+    call move_alloc(contacts%segments, run%timeline%segments)
+    run%timeline%known_until = contacts%known_until
+    motion%timeline = run%timeline
+    call sum_histories(scene, motion, deflections, monitor, workspace, histories)
+    if (monitor%stop_requested()) return
+    if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)
+    if (monitor%stop_requested()) return
+    run%status = max(histories%status, none%status)
+    call move_alloc(histories%response, run%response)
+    call move_alloc(histories%notes, run%notes)
+  end subroutine follow_run
+
+  subroutine find_contacts(scene, motion, demand, monitor, contacts)
+    !! Contacts and flights; a beam at rest where nothing strikes it.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(demand_type), intent(in) :: demand
+    class(monitor_type), intent(inout) :: monitor
+    type(lasting_contacts), intent(out) :: contacts
+    type(varying_beam) :: given
+    type(contact_law) :: law
+    real(dp) :: residual(size(scene%response%points), 2), here(1, 2)
+    integer :: i, struck
+    associate (free => motion%modes%configuration(alone)%set, response => scene%response, &
+               speed => abs(scene%impact%approach_velocity))
+      if (scene%impact%mass_ratio == 0.0_dp .or. speed == 0.0_dp) then
+        allocate (contacts%events(0), contacts%segment_of(0))
+        contacts%segments = [segment_type(alone, count=free%count, q=spread(0.0_dp, 1, free%count), &
+                                          rate=spread(0.0_dp, 1, free%count))]
+        return
+      end if
+      call whole_beam(scene, motion%units, given, struck)
+      call find_residual(given, struck, free, demand%modes, [scene%impact%position], here)
+      call find_residual(given, struck, free, demand%modes, response%points, residual)
+      law = contact_law_of(scene%contact, motion%units, speed)
+      law%residual = max(0.0_dp, here(1, 1))
+      call follow_lasting_contacts(free, scene%impact%mass_ratio, law, full_speed_in_plane(scene%rotation, motion%units), &
+                                   demand, contacts, monitor)
+      if (monitor%stop_requested()) return
+      do i = 1, size(contacts%segments)
+        if (allocated(contacts%segments(i)%load)) contacts%segments(i)%load%residual = residual
+      end do
+    end associate
+  end subroutine find_contacts
+
+  subroutine keep_contacts(scene, motion, contacts, run)
+    !! Forces and times in SI, and the speeds of the modes after the first contact.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(lasting_contacts), intent(inout) :: contacts
+    type(run_type), intent(inout) :: run
+    real(dp), parameter :: half_turn = 2.0_dp*acos(0.0_dp)
+    real(dp) :: newton, places(contact_samples)
+    integer :: i
+    allocate (run%result)
+    associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration, kept => run%result, &
+               square => motion%modes%configuration(alone)%set%beta_squared%hi, first => min(2, size(contacts%segments)))
+      newton = motion%units%mass*scene%impact%approach_velocity/unit
+      places = [(0.5_dp*(1.0_dp - cos(half_turn*(i - 1)/(contact_samples - 1))), i=1, contact_samples)]
+      allocate (kept%force(contact_samples, size(events)))
+      do i = 1, size(events)
+        kept%force(:, i) = newton*force_at(contacts%segments(contacts%segment_of(i))%load, &
+                                           places*(events(i)%end_time - events(i)%time))
+        if (i < size(events) .or. .not. contacts%lasting) kept%force(contact_samples, i) = 0.0_dp
+      end do
+      kept%force_error = 0.0_dp*events%time
+      kept%largest = newton*events%largest_force
+      kept%largest_time = unit*events%largest_force_time
+      kept%restitution = contacts%restitution
+      kept%indentation = contacts%largest_indentation*abs(scene%impact%approach_velocity)*unit
+      kept%lasting = contacts%lasting
+      events%time = min(events%time*unit, duration)
+      events%end_time = min(events%end_time*unit, duration)
+      if (contacts%lasting) events(size(events))%end_time = duration
+      if (first == 0) return
+      associate (flight => contacts%segments(first))
+        run%initial%modal_velocity = sqrt(flight%rate**2 + max(0.0_dp, square)*flight%q**2)
+      end associate
+    end associate
+  end subroutine keep_contacts
+
+  pure subroutine find_errors(response, half, quarter, errors)
+    !! From the histories of n, n/2 and n/4 modes: with ρ the ratio of what the last two steps change, 2ρ/(1 − ρ) of the last change, and
+    !! never more than that change itself, which is the error of n/2 modes.
+    type(response_type), intent(in) :: response, half, quarter
+    type(history_errors), intent(inout) :: errors
+    errors%displacement = error_of(response%displacement, half%displacement, quarter%displacement)
+    if (allocated(response%velocity)) errors%velocity = error_of(response%velocity, half%velocity, quarter%velocity)
+    if (allocated(response%bending_moment)) errors%bending_moment = &
+      error_of(response%bending_moment, half%bending_moment, quarter%bending_moment)
+  contains
+    pure function error_of(history, beside, further) result(error)
+      real(dp), intent(in) :: history(:, :), beside(:, :), further(:, :)
+      real(dp) :: error(size(history, 2))
+      real(dp), parameter :: least = 0.05_dp         ! tuned: twelve in n⁻⁶, so that an estimate is rarely ten times the error
+      real(dp) :: before, ratio
+      error = largest_distance(history, beside)
+      before = maxval(largest_distance(beside, further))
+      if (before <= 0.0_dp) return
+      ratio = min(1.0_dp/3.0_dp, max(least, maxval(error)/before))
+      error = error*(2.0_dp*ratio/(1.0_dp - ratio))
+    end function error_of
+  end subroutine find_errors
+
+  pure function largest_distance(history, other) result(distance)
+    !! Between two histories, where both are known, (points).
+    real(dp), intent(in) :: history(:, :), other(:, :)     !! (samples, points)
+    real(dp) :: distance(size(history, 2))
+    integer :: j, p
+    distance = 0.0_dp
+    do p = 1, size(distance)
+      do j = 1, size(history, 1)
+        if (is_missing(history(j, p)) .or. is_missing(other(j, p))) exit
+        distance(p) = max(distance(p), abs(history(j, p) - other(j, p)))
+      end do
+    end do
+  end function largest_distance
+
+  pure subroutine add_difference(response, other, errors)
+    !! How far two histories are apart, to errors that are known.
+    type(response_type), intent(in) :: response, other
+    type(history_errors), intent(inout) :: errors
+    errors%displacement = max(errors%displacement, largest_distance(response%displacement, other%displacement))
+    if (allocated(response%velocity)) errors%velocity = max(errors%velocity, largest_distance(response%velocity, other%velocity))
+    if (allocated(response%bending_moment)) errors%bending_moment = &
+      max(errors%bending_moment, largest_distance(response%bending_moment, other%bending_moment))
+  end subroutine add_difference
+
+  pure subroutine add_force_difference(run, other)
+    !! The same of the times of contacts and of their forces. A contact that the other run lacks is not known at all.
+    type(run_type), intent(inout) :: run
+    type(run_type), intent(in) :: other
+    integer :: i
+    associate (events => run%timeline%events, beside => other%timeline%events, kept => run%result)
+      do i = 1, size(events)
+        if (i > size(beside)) then
+          kept%force_error(i) = missing
+          events(i)%time_error = events(i)%time
+          events(i)%end_error = events(i)%end_time
+          cycle
+        end if
+        events(i)%time_error = max(events(i)%time_error, abs(events(i)%time - beside(i)%time))
+        events(i)%end_error = max(events(i)%end_error, abs(events(i)%end_time - beside(i)%end_time))
+        kept%force_error(i) = max(kept%force_error(i), maxval(abs(kept%force(:, i) - other%result%force(:, i))))
+      end do
+    end associate
+  end subroutine add_force_difference
+
+  subroutine add_rounding(scene, motion, response, errors)
+    !! What rounding leaves of sums and of phases.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(inout) :: errors
+    if (response%finite_samples == 0) return
+    associate (of_sums => rounding_errors(scene, motion, response, .false.))
+      errors%displacement = errors%displacement + of_sums + drift_errors(scene, motion, deflections, .false.)
+    end associate
+    if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
+      + drift_errors(scene, motion, deflections, .true.)
+  end subroutine add_rounding
+
+  pure real(dp) function part_of_peak(response, errors) result(part)
+    !! The largest error of a quantity over its peak.
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(in) :: errors
+    integer :: n
+    n = response%finite_samples
+    part = 0.0_dp
+    if (n == 0) return
+    call look(response%displacement, errors%displacement)
+    if (allocated(response%velocity)) call look(response%velocity, errors%velocity)
+    if (allocated(response%bending_moment)) call look(response%bending_moment, errors%bending_moment)
+  contains
+    pure subroutine look(history, error)
+      real(dp), intent(in) :: history(:, :), error(:)
+      real(dp) :: peak
+      peak = largest_magnitude(history(:n, :))
+      if (maxval(error) > 0.0_dp .and. peak > 0.0_dp) part = max(part, maxval(error)/peak)
+    end subroutine look
+  end function part_of_peak
+
+end module bw_case_contacts

@@ -1,0 +1,214 @@
+module bw_contact_case
+  !! A case whose impact lasts: modes ► contacts and flights ► histories ► errors ► spectrum. The motion has a limit as modes are added, so
+  !! that a tolerance doubles their number until half of them give the same histories.
+  !!
+  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed three times, with all
+  !! modes, with half of them, and in steps of half the length, and the largest difference is the estimate. With the residual
+  !! flexibility the error of all modes is a fraction of that of half of them.
+  use bw_amplitude_spectrum, only: spectrum_plan
+  use bw_beam_units, only: units_of
+  use bw_case_contacts, only: add_difference, add_force_difference, add_rounding, find_errors, follow_run, part_of_peak, run_type
+  use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
+  use bw_case_notes, only: note_lasting_contacts
+  use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors
+  use bw_case_spectrum, only: find_spectrum
+  use bw_case_validity, only: note_contact, note_history_errors, note_validity
+  use bw_missing, only: is_missing, missing
+  use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
+  use bw_modes_par, only: by_tolerance, relaxed_tolerance, shown_modes, wanted_tolerance
+  use bw_kinds, only: dp
+  use bw_lasting_contact, only: demand_type
+  use bw_monitor, only: monitor_type
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_note, only: remark
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_segment, only: alone
+  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
+  use bw_text, only: append, shortest, string, text_of
+  implicit none (type, external)
+  private
+  public :: run_contact_case
+
+  integer, parameter :: first_count = 32           !! modes that a tolerance begins with
+  real(dp), parameter :: step_share = 1.0e-2_dp    !! of the tolerance, the default where modes are counted, that steps may take
+  integer, parameter :: most_count = 4096          !! and the most that it may take
+
+contains
+
+  subroutine run_contact_case(scene, layout, watch, monitor, cache, workspace, plan, result, whole)
+    !! By the counts of the scene, or by its tolerance.
+    type(scene_type), intent(in) :: scene            !! without sweeps
+    type(result_layout), intent(in) :: layout
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), target :: cache
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(spectrum_plan), intent(inout) :: plan
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    type(scene_type) :: counted
+    type(case_motion) :: motion
+    type(history_errors) :: errors
+    type(case_spectrum) :: spectrum
+    type(run_type) :: run
+    type(search_failure), target :: failure
+    type(string), allocatable :: foremost(:), validity(:)
+    whole = .false.
+    call watch%start()
+    call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
+    if (monitor%stop_requested()) return
+    if (motion%modes%resolved) then
+      call note_validity(counted, motion, run%response, validity)
+      call note_contact(counted, motion%units, run%result, motion%timeline%events, validity)
+      call note_history_errors(counted, run%response, errors, foremost, validity)
+      call note_lasting_contacts(scene, motion, run%result, run%cut, run%out_of_range, run%failed)
+      call judge_tolerance(scene, motion, counted%modes%before, errors)
+    end if
+    call watch%lap(stage_response)
+    if (motion%modes%resolved .and. allocated(scene%spectrum)) then
+      call find_spectrum(counted, layout, motion, run%response, errors%status, monitor, plan, spectrum)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_spectrum)
+    end if
+    allocate (result%notes(0))
+    call add_notes(result%notes, foremost)
+    call add_notes(result%notes, motion%modes%notes)
+    call add_notes(result%notes, validity)
+    call add_notes(result%notes, motion%notes)
+    call add_notes(result%notes, errors%notes)
+    call add_notes(result%notes, spectrum%notes)
+    call compose(scene, motion, run, errors, spectrum, result)
+    result%profile_points = layout%profile
+    whole = .true.
+  end subroutine run_contact_case
+
+  subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
+    !! The motion with enough modes, or as many as the scene counts, and its errors.
+    type(scene_type), intent(in) :: scene
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), target :: cache
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(search_failure), intent(inout), target :: failure
+    type(scene_type), intent(out) :: counted         !! the scene with the count that was taken
+    type(case_motion), intent(out) :: motion
+    type(run_type), intent(out) :: run
+    type(history_errors), intent(out) :: errors
+    type(run_type) :: half, other
+    type(demand_type) :: demand
+    integer :: most
+    most = most_count
+    if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
+    counted = scene
+    if (by_tolerance(scene%modes)) then
+      counted%modes%tolerance = missing
+      counted%modes%before = first_count
+    end if
+    do
+      counted%modes%after = counted%modes%before
+      motion = case_motion(units=units_of(scene%beam))
+      demand = demand_type(counted%modes%before, scene%contact%max_contacts, scene%response%duration/motion%units%time%hi, &
+                           step_share*wanted_tolerance(scene%modes))
+      call find_modes(counted, motion%units, monitor, motion%modes, cache)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_modes)
+      if (.not. motion%modes%resolved) return
+      call attend(motion%modes%configuration, failure, monitor)
+      call follow_run(counted, motion, demand, monitor, workspace, run)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_events)
+      demand%modes = (counted%modes%before + 1)/2
+      call follow_run(counted, motion, demand, monitor, workspace, half)
+      if (monitor%stop_requested()) return
+      demand%modes = (counted%modes%before + 3)/4
+      call follow_run(counted, motion, demand, monitor, workspace, other)
+      if (monitor%stop_requested()) return
+      errors = history_errors()
+      call find_errors(run%response, half%response, other%response, errors)
+      call watch%lap(stage_response)
+      if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
+      if (part_of_peak(run%response, errors) <= scene%modes%tolerance) exit
+      counted%modes%before = min(most, (3*counted%modes%before)/2)
+    end do
+    call add_force_difference(run, half)
+    demand%modes = counted%modes%before
+    demand%fineness = 2
+    call follow_run(counted, motion, demand, monitor, workspace, other)
+    if (monitor%stop_requested()) return
+    call add_difference(run%response, other%response, errors)
+    call add_force_difference(run, other)
+    motion%timeline = run%timeline
+    motion%initial = run%initial
+    motion%ending = run%ending
+    errors%status = run%ending
+    if (run%status /= case_done) errors%status = run%status
+    call add_notes(errors%notes, run%notes)
+    call add_rounding(counted, motion, run%response, errors)
+    motion%plan%reached = part_of_peak(run%response, errors)
+  end subroutine follow_to_tolerance
+
+  subroutine judge_tolerance(scene, motion, count, errors)
+    !! A tolerance that was not asked for relaxes to what was reached.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    integer, intent(in) :: count                     !! modes that were summed
+    type(history_errors), intent(inout) :: errors
+    if (.not. by_tolerance(scene%modes) .or. errors%status /= case_done) return
+    motion%plan%within = motion%plan%reached <= scene%modes%tolerance
+    if (motion%plan%within) return
+    if (scene%modes%asked) then
+      errors%status = case_not_converged
+      call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' is missed with '//text_of(count)// &
+                  ' modes; accepted: '//shortest(1.05_dp*motion%plan%reached, 2)//' or more, or before, which counts modes')
+    else if (is_missing(relaxed_tolerance(motion%plan%reached))) then
+      errors%status = case_not_converged
+      call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: a shorter duration, '// &
+                  'or before, which counts modes')
+    else
+      call remark(errors%notes, 'tolerance: the default '//shortest(scene%modes%tolerance, 6)//' is out of reach; '// &
+        'the histories are found to '//shortest(relaxed_tolerance(motion%plan%reached), 6)//' of their peaks instead')
+    end if
+  end subroutine judge_tolerance
+
+  subroutine compose(scene, motion, run, errors, spectrum, result)
+    !! The values of all stages in one; what is large is moved, not copied.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(run_type), intent(inout) :: run
+    type(history_errors), intent(inout) :: errors
+    type(case_spectrum), intent(inout) :: spectrum
+    type(case_result), intent(inout) :: result
+    class(mode_set), allocatable :: shown
+    result%units = motion%units
+    result%can_grow = motion%modes%can_grow
+    result%reached = motion%plan%reached
+    result%within = motion%plan%within
+    result%status = errors%status
+    if (.not. motion%modes%resolved) result%status = case_not_converged
+    result%approach_velocity = scene%impact%approach_velocity
+    result%mode_count = merge(motion%modes%configuration(alone)%set%count, 0, motion%modes%resolved)
+    if (by_tolerance(scene%modes)) then
+      call motion%modes%configuration(alone)%source%find(first_numbers(shown_modes), shown)
+      call shown%forget_rigid_waves()
+      call move_alloc(shown, result%modes)
+    else
+      call move_alloc(motion%modes%configuration(alone)%set, result%modes)
+    end if
+    allocate (result%events(0), result%segments(0))
+    if (motion%modes%resolved) then
+      call move_alloc(motion%timeline%events, result%events)
+      call move_alloc(motion%timeline%segments, result%segments)
+      call move_alloc(run%result, result%contact)
+    end if
+    call move_alloc(run%response, result%response)
+    if (allocated(result%response)) then
+      call move_alloc(errors%displacement, result%response%displacement_error)
+      call move_alloc(errors%velocity, result%response%velocity_error)
+      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
+    end if
+    call move_alloc(spectrum%amplitude, result%amplitude)
+    call move_alloc(spectrum%measured, result%measured)
+  end subroutine compose
+
+end module bw_contact_case

@@ -1,0 +1,104 @@
+module bw_contact_law
+  !! The force between two bodies that are pressed into each other: F = Kδ^p(1 + cδ̇) while the indentation δ is positive, and never
+  !! negative. p = 3/2 is Hertz's contact, p = 1 a linear stop, c the damping of Hunt and Crossley.
+  !!
+  !! The modes that are not summed give way with F at once: to their residual flexibility R, in series with the contact. So F is
+  !! sought together with δ = δ_n − RF, δ_n being the approach of the mass and the modes that are summed. Units of bw_segment.
+  use bw_beam_units, only: beam_units
+  use bw_contact_par, only: contact_par
+  use bw_force_response, only: force_degree
+  use bw_force_step, only: force_step, node_derivatives
+  use bw_kinds, only: dp
+  use bw_lapack, only: dgesv
+  implicit none (type, external)
+  private
+  public :: contact_law_of, solve_contact, usual_contact
+
+  type, public :: contact_law
+    real(dp) :: stiffness = 0.0_dp                 !! K
+    real(dp) :: exponent = 1.5_dp                  !! p ≥ 1
+    real(dp) :: damping = 0.0_dp                   !! c
+    real(dp) :: residual = 0.0_dp                  !! R at the place that the mass strikes
+  end type contact_law
+
+contains
+
+  pure type(contact_law) function contact_law_of(contact, units, speed) result(law)
+    !! Without dimensions, for a mass that comes with a speed. The residual flexibility is left to the caller.
+    type(contact_par), intent(in) :: contact
+    type(beam_units), intent(in) :: units
+    real(dp), intent(in) :: speed                  !! |V|, m/s
+    associate (unit => speed*units%time%hi)        ! m of displacements
+      law%stiffness = contact%stiffness*unit**contact%exponent*(units%time%hi/(units%mass*speed))
+    end associate
+    law%exponent = contact%exponent
+    law%damping = contact%damping*speed
+  end function contact_law_of
+
+  pure subroutine usual_contact(law, mass_ratio, indentation, force)
+    !! The largest indentation and force of a mass that strikes with speed 1 a place that does not move.
+    type(contact_law), intent(in) :: law
+    real(dp), intent(in) :: mass_ratio
+    real(dp), intent(out) :: indentation, force
+    indentation = (0.5_dp*(law%exponent + 1.0_dp)*mass_ratio/law%stiffness)**(1.0_dp/(law%exponent + 1.0_dp))
+    force = law%stiffness*indentation**law%exponent
+  end subroutine usual_contact
+
+  elemental subroutine find_force(law, indentation, rate, force, by_indentation, by_rate)
+    !! The force, and its derivatives.
+    type(contact_law), intent(in) :: law
+    real(dp), intent(in) :: indentation, rate
+    real(dp), intent(out) :: force, by_indentation, by_rate
+    real(dp) :: elastic, factor
+    force = 0.0_dp
+    by_indentation = 0.0_dp
+    by_rate = 0.0_dp
+    factor = 1.0_dp + law%damping*rate
+    if (indentation <= 0.0_dp .or. factor <= 0.0_dp) return
+    elastic = law%stiffness*indentation**law%exponent
+    force = elastic*factor
+    by_indentation = law%exponent*elastic/indentation*factor
+    by_rate = law%damping*elastic
+  end subroutine find_force
+
+  pure subroutine solve_contact(law, step, u, v, force, indentation, rate, converged)
+    !! The force at the points of a step and the indentation there, by Newton's iteration.
+    type(contact_law), intent(in) :: law
+    type(force_step), intent(in) :: step
+    real(dp), intent(in) :: u(:), v(:)             !! of all oscillators, at the start of the step
+    real(dp), intent(inout) :: force(0:)           !! the first is known, (0:points)
+    real(dp), intent(out) :: indentation(force_degree), rate(force_degree)
+    logical, intent(out) :: converged
+    integer, parameter :: most = 60
+    real(dp), parameter :: enough = 1.0e-11_dp     ! of the largest force: the error falls with the square of that
+    real(dp), dimension(force_degree) :: free, free_rate, law_force, by_indentation, by_rate
+    real(dp), dimension(force_degree, 0:force_degree) :: compliance, rate_compliance
+    real(dp) :: system(force_degree, force_degree), change(force_degree, 1)
+    integer :: i, info, iteration, pivot(force_degree)
+    call step%approach(u, v, free, free_rate)
+    compliance = step%compliance
+    rate_compliance = step%rate_compliance + law%residual/step%length*node_derivatives()
+    do i = 1, force_degree
+      compliance(i, i) = compliance(i, i) + law%residual
+    end do
+    force(1:) = force(0)
+    converged = .false.
+    do iteration = 1, most
+      indentation = free - matmul(compliance, force)
+      rate = free_rate - matmul(rate_compliance, force)
+      if (converged) exit
+      call find_force(law, indentation, rate, law_force, by_indentation, by_rate)
+      do i = 1, force_degree
+        system(i, :) = by_indentation(i)*compliance(i, 1:) + by_rate(i)*rate_compliance(i, 1:)
+        system(i, i) = system(i, i) + 1.0_dp
+      end do
+      change(:, 1) = force(1:) - law_force
+      call dgesv(force_degree, 1, system, force_degree, pivot, change, force_degree, info)
+      if (info /= 0) return
+      force(1:) = force(1:) - change(:, 1)
+      converged = maxval(abs(change)) <= enough*maxval(abs(force)) + tiny(force)
+    end do
+    force(1:) = max(0.0_dp, force(1:))
+  end subroutine solve_contact
+
+end module bw_contact_law

@@ -1,0 +1,307 @@
+module bw_lasting_contact
+  !! Contacts of a finite duration, from the first to the end of the record, and the free flights between them.
+  !!
+  !! In a contact the force is a polynomial in each step, through its values at Chebyshev's points, which obey the law of the contact
+  !! (bw_contact_law), and between them all oscillators move exactly (bw_force_step). Steps are a unit of time over powers of two, so that
+  !! their operators are found once. A force that begins or ends as t^(3/2) is no polynomial: steps grow from the
+  !! shortest on, and shrink to it where the contact ends, as far as the last coefficients of the force ask for. What is in the
+  !! last step, 1e-6 of the contact, comes to less than rounding.
+  !!
+  !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
+  use bw_contact_bodies, only: bodies_of, contact_bodies
+  use bw_contact_law, only: contact_law, solve_contact, usual_contact
+  use bw_double_double, only: dd, to_dd, operator(+)
+  use bw_event, only: contact_event, event_type
+  use bw_force_response, only: force_degree
+  use bw_force_step, only: force_step, force_step_of, last_coefficient, node_places, polynomial_of
+  use bw_kinds, only: dp
+  use bw_missing, only: missing
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, stops
+  use bw_segment, only: alone, growth_ends, largest_exponent, load_type, segment_type
+  implicit none (type, external)
+  private
+  public :: follow_lasting_contacts, force_at
+
+  integer, parameter :: levels = 18               !! of halving, from the longest step to the shortest
+
+  type, public :: demand_type
+    !! How contacts are to be followed.
+    integer :: modes = 0                          !! that take part
+    integer :: most_contacts = 1
+    real(dp) :: longest = 0.0_dp                  !! the record, l²/h
+    real(dp) :: tolerance = 1.0e-9_dp             !! of the largest force: what a polynomial may lack at its points
+    integer :: fineness = 1                       !! 2: steps of half the length, to see what the others leave
+  end type demand_type
+
+  type, public :: lasting_contacts
+    !! What became of the mass.
+    type(event_type), allocatable :: events(:)    !! contacts, in order, with times in l²/h
+    type(segment_type), allocatable :: segments(:)   !! contacts and flights, in order
+    integer, allocatable :: segment_of(:)         !! (events)
+    real(dp) :: restitution = missing             !! separation over approach at the end of the first contact
+    real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
+    real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
+    logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
+    logical :: cut = .false.                      !! since a contact more than were asked for begins then
+    logical :: lasting = .false.                  !! the last contact had not ended when the record did
+    logical :: failed = .false.                   !! no force was found that obeys the law
+  end type lasting_contacts
+
+  type :: contact_run
+    type(contact_bodies) :: bodies
+    type(contact_law) :: law
+    type(force_step) :: ladder(0:levels)          !! those that were needed have a length
+    real(dp) :: unit = 0.0_dp                     !! the longest step
+    real(dp) :: typical = 0.0_dp                  !! force, of which polynomials may lack a tolerance
+    real(dp) :: tolerance = 0.0_dp
+    real(dp) :: last = 0.0_dp                     !! the end of the search
+    integer :: steps = 0                          !! of the contact at hand
+    logical :: ended = .false., failed = .false.
+    real(dp) :: impulse = 0.0_dp, indentation = 0.0_dp
+    type(dd) :: end_time
+  end type contact_run
+
+contains
+
+  subroutine follow_lasting_contacts(free, mass_ratio, law, omega, demand, contacts, monitor)
+    !! From the first contact on, with the mass arriving at a beam at rest with velocity 1.
+    class(mode_set), intent(in) :: free           !! modes of the beam alone
+    real(dp), intent(in) :: mass_ratio            !! γ > 0
+    type(contact_law), intent(in) :: law          !! with the residual flexibility of the modes that take part
+    type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
+    type(demand_type), intent(in) :: demand
+    type(lasting_contacts), intent(out) :: contacts
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    type(contact_run) :: run
+    type(segment_type) :: segment
+    logical :: found
+    run%bodies = bodies_of(free, demand%modes, mass_ratio, omega)
+    run%law = law
+    call usual_contact(law, mass_ratio, run%unit, run%typical)
+    run%unit = run%unit/demand%fineness
+    run%tolerance = demand%tolerance/demand%fineness**(force_degree + 1)
+    run%typical = 1.0e-3_dp*run%typical           ! far less than that is no contact that anybody would notice
+    run%last = min(demand%longest, growth_ends(free))
+    if (omega%hi > 0.0_dp) run%last = min(run%last, largest_exponent/omega%hi)
+    allocate (contacts%events(0), contacts%segments(0), contacts%segment_of(0))
+    do
+      call add_contact(run, free%count, contacts, monitor)
+      if (stops(monitor) .or. run%failed .or. .not. run%ended) exit
+      segment = segment_of_state(run%bodies, free%count)
+      call run%bodies%fly(law%damping, run%last, found, monitor)
+      if (stops(monitor)) exit
+      contacts%segments = [contacts%segments, segment]
+      if (.not. found) exit
+      contacts%cut = size(contacts%events) == demand%most_contacts
+      if (contacts%cut) exit
+    end do
+    contacts%failed = run%failed
+    contacts%out_of_range = .not. (contacts%cut .or. run%failed) .and. run%last < demand%longest
+    contacts%lasting = .not. (run%ended .or. contacts%out_of_range)
+    if (contacts%cut .or. contacts%out_of_range .or. run%failed) contacts%known_until = run%bodies%state%time%hi
+    contacts%largest_indentation = run%indentation
+  end subroutine follow_lasting_contacts
+
+  pure type(segment_type) function segment_of_state(bodies, count) result(segment)
+    !! What starts from the state at hand.
+    type(contact_bodies), intent(in) :: bodies
+    integer, intent(in) :: count                  !! modes
+    segment = segment_type(alone, bodies%state%time, count=count, q=bodies%state%u(:count), rate=bodies%state%v(:count))
+  end function segment_of_state
+
+  subroutine add_contact(run, count, contacts, monitor)
+    !! One contact: an event and a segment more.
+    type(contact_run), intent(inout) :: run
+    integer, intent(in) :: count                  !! modes
+    type(lasting_contacts), intent(inout) :: contacts
+    class(monitor_type), intent(inout), optional :: monitor
+    type(segment_type) :: segment
+    type(event_type) :: event
+    segment = segment_of_state(run%bodies, count)
+    event%kind = contact_event
+    event%time = run%bodies%state%time%hi
+    event%energy_before = run%bodies%energy()
+    event%momentum_before = run%bodies%momentum()
+    allocate (segment%load)
+    segment%load%taking_part = count_taking_part(run%bodies)
+    call press(run, segment%load, monitor)
+    if (stops(monitor) .or. run%failed) return
+    event%end_time = run%end_time%hi
+    event%impulse = run%impulse
+    event%energy_after = run%bodies%energy()
+    event%momentum_after = run%bodies%momentum()
+    call find_largest(segment%load, event%largest_force, event%largest_force_time)
+    event%largest_force_time = event%largest_force_time + event%time
+    if (size(contacts%events) == 0 .and. run%ended) contacts%restitution = run%bodies%separation()
+    contacts%events = [contacts%events, event]
+    contacts%segments = [contacts%segments, segment]
+    contacts%segment_of = [contacts%segment_of, size(contacts%segments)]
+  end subroutine add_contact
+
+  pure integer function count_taking_part(bodies) result(count)
+    !! Up to the last mode that does.
+    type(contact_bodies), intent(in) :: bodies
+    count = findloc(abs(bodies%weight(:size(bodies%weight) - 1)) > 0.0_dp, .true., dim=1, back=.true.)
+  end function count_taking_part
+
+  subroutine press(run, load, monitor)
+    !! Step through a contact until its force ends, or the record does.
+    type(contact_run), intent(inout) :: run
+    type(load_type), intent(inout) :: load
+    class(monitor_type), intent(inout), optional :: monitor
+    integer, parameter :: between_questions = 64  ! steps
+    type(force_step) :: odd
+    real(dp), dimension(force_degree) :: indentation, rate
+    real(dp) :: force(0:force_degree), lack, largest, left
+    logical :: converged, ends, is_last
+    integer :: level
+    level = levels
+    largest = run%typical
+    force = 0.0_dp
+    run%steps = 0
+    run%impulse = 0.0_dp
+    run%ended = .false.
+    run%failed = .false.
+    allocate (load%length(64), load%force(0:force_degree, 64))
+    associate (state => run%bodies%state)
+      do
+        if (mod(run%steps, between_questions) == 0) then
+          if (stops(monitor)) return
+        end if
+        left = (run%last - state%time%hi) - state%time%lo
+        is_last = run%unit*0.5_dp**level >= left
+        if (is_last) then
+          odd = step_of(left)
+        else if (run%ladder(level)%length == 0.0_dp) then
+          run%ladder(level) = step_of(run%unit*0.5_dp**level)
+        end if
+        if (is_last) then
+          call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged)
+        else
+          call solve_contact(run%law, run%ladder(level), state%u, state%v, force, indentation, rate, converged)
+        end if
+        lack = last_coefficient(force)
+        largest = max(largest, maxval(force))
+        ends = any(indentation <= 0.0_dp .or. force(1:) <= 0.0_dp)
+        if (level < levels .and. (ends .or. .not. converged .or. lack > run%tolerance*largest)) then
+          level = level + 1
+          cycle
+        end if
+        run%failed = .not. converged
+        if (run%failed) return
+        call keep(run, load, merge(left, run%unit*0.5_dp**level, is_last), force, indentation)
+        if (ends) run%end_time = state%time + end_in_step(load%length(run%steps), indentation, force)
+        if (is_last) then
+          call odd%advance(force, state%u, state%v)
+        else
+          call run%ladder(level)%advance(force, state%u, state%v)
+        end if
+        state%time = state%time + load%length(run%steps)
+        run%ended = ends
+        if (ends .or. is_last) exit
+        force(0) = force(force_degree)
+        if (level > 0 .and. lack < run%tolerance*largest*0.5_dp**(force_degree + 2)) level = level - 1
+      end do
+      if (.not. run%ended) run%end_time = state%time
+    end associate
+    load%length = load%length(:run%steps)
+    load%force = load%force(:, :run%steps)
+  contains
+    type(force_step) function step_of(length)
+      real(dp), intent(in) :: length
+      step_of = force_step_of(run%bodies%parts, run%bodies%weight, run%bodies%inertia, length)
+    end function step_of
+  end subroutine press
+
+  pure subroutine keep(run, load, length, force, indentation)
+    !! Take a step into a load.
+    type(contact_run), intent(inout) :: run
+    type(load_type), intent(inout) :: load
+    real(dp), intent(in) :: length, force(0:), indentation(:)
+    type(load_type) :: longer
+    integer :: i
+    if (run%steps == size(load%length)) then
+      allocate (longer%length(2*run%steps), longer%force(0:force_degree, 2*run%steps))
+      longer%length(:run%steps) = load%length
+      longer%force(:, :run%steps) = load%force
+      call move_alloc(longer%length, load%length)
+      call move_alloc(longer%force, load%force)
+    end if
+    run%steps = run%steps + 1
+    load%length(run%steps) = length
+    load%force(:, run%steps) = force
+    run%indentation = max(run%indentation, maxval(indentation))
+    associate (coefficients => polynomial_of(force))
+      run%impulse = run%impulse + length*sum([(coefficients(i + 1)/(i + 1), i=0, force_degree)])
+    end associate
+  end subroutine keep
+
+  pure real(dp) function end_in_step(length, indentation, force) result(time)
+    !! Where the indentation or the force falls to 0 in a step that is short: by a straight line.
+    real(dp), intent(in) :: length, indentation(:), force(0:)
+    integer :: i
+    i = findloc(indentation <= 0.0_dp .or. force(1:) <= 0.0_dp, .true., dim=1)
+    time = node_places(i - 1)
+    if (i > 1 .and. indentation(i) <= 0.0_dp) &
+      time = time + (node_places(i) - node_places(i - 1))*indentation(i - 1)/(indentation(i - 1) - indentation(i))
+    time = time*length
+  end function end_in_step
+
+  pure subroutine find_largest(load, force, time)
+    !! The largest force of a contact, and when after its start it is so large.
+    type(load_type), intent(in) :: load
+    real(dp), intent(out) :: force, time
+    integer, parameter :: parts = 40, refinements = 50
+    real(dp) :: coefficients(0:force_degree), left, right, x(2)
+    integer :: at(2), i, j
+    force = 0.0_dp
+    time = 0.0_dp
+    if (size(load%length) == 0) return
+    at = maxloc(load%force)
+    do i = max(1, at(2) - 1), min(size(load%length), at(2) + 1)
+      coefficients = polynomial_of(load%force(:, i))
+      j = maxloc([(value(real(j, dp)/parts), j=0, parts)], dim=1) - 1
+      left = max(0.0_dp, (j - 1.0_dp)/parts)
+      right = min(1.0_dp, (j + 1.0_dp)/parts)
+      do j = 1, refinements
+        x = [left + (right - left)/3.0_dp, right - (right - left)/3.0_dp]
+        if (value(x(1)) < value(x(2))) then
+          left = x(1)
+        else
+          right = x(2)
+        end if
+      end do
+      if (value(left) <= force) cycle
+      force = value(left)
+      time = sum(load%length(:i - 1)) + left*load%length(i)
+    end do
+  contains
+    pure real(dp) function value(x)
+      real(dp), intent(in) :: x
+      value = sum(coefficients*x**[(j, j=0, force_degree)])
+    end function value
+  end subroutine find_largest
+
+  pure function force_at(load, times) result(force)
+    !! The force of a contact at times after its start; 0 beyond its last step.
+    type(load_type), intent(in) :: load
+    real(dp), intent(in) :: times(:)              !! ascending, l²/h
+    real(dp) :: force(size(times)), start, x
+    integer :: i, j, step
+    force = 0.0_dp
+    start = 0.0_dp
+    step = 1
+    do i = 1, size(times)
+      do while (step <= size(load%length))
+        if (times(i) <= start + load%length(step)) exit
+        start = start + load%length(step)
+        step = step + 1
+      end do
+      if (step > size(load%length)) return
+      x = (times(i) - start)/load%length(step)
+      force(i) = max(0.0_dp, sum(polynomial_of(load%force(:, step))*x**[(j, j=0, force_degree)]))
+    end do
+  end function force_at
+
+end module bw_lasting_contact

@@ -1,0 +1,200 @@
+module bw_contact_par
+  !! `&contact`: the impact lasts, as long as mass and beam are pressed into each other.
+  use bw_beam_par, only: beam_par
+  use bw_input_name, only: input_group, input_name, integer_input, not_negative, number_range, positive, real_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  use bw_text, only: shortest
+  implicit none (type, external)
+  private
+  public :: build_contact, check_contact, check_contact_place, complete_contact, contact_text
+
+  type, public :: contact_par
+    real(dp) :: stiffness = 0.0_dp      !! K [N/m^p], > 0, given or that of Hertz
+    real(dp) :: exponent = 1.5_dp       !! p, ≥ 1
+    real(dp) :: damping = 0.0_dp        !! c [s/m], ≥ 0
+    real(dp) :: radius = 0.0_dp         !! of the sphere [m]; 0: the stiffness is given
+    integer :: max_contacts = 1000      !! that are followed, and the motion up to one more
+  end type contact_par
+
+  type(input_group), parameter, public :: contact_group = input_group( &
+    'contact', needs='impact response', excludes='recontact capture', is_event=.true., &
+    absent='the blow is instantaneous, as in the paper', &
+    rules='Mass and beam are pressed into each other with the force F = K d^p (1 + damping d''), d the indentation, and never '// &
+    'pull. Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere: K is then that of Hertz, with '// &
+    'the moduli of sphere and beam, on a flat side (`surface_radius` = 0) or across the axis of a round beam. '// &
+    'The mass runs in a guide that turns with the hub, and every further contact is followed. How much it rebounds comes out: '// &
+    '`restitution` of `&impact` has no meaning here. Where there are more than `max_contacts`, the histories are missing from '// &
+    'the next one on.')
+
+  type(input_name), parameter, public :: contact_names(*) = [ &
+    input_name('contact', 'stiffness', real_input, 'N', positive, swept=.true., &
+               excludes='radius youngs_modulus poisson_ratio beam_poisson_ratio surface_radius', &
+               meaning='K of F = K d^p: the force at d = 1 m'), &
+    input_name('contact', 'exponent', real_input, '1', number_range(1.0_dp, 10.0_dp), '1.5', swept=.true., excludes='radius', &
+               meaning='p of F = K d^p'), &
+    input_name('contact', 'radius', real_input, 'm', positive, swept=.true., excludes='stiffness exponent', &
+               meaning='radius of the sphere that strikes'), &
+    input_name('contact', 'youngs_modulus', real_input, 'Pa', positive, swept=.true., excludes='stiffness', &
+               meaning='of the sphere; absent: of the beam'), &
+    input_name('contact', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', swept=.true., &
+               excludes='stiffness', meaning='Poisson''s ratio of the sphere'), &
+    input_name('contact', 'beam_poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
+               swept=.true., excludes='stiffness', meaning='Poisson''s ratio of the beam'), &
+    input_name('contact', 'surface_radius', real_input, 'm', not_negative, swept=.true., excludes='stiffness', &
+               meaning='of the beam''s side, 0: flat; absent: of a round beam'), &
+    input_name('contact', 'damping', real_input, 's m-1', not_negative, '0', swept=.true., &
+               meaning='of Hunt and Crossley, in (1 + damping d'')'), &
+    input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', &
+               meaning='largest number of contacts')]
+
+contains
+
+  pure subroutine check_contact(contact, messages)
+    !! The stiffness is given, in one of its two ways.
+    type(group_values), intent(in) :: contact
+    type(message_list), intent(inout) :: messages
+    if (contact%given('stiffness') .or. contact%given('radius')) return
+    call messages%add(contact%line, '&contact', 'has neither stiffness nor radius; accepted: one of them')
+  end subroutine check_contact
+
+  pure subroutine check_contact_place(groups, messages)
+    !! What &impact says of the rebound has no meaning beside it.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: contact, impact
+    contact = position_of(groups, 'contact')
+    impact = position_of(groups, 'impact')
+    if (contact == 0 .or. impact == 0) return
+    if (groups(impact)%given('restitution')) call messages%add(groups(impact)%line_of('restitution'), 'impact%restitution', &
+      'has no meaning with &contact, where the rebound comes out; accepted: &contact without it, or it without &contact')
+  end subroutine check_contact_place
+
+  pure subroutine complete_contact(groups)
+    !! What follows from the beam, and what a given stiffness leaves without meaning.
+    type(group_values), intent(inout) :: groups(:)
+    integer :: beam, contact, impact
+    contact = position_of(groups, 'contact')
+    impact = position_of(groups, 'impact')
+    beam = position_of(groups, 'beam')
+    if (impact > 0) call groups(impact)%drop('restitution')
+    if (contact == 0) return
+    if (groups(contact)%given('stiffness')) then
+      call groups(contact)%drop('poisson_ratio')
+      call groups(contact)%drop('beam_poisson_ratio')
+    else
+      call groups(contact)%drop('exponent')
+      if (beam == 0) return
+      if (.not. groups(contact)%given('youngs_modulus')) call groups(contact)%derive('youngs_modulus', &
+        groups(beam)%number('youngs_modulus'), sweep_of(groups(beam), 'youngs_modulus'))
+      if (.not. groups(contact)%given('surface_radius')) call groups(contact)%derive('surface_radius', &
+        0.5_dp*groups(beam)%number('diameter'), sweep_of(groups(beam), 'diameter'))
+    end if
+  end subroutine complete_contact
+
+  pure integer function sweep_of(group, name) result(sweep)
+    !! The sweep that gives a value, 0 where none does.
+    type(group_values), intent(in) :: group
+    character(*), intent(in) :: name
+    sweep = 0
+    associate (value => group%values(group%at(name)))
+      if (allocated(value%sweeps)) sweep = value%sweeps(1)
+    end associate
+  end function sweep_of
+
+  pure subroutine build_contact(values, beam, contact)
+    !! From checked values.
+    type(group_values), intent(in) :: values       !! complete
+    type(beam_par), intent(in) :: beam
+    type(contact_par), allocatable, intent(out) :: contact
+    real(dp) :: modulus, own, of_beam
+    allocate (contact)
+    contact%damping = values%number('damping')
+    contact%max_contacts = values%whole('max_contacts')
+    if (values%known('stiffness')) then
+      contact%stiffness = values%number('stiffness')
+      contact%exponent = values%number('exponent')
+      return
+    end if
+    contact%radius = values%number('radius')
+    of_beam = beam%youngs_modulus
+    own = values%number('youngs_modulus')
+    modulus = 1.0_dp/((1.0_dp - values%number('poisson_ratio')**2)/own &
+                      + (1.0_dp - values%number('beam_poisson_ratio')**2)/of_beam)
+    contact%stiffness = hertz_stiffness(modulus, contact%radius, values%number('surface_radius'))
+  end subroutine build_contact
+
+  pure real(dp) function hertz_stiffness(modulus, radius, surface_radius) result(stiffness)
+    !! K of a sphere on a cylinder: with curvatures A ≤ B of the gap Ax² + By² and the ellipse of contact of eccentricity e,
+    !! B/A = ((1 − e²)^(−1)E − K)/(K − E) and K = ⅔πE*√((K − E)/(K³Ae²)), K and E the complete elliptic integrals of e
+    !! (Johnson, Contact Mechanics, section 4.2). On a plane it is 4/3 E*√R.
+    real(dp), intent(in) :: modulus                !! E*
+    real(dp), intent(in) :: radius                 !! of the sphere
+    real(dp), intent(in) :: surface_radius         !! of the cylinder; 0: a plane
+    real(dp), parameter :: pi = 2.0_dp*acos(0.0_dp)
+    real(dp) :: ratio, low, high, m, first, second
+    integer :: i
+    stiffness = 4.0_dp/3.0_dp*modulus*sqrt(radius)
+    if (surface_radius == 0.0_dp) return
+    ratio = 1.0_dp + radius/surface_radius         ! B/A
+    low = 0.0_dp                                   ! of ln(1/(1 − e²))
+    high = 80.0_dp
+    do i = 1, 80
+      m = 0.5_dp*(low + high)
+      call elliptic_integrals(exp(-m), first, second)
+      if (exp(m)*second - first < ratio*(first - second)) then
+        low = m
+      else
+        high = m
+      end if
+    end do
+    m = exp(-0.5_dp*(low + high))
+    if (1.0_dp - m < 1.0e-6_dp) return             ! a plane to that many digits
+    call elliptic_integrals(m, first, second)
+    stiffness = 2.0_dp/3.0_dp*pi*modulus*sqrt((first - second)/(first**3*(0.5_dp/radius)*(1.0_dp - m)))
+  end function hertz_stiffness
+
+  pure subroutine elliptic_integrals(complement, first, second)
+    !! The complete integrals K and E, by the arithmetic-geometric mean.
+    real(dp), intent(in) :: complement             !! 1 − e²
+    real(dp), intent(out) :: first, second
+    real(dp), parameter :: pi = 2.0_dp*acos(0.0_dp)
+    real(dp) :: a, b, c, lack, power
+    integer :: i
+    a = 1.0_dp
+    b = sqrt(complement)
+    lack = 0.5_dp*(1.0_dp - complement)
+    power = 0.5_dp
+    do i = 1, 40
+      c = 0.5_dp*(a - b)
+      power = 2.0_dp*power
+      lack = lack + power*c**2
+      c = sqrt(a*b)
+      a = 0.5_dp*(a + b)
+      b = c
+      if (abs(a - b) <= 4*epsilon(a)*a) exit
+    end do
+    first = pi/(2.0_dp*a)
+    second = first*(1.0_dp - lack)
+  end subroutine elliptic_integrals
+
+  pure function contact_text(values, contact) result(text)
+    !! What a report calls it, with the stiffness that was given or follows.
+    type(group_values), intent(in) :: values
+    type(contact_par), intent(in) :: contact
+    character(:), allocatable :: text
+    text = 'contact ('
+    if (values%known('radius')) text = text//'sphere of '//values%number_or_swept('radius', ' m')//', '
+    if (values%known('stiffness')) then
+      text = text//'stiffness '//values%number_or_swept('stiffness', ' N/m^p')
+    else
+      text = text//'stiffness '//shortest(contact%stiffness, 6)//' N/m^p'
+    end if
+    text = text//', p = '//shortest(contact%exponent, 6)
+    if (values%number('damping') > 0.0_dp .or. values%is_swept('damping')) &
+      text = text//', damping '//values%number_or_swept('damping', ' s/m')
+    text = text//')'
+  end function contact_text
+
+end module bw_contact_par
