@@ -4,11 +4,12 @@ module bw_record_case
   use bw_belief, only: believed_line, find_believed_lines
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_found_lines, only: found_lines
-  use bw_hammer, only: find_constants, hammer_of, hammer_response, hammer_type, last_before
+  use bw_hammer, only: find_constants, hammer_of, hammer_response, hammer_type
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
+  use bw_order, only: quantile_of
   use bw_read_record, only: read_record
   use bw_record, only: clock_text, extent_of, record_type
   use bw_record_lines, only: lines_in_si
@@ -70,7 +71,7 @@ contains
     call find_believed_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, believed, monitor)
     if (monitor%stop_requested()) return
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
-    if (allocated(hammer)) call find_constants_of_lines(hammer, samples, found, result%record)
+    if (allocated(hammer)) call find_constants_of_lines(hammer, samples, result%record)
     call view_spectra(samples, layout, scene%spectrum%window, found, result%amplitude, result%record%noise)
     call view_fit(record, samples, layout, found, result%record)
     if (monitor%stop_requested()) return
@@ -131,21 +132,28 @@ contains
     type(hammer_type), allocatable, intent(out) :: hammer
     type(case_result), intent(inout) :: result
     complex(dp), allocatable :: response(:, :)
-    real(dp), allocatable :: impulse(:)
+    real(dp), allocatable :: impulse(:), force(:)
     if (.not. allocated(record%force)) return
-    if (.not. record%interval > 0) then
+    if (allocated(samples%place)) then
       call append(result%notes, 'hammer: the samples are uneven, and the force is left out; it takes even ones')
       return
     end if
-    hammer = hammer_of(record%force)
-    if (.not. any(hammer%acts)) then
+    force = record%force
+    if (allocated(samples%row)) then                   ! at rows that are missing the hammer rests
+      force = spread(quantile_of(record%force, 0.5_dp), 1, samples%count)
+      force(samples%row) = record%force
+    end if
+    hammer = hammer_of(force)
+    if (size(hammer%after) == 0) then
       call append(result%notes, 'hammer: the force shows no blow, and is left out')
       deallocate (hammer)
       return
     end if
     if (.not. allocated(samples%valid)) allocate (samples%valid(samples%count), source=.true.)
     samples%valid = samples%valid .and. .not. hammer%acts
-    if (layout%frequencies == 0) return
+    samples%blow = hammer%after
+    if (.not. any(samples%valid(:samples%blow(1) - 1))) samples%blow(1) = 1
+    if (layout%frequencies == 0 .or. allocated(samples%row)) return
     allocate (response(layout%frequencies, layout%points), impulse(layout%frequencies))
     call hammer_response(hammer, samples%step, record%values, layout%record%frequencies, response, impulse)
     result%record%response_real = response%re
@@ -153,15 +161,14 @@ contains
     result%record%impulse = reshape(impulse, [size(impulse), 1])
   end subroutine take_force
 
-  subroutine find_constants_of_lines(hammer, samples, found, record)
+  subroutine find_constants_of_lines(hammer, samples, record)
     !! The modal constants of all lines, at sensors of a motion whose unit is known.
     type(hammer_type), intent(in) :: hammer
     type(samples_type), intent(in) :: samples
-    type(found_lines), intent(in) :: found
     type(record_result), intent(inout) :: record       !! whose lines are known
     complex(dp) :: constant(size(record%extent%sensors))
     real(dp) :: share
-    integer :: derivative(size(constant)), row, last, k, s
+    integer :: derivative(size(constant)), k, s
     logical :: is_motion(size(constant))
     do s = 1, size(constant)
       associate (sensor => record%extent%sensors(s))
@@ -169,16 +176,13 @@ contains
         is_motion(s) = sensor%quantity /= 'strain' .and. sensor%unit == si_unit(sensor%quantity)
       end associate
     end do
-    associate (lines => record%lines, stretches => found%model%stretches)
+    associate (lines => record%lines)
       allocate (record%constant_real(size(lines%decay_rate), size(constant)), source=missing)
       record%constant_imag = record%constant_real
       record%constant_error = record%constant_real
       if (size(lines%decay_rate) == 0) return
-      row = stretches(1, 1)
-      last = last_before(hammer, samples%count)
-      if (ubound(stretches, 2) > 1) last = last_before(hammer, stretches(1, 2))
       do k = 1, size(lines%decay_rate)
-        call find_constants(hammer, samples%step, row, last, cmplx(-lines%decay_rate(k), lines%angular_frequency(k), dp), &
+        call find_constants(hammer, samples%step, samples%blow(1), cmplx(-lines%decay_rate(k), lines%angular_frequency(k), dp), &
                             derivative, lines%amplitude(:, k), constant, share)
         do s = 1, size(constant)
           if (.not. is_motion(s) .or. is_missing(lines%amplitude_bound(s, k))) cycle

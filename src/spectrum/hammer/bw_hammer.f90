@@ -7,76 +7,65 @@ module bw_hammer
   use bw_order, only: quantile_of
   implicit none (type, external)
   private
-  public :: find_constants, hammer_of, hammer_response, last_before
+  public :: find_constants, hammer_of, hammer_response
 
   real(dp), parameter :: clear = 0.1_dp          !! of the largest force: what is more is a blow
   real(dp), parameter :: seen = 4                !! standard deviations of the force at rest: what is less is not the blow's any more
+  real(dp), parameter :: soon = 1.0_dp/16        !! of the record: too short a decay between two hits to tell lines
   real(dp), parameter :: normal_median = 0.6745_dp   !! of a normal number's size
 
   type, public :: hammer_type
     real(dp), allocatable :: force(:)            !! N, 0 where the hammer does not touch the beam, (samples)
-    logical, allocatable :: acts(:)              !! it touches the beam, (samples)
+    logical, allocatable :: acts(:)              !! a blow is under way, (samples)
+    integer, allocatable :: after(:)             !! the first sample behind each blow, (blows)
     real(dp) :: deviation = 0                    !! of the force at rest, N
   end type hammer_type
 
 contains
 
   pure type(hammer_type) function hammer_of(force) result(hammer)
-    !! The blows in a force: where it is clearly above that at rest, and outwards as long as it can be told from it.
+    !! The blows in a force: where it is clearly above that at rest, and outwards as long as it can be told from it. Hits that follow
+    !! each other soon are one blow.
     real(dp), intent(in) :: force(:)             !! N, with any offset
-    logical :: grows(size(force))
-    integer :: j, n
+    real(dp) :: above(size(force))
+    integer :: j, n, last
     n = size(force)
-    hammer%force = force - quantile_of(force, 0.5_dp)
-    hammer%deviation = quantile_of(abs(hammer%force), 0.5_dp)/normal_median
-    hammer%force = hammer%force*sign(1.0_dp, hammer%force(maxloc(abs(hammer%force), dim=1)))
-    hammer%acts = hammer%force > max(clear*maxval(hammer%force), seen*hammer%deviation)
-    grows = hammer%force > seen*hammer%deviation
+    above = force - quantile_of(force, 0.5_dp)
+    above = above*sign(1.0_dp, above(maxloc(abs(above), dim=1)))
+    hammer%deviation = quantile_of(abs(above), 0.5_dp)/normal_median
+    hammer%acts = above > max(clear*maxval(above), seen*hammer%deviation)
     do j = 2, n
-      hammer%acts(j) = hammer%acts(j) .or. (hammer%acts(j - 1) .and. grows(j))
+      hammer%acts(j) = hammer%acts(j) .or. (hammer%acts(j - 1) .and. above(j) > seen*hammer%deviation)
     end do
     do j = n - 1, 1, -1
-      hammer%acts(j) = hammer%acts(j) .or. (hammer%acts(j + 1) .and. grows(j))
+      hammer%acts(j) = hammer%acts(j) .or. (hammer%acts(j + 1) .and. above(j) > seen*hammer%deviation)
     end do
     hammer%force = merge(force - quantile_of(force, 0.5_dp), 0.0_dp, hammer%acts)
+    last = n
+    do j = 1, n
+      if (.not. hammer%acts(j)) cycle
+      if (j > last + 1 .and. j - last <= soon*n) hammer%acts(last:j) = .true.
+      last = j
+    end do
+    hammer%after = pack([(j, j=2, n)], hammer%acts(:n - 1) .and. .not. hammer%acts(2:))
   end function hammer_of
 
-  pure integer function last_before(hammer, row) result(last)
-    !! The last sample of the blows before a stretch that begins at a row: the first blow, and others that end clearly before it.
-    type(hammer_type), intent(in) :: hammer
-    integer, intent(in) :: row
-    integer :: first, next, n
-    n = size(hammer%acts)
-    last = 0
-    next = findloc(hammer%acts, .true., dim=1)
-    do while (next > 0)
-      first = next
-      next = first - 1 + findloc(hammer%acts(first:), .false., dim=1)
-      if (next < first) next = n + 1
-      if (last > 0 .and. 2*next - first > row) return
-      last = next - 1
-      if (next > n) return
-      first = findloc(hammer%acts(next:), .true., dim=1)
-      next = merge(next - 1 + first, 0, first > 0)
-    end do
-  end function last_before
-
-  pure subroutine find_constants(hammer, step, row, last, pole, derivative, amplitude, constant, share)
-    !! The modal constants of a line at some sensors.
+  pure subroutine find_constants(hammer, step, row, pole, derivative, amplitude, constant, share)
+    !! The modal constants of a line at some sensors, by the first blow.
     type(hammer_type), intent(in) :: hammer
     real(dp), intent(in) :: step                 !! s
-    integer, intent(in) :: row, last             !! the sample whose amplitudes these are, and the last of the blows before it
+    integer, intent(in) :: row                   !! the sample whose amplitudes these are
     complex(dp), intent(in) :: pole              !! −δ + iβ, rad/s
     integer, intent(in) :: derivative(:)         !! 0 of displacement, 1 of velocity, 2 of acceleration, (sensors)
     complex(dp), intent(in) :: amplitude(:)      !! in SI, (sensors)
     complex(dp), intent(out) :: constant(:)      !! 1/kg, (sensors)
     real(dp), intent(out) :: share               !! standard deviation of the force's part in it, relatively
-    complex(dp) :: turn(last), impulse
+    complex(dp) :: turn(hammer%after(1)), impulse
     integer :: j
-    turn = [(exp(-pole*step*(j - row)), j=1, last)]
-    impulse = step*sum(turn*hammer%force(:last))
+    turn = [(exp(-pole*step*(j - row)), j=1, size(turn))]
+    impulse = step*sum(turn*hammer%force(:size(turn)))
     constant = amplitude*cmplx(0, pole%im, dp)/impulse/pole**derivative
-    share = step*hammer%deviation*norm2(abs(pack(turn, hammer%acts(:last))))/abs(impulse)
+    share = step*hammer%deviation*norm2(abs(pack(turn, hammer%acts(:size(turn)))))/abs(impulse)
   end subroutine find_constants
 
   subroutine hammer_response(hammer, step, values, frequency, response, spectrum)

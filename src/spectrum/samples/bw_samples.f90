@@ -12,6 +12,7 @@ module bw_samples
     integer, allocatable :: row(:)           !! numbers of the samples that were recorded, rising from 1; not allocated: all were
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
     logical, allocatable :: valid(:)         !! all sensors tell the motion then, (N); not allocated: they do in all samples
+    integer, allocatable :: blow(:)          !! first samples behind blows that are known; not allocated: they are looked for
     logical :: pure = .false.                !! known to hold lines and their rounding and no noise, as a simulation's
   end type samples_type
 

@@ -51,7 +51,11 @@ contains
     integer, allocatable :: blows(:)
     integer :: round, changed, dropped, moved
     allocate (outcome%poles(0), outcome%gains(0))
-    call find_blows(samples, false_alarm, blows)
+    if (allocated(samples%blow)) then
+      blows = samples%blow
+    else
+      call find_blows(samples, false_alarm, blows)
+    end if
     call start_model(samples, blows, model)
     call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
     alone = min(model%noise%cost, cost_of_shared_motion(samples))
@@ -127,7 +131,8 @@ contains
       call renew(samples, order_price(samples), .true., model)
       call judge_steady(samples, false_alarm, model, steady)
       if (steady > 0) call refit_all(trial_steps, at_rest, model)
-      call move_blows(samples, false_alarm, model, moved)
+      moved = 0
+      if (.not. allocated(samples%blow)) call move_blows(samples, false_alarm, model, moved)
       if (moved > 0) then
         call renew(samples, order_price(samples), .true., model)
         call refit_all(trial_steps, at_rest, model)
@@ -163,6 +168,8 @@ contains
     real(dp), intent(in), optional :: rival      !! blows are added where they take more than this off the squares
     type(description_type) :: before
     integer :: fleeting
+    moved = 0
+    if (allocated(samples%blow)) return
     before = description_of(samples, false_alarm, model)
     if (present(rival)) then
       call add_missing_blows(samples, false_alarm, rival, merge(1, 0, rival > 0), model, moved)
@@ -201,7 +208,7 @@ contains
       before%cost = before%cost - penalty_of_tone(samples, false_alarm)
       model%lines(k)%pole = cmplx(0, model%lines(k)%pole%im, dp)
       model%lines(k)%steady = .true.
-      if (is_cut) call drop_blow(model, 1)
+      if (is_cut .and. .not. allocated(samples%blow)) call drop_blow(model, 1)
       accepted = 1
       call keep_if_cheaper(samples, false_alarm, before, model, accepted)
       changed = changed + accepted
