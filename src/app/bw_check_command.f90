@@ -224,7 +224,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     text = ''
     count = first_modes
-    if (.not. takes_at_most(scene, first_modes, most_planning)) return
+    if (allocated(scene%contact) .or. .not. takes_at_most(scene, first_modes, most_planning)) return   ! a contact's run finds it
     call fix_tolerance(scene, monitor, count, error)
     if (monitor%stop_requested() .or. .not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &

@@ -7,22 +7,23 @@ module bw_case_contacts
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
     history_errors
   use bw_contact_law, only: contact_law, contact_law_of
-  use bw_event, only: event_type
+  use bw_case_motion, only: follow_motion
+  use bw_event, only: capture_event, event_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, follow_lasting_contacts, force_at, lasting_contacts
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: curvatures, deflections
+  use bw_mode_set, only: curvatures, deflections, first_numbers, first_struck, mode_set
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: response_type
   use bw_result_layout, only: contact_samples
-  use bw_rotation, only: full_speed_in_plane
+  use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type
-  use bw_segment, only: alone, segment_type
+  use bw_segment, only: alone, beam_energy, lack_type, segment_type, together
   use bw_static_shape, only: find_residual
-  use bw_text, only: string
+  use bw_text, only: append, string
   use bw_timeline, only: timeline_type
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
@@ -65,6 +66,11 @@ contains
     call move_alloc(contacts%segments, run%timeline%segments)
     run%timeline%known_until = contacts%known_until
     motion%timeline = run%timeline
+    if (contacts%captured) then
+      call keep_mass(scene, motion, demand%modes, contacts, monitor)
+      if (monitor%stop_requested()) return
+      run%timeline = motion%timeline
+    end if
     call sum_histories(scene, motion, deflections, monitor, workspace, histories)
     if (monitor%stop_requested()) return
     if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)
@@ -107,6 +113,92 @@ contains
     end associate
   end subroutine find_contacts
 
+  subroutine keep_mass(scene, motion, taking_part, contacts, monitor)
+    !! The mass stays: the motion goes over to the modes of beam and mass, with displacements as they are, and with those of the modes that
+    !! were not summed, which gave way to the force at once. The body keeps its indentation; in the plane of rotation the
+    !! centrifugal force on that much moves the equilibrium. It brings no spin, as one that
+    !! strikes at an instant. What the contact and those modes have stored is lost.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion       !! up to the capture
+    integer, intent(in) :: taking_part
+    type(lasting_contacts), intent(in) :: contacts
+    class(monitor_type), intent(inout), target :: monitor
+    integer, parameter :: times_as_many = 4          ! modes are handed on as are summed
+    type(segment_type) :: next
+    type(event_type) :: event
+    class(mode_set), allocatable :: before
+    real(dp), allocatable :: q(:), rate(:)
+    real(dp) :: speed, turned
+    integer :: first
+    event%kind = capture_event
+    event%time = motion%timeline%events(size(motion%timeline%events))%end_time
+    event%end_time = event%time
+    event%energy_before = motion%timeline%events(size(motion%timeline%events))%energy_after
+    speed = speed_in_plane(scene%rotation, motion%units)
+    associate (free => motion%modes%configuration(alone), loaded => motion%modes%configuration(together)%set, n => taking_part)
+      call free%source%find(first_numbers(min(free%source%highest, times_as_many*free%set%count)), before, monitor=monitor)
+      if (monitor%stop_requested()) return
+      q = contacts%force*before%struck/(before%modal_mass*before%beta_squared%hi)
+      q(:n) = contacts%state%u(:n)
+      rate = 0.0_dp*q
+      rate(:n) = contacts%state%v(:n)
+      next%configuration = together
+      next%start = contacts%state%time
+      next%count = loaded%count
+      turned = motion%modes%configuration(together)%source%pieces%captured%inertia%hi*dot_product(before%turnings(), q)
+      next%q = (loaded%overlap_with_mass(before, q, monitor) + turned*loaded%turnings())/loaded%modal_mass
+      next%rate = (loaded%overlap_of_beam(before, rate, monitor) + scene%impact%mass_ratio*contacts%state%v(free%set%count + 1) &
+                   *loaded%struck)/loaded%modal_mass
+      next%q(n + 1:) = 0.0_dp
+      next%rate(n + 1:) = 0.0_dp
+      event%energy_after = beam_energy(loaded, next%q, next%rate) - scene%impact%mass_ratio*speed**2*contacts%indentation &
+        *(dot_product(loaded%struck, next%q) + 0.5_dp*contacts%indentation)
+      first = first_struck(loaded)
+      event%momentum_before = loaded%modal_mass(first)*next%rate(first)/loaded%struck(first)
+      event%momentum_after = event%momentum_before
+      if (speed > 0.0_dp) then
+        next%rest = scene%impact%mass_ratio*speed**2*contacts%indentation*loaded%struck/(loaded%modal_mass*loaded%beta_squared%hi)
+        next%rest(n + 1:) = 0.0_dp
+        next%q = next%q - next%rest
+      end if
+      next%lack = lack_type(q=0.0_dp*next%q, rate=0.0_dp*next%q)
+      next%energy = event%energy_after
+    end associate
+    motion%timeline%segments = [motion%timeline%segments, next]
+    motion%timeline%events = [motion%timeline%events, event]
+    call let_go(scene, motion, taking_part, monitor)
+  end subroutine keep_mass
+
+  subroutine let_go(scene, motion, taking_part, monitor)
+    !! A release after the capture, if the scene has one.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    integer, intent(in) :: taking_part
+    class(monitor_type), intent(inout), target :: monitor
+    integer :: i
+    real(dp), allocatable :: moved(:)
+    if (.not. allocated(scene%release)) return
+    i = size(motion%timeline%segments)
+    associate (held => motion%timeline%segments(i))
+      if (scene%release%time <= held%start%hi*motion%units%time%hi) then
+        call append(motion%notes, 'release: it comes before the capture, and releases nothing')
+        return
+      end if
+      if (allocated(motion%notes)) deallocate (motion%notes)      ! those of a run with fewer modes
+      call follow_motion(scene, motion, monitor)
+      if (monitor%stop_requested() .or. size(motion%timeline%segments) == i) return
+    end associate
+    associate (held => motion%timeline%segments(i), free => motion%timeline%segments(i + 1), &
+               set => motion%modes%configuration(alone)%set)
+      if (allocated(held%rest)) then
+        moved = set%overlap_of_beam(motion%modes%configuration(together)%set, held%rest, monitor)/set%modal_mass
+        free%q = free%q + moved
+      end if
+      free%q(taking_part + 1:) = 0.0_dp
+      free%rate(taking_part + 1:) = 0.0_dp
+    end associate
+  end subroutine let_go
+
   subroutine keep_contacts(scene, motion, contacts, run)
     !! Forces and times in SI, and the speeds of the modes after the first contact.
     type(scene_type), intent(in) :: scene
@@ -125,7 +217,7 @@ contains
       do i = 1, size(events)
         kept%force(:, i) = newton*force_at(contacts%segments(contacts%segment_of(i))%load, &
                                            places*(events(i)%end_time - events(i)%time))
-        if (i < size(events) .or. .not. contacts%lasting) kept%force(contact_samples, i) = 0.0_dp
+        if (i < size(events) .or. .not. (contacts%lasting .or. contacts%captured)) kept%force(contact_samples, i) = 0.0_dp
       end do
       kept%force_error = 0.0_dp*events%time
       kept%largest = newton*events%largest_force
@@ -196,8 +288,8 @@ contains
     type(run_type), intent(in) :: other
     integer :: i
     associate (events => run%timeline%events, beside => other%timeline%events, kept => run%result)
-      do i = 1, size(events)
-        if (i > size(beside)) then
+      do i = 1, size(kept%force_error)
+        if (i > size(other%result%force_error)) then
           kept%force_error(i) = missing
           events(i)%time_error = events(i)%time
           events(i)%end_error = events(i)%end_time
@@ -207,6 +299,9 @@ contains
         events(i)%end_error = max(events(i)%end_error, abs(events(i)%end_time - beside(i)%end_time))
         kept%force_error(i) = max(kept%force_error(i), maxval(abs(kept%force(:, i) - other%result%force(:, i))))
       end do
+      i = size(kept%force_error)
+      if (i == 0 .or. i == size(events)) return
+      if (events(i + 1)%kind == capture_event) events(i + 1)%time_error = events(i)%end_error
     end associate
   end subroutine add_force_difference
 

@@ -57,6 +57,7 @@ module bw_case_cost
     term_type(whole_run, 3.8e-6_dp), &               !! a case
     term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
   integer, parameter, public :: term_count = size(term)
+  real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: four runs of some contacts
 
 contains
 
@@ -96,8 +97,12 @@ contains
     before = merge(0, scene%modes%before, planning)
     after = merge(merge(planned, scene%modes%after, planning), 0, allocated(scene%capture))
     moving = merge(after, before, allocated(scene%capture))
+    if (allocated(scene%contact) .and. planning) then     ! how many its tolerance takes is found by its run
+      moving = first_modes*2
+      before = moving
+    end if
     found = before + after
-    if (planning) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
+    if (planning .and. .not. allocated(scene%contact)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
     counts = 0.0_dp
     if (closed) then
       counts(closed_modes) = found
@@ -110,7 +115,8 @@ contains
       & counts(merge(closed_places, other_places, closed)) = before*scene%impact%profile_points
     if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
       & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
-    if (planning) counts(plans) = 1.0_dp
+    if (planning .and. .not. allocated(scene%contact)) counts(plans) = 1.0_dp
+    if (allocated(scene%contact)) counts(contacts) = contact_passes*before
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
     if (allocated(scene%recontact)) counts(contacts) = scene%recontact%max_contacts*before

@@ -9,7 +9,7 @@ module bw_case_histories
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_loaded_sum, only: add_loaded_motion
-  use bw_mode_set, only: configuration_type, deflections, first_failure
+  use bw_mode_set, only: configuration_type, deflections, first_failure, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
@@ -158,6 +158,9 @@ contains
       call add_octaves(time_grid(looked_at, own%grid%step), workspace(2))
       call add_octaves(every_nth(own%grid), workspace(3))
     end if
+    if (allocated(segment%rest)) part%displacement = part%displacement + spread(scene%impact%approach_velocity &
+      *motion%units%time%hi*matmul(segment%rest, values_at(configuration%set, own%quantity, 1, segment%count, own%points)), &
+      1, own%grid%samples)
     call finish_histories(part)
     block%rate = block%rate/own%unit_time
   contains

@@ -97,8 +97,10 @@ contains
     type(history_errors), intent(out) :: errors
     type(run_type) :: half, other
     type(demand_type) :: demand
+    real(dp) :: before
     integer :: most
     most = most_count
+    before = huge(before)
     if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     counted = scene
     if (by_tolerance(scene%modes)) then
@@ -109,7 +111,7 @@ contains
       counted%modes%after = counted%modes%before
       motion = case_motion(units=units_of(scene%beam))
       demand = demand_type(counted%modes%before, scene%contact%max_contacts, scene%response%duration/motion%units%time%hi, &
-                           step_share*wanted_tolerance(scene%modes))
+                           step_share*wanted_tolerance(scene%modes), allocated(scene%capture))
       call find_modes(counted, motion%units, monitor, motion%modes, cache)
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
@@ -128,7 +130,10 @@ contains
       call find_errors(run%response, half%response, other%response, errors)
       call watch%lap(stage_response)
       if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
-      if (part_of_peak(run%response, errors) <= scene%modes%tolerance) exit
+      motion%plan%reached = part_of_peak(run%response, errors)
+      if (motion%plan%reached <= scene%modes%tolerance) exit
+      if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
+      before = motion%plan%reached
       counted%modes%before = min(most, (3*counted%modes%before)/2)
     end do
     call add_force_difference(run, half)
@@ -147,6 +152,20 @@ contains
     call add_rounding(counted, motion, run%response, errors)
     motion%plan%reached = part_of_peak(run%response, errors)
   end subroutine follow_to_tolerance
+
+  pure logical function is_hopeless(reached, before, tolerance, count, most)
+    !! Falling on as it did when the modes became half as many again, an error stays above a tolerance up to far more than the most modes.
+    real(dp), intent(in) :: reached, before, tolerance
+    integer, intent(in) :: count, most
+    real(dp), parameter :: half_more = log(1.5_dp), far = log(8.0_dp)
+    real(dp) :: steps
+    is_hopeless = .false.
+    if (before >= huge(before)) return
+    is_hopeless = reached >= 0.999_dp*before .and. count > 4*first_count
+    if (reached >= before) return
+    steps = log(reached/tolerance)/log(before/reached)
+    is_hopeless = steps*half_more > log(real(most, dp)/count) + far
+  end function is_hopeless
 
   subroutine judge_tolerance(scene, motion, count, errors)
     !! A tolerance that was not asked for relaxes to what was reached.
@@ -180,6 +199,7 @@ contains
     type(case_spectrum), intent(inout) :: spectrum
     type(case_result), intent(inout) :: result
     class(mode_set), allocatable :: shown
+    integer :: moving
     result%units = motion%units
     result%can_grow = motion%modes%can_grow
     result%reached = motion%plan%reached
@@ -187,13 +207,15 @@ contains
     result%status = errors%status
     if (.not. motion%modes%resolved) result%status = case_not_converged
     result%approach_velocity = scene%impact%approach_velocity
-    result%mode_count = merge(motion%modes%configuration(alone)%set%count, 0, motion%modes%resolved)
+    moving = motion%modes%moving
+    result%mode_count = merge(motion%modes%configuration(moving)%set%count, 0, motion%modes%resolved)
     if (by_tolerance(scene%modes)) then
-      call motion%modes%configuration(alone)%source%find(first_numbers(shown_modes), shown)
+      call motion%modes%configuration(moving)%source%find(first_numbers(shown_modes), shown)
       call shown%forget_rigid_waves()
       call move_alloc(shown, result%modes)
     else
-      call move_alloc(motion%modes%configuration(alone)%set, result%modes)
+      if (moving /= alone) call move_alloc(motion%modes%configuration(alone)%set, result%before)
+      call move_alloc(motion%modes%configuration(moving)%set, result%modes)
     end if
     allocate (result%events(0), result%segments(0))
     if (motion%modes%resolved) then

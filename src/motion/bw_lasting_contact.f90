@@ -18,6 +18,7 @@ module bw_lasting_contact
   use bw_missing, only: missing
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
+  use bw_oscillators, only: moving_state
   use bw_segment, only: alone, growth_ends, largest_exponent, load_type, segment_type
   implicit none (type, external)
   private
@@ -31,6 +32,7 @@ module bw_lasting_contact
     integer :: most_contacts = 1
     real(dp) :: longest = 0.0_dp                  !! the record, l²/h
     real(dp) :: tolerance = 1.0e-9_dp             !! of the largest force: what a polynomial may lack at its points
+    logical :: captures = .false.                 !! the mass stays from the first instant of largest indentation
     integer :: fineness = 1                       !! 2: steps of half the length, to see what the others leave
   end type demand_type
 
@@ -46,6 +48,10 @@ module bw_lasting_contact
     logical :: cut = .false.                      !! since a contact more than were asked for begins then
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
     logical :: failed = .false.                   !! no force was found that obeys the law
+    logical :: captured = .false.                 !! the mass stayed when the last contact ended, with
+    type(moving_state) :: state                   !! this state of modes and mass,
+    real(dp) :: force = 0.0_dp                    !! this force between them
+    real(dp) :: indentation = 0.0_dp              !! and this indentation
   end type lasting_contacts
 
   type :: contact_run
@@ -57,6 +63,8 @@ module bw_lasting_contact
     real(dp) :: tolerance = 0.0_dp
     real(dp) :: last = 0.0_dp                     !! the end of the search
     integer :: steps = 0                          !! of the contact at hand
+    logical :: captures = .false., captured = .false.
+    real(dp) :: last_indentation = 0.0_dp, last_force = 0.0_dp   !! at the end of the last step
     logical :: ended = .false., failed = .false.
     real(dp) :: impulse = 0.0_dp, indentation = 0.0_dp
     type(dd) :: end_time
@@ -81,13 +89,14 @@ contains
     call usual_contact(law, mass_ratio, run%unit, run%typical)
     run%unit = run%unit/demand%fineness
     run%tolerance = demand%tolerance/demand%fineness**(force_degree + 1)
+    run%captures = demand%captures
     run%typical = 1.0e-3_dp*run%typical           ! far less than that is no contact that anybody would notice
     run%last = min(demand%longest, growth_ends(free))
     if (omega%hi > 0.0_dp) run%last = min(run%last, largest_exponent/omega%hi)
     allocate (contacts%events(0), contacts%segments(0), contacts%segment_of(0))
     do
       call add_contact(run, free%count, contacts, monitor)
-      if (stops(monitor) .or. run%failed .or. .not. run%ended) exit
+      if (stops(monitor) .or. run%failed .or. run%captured .or. .not. run%ended) exit
       segment = segment_of_state(run%bodies, free%count)
       call run%bodies%fly(law%damping, run%last, found, monitor)
       if (stops(monitor)) exit
@@ -97,10 +106,17 @@ contains
       if (contacts%cut) exit
     end do
     contacts%failed = run%failed
+    contacts%captured = run%captured
+    contacts%largest_indentation = run%indentation
+    if (run%captured) then
+      contacts%state = run%bodies%state
+      contacts%force = run%last_force
+      contacts%indentation = run%last_indentation
+      return
+    end if
     contacts%out_of_range = .not. (contacts%cut .or. run%failed) .and. run%last < demand%longest
     contacts%lasting = .not. (run%ended .or. contacts%out_of_range)
     if (contacts%cut .or. contacts%out_of_range .or. run%failed) contacts%known_until = run%bodies%state%time%hi
-    contacts%largest_indentation = run%indentation
   end subroutine follow_lasting_contacts
 
   pure type(segment_type) function segment_of_state(bodies, count) result(segment)
@@ -129,11 +145,11 @@ contains
     if (stops(monitor) .or. run%failed) return
     event%end_time = run%end_time%hi
     event%impulse = run%impulse
-    event%energy_after = run%bodies%energy()
+    event%energy_after = run%bodies%energy() + 0.5_dp*run%law%residual*run%last_force**2   ! with that of modes that are not summed
     event%momentum_after = run%bodies%momentum()
     call find_largest(segment%load, event%largest_force, event%largest_force_time)
     event%largest_force_time = event%largest_force_time + event%time
-    if (size(contacts%events) == 0 .and. run%ended) contacts%restitution = run%bodies%separation()
+    if (size(contacts%events) == 0 .and. run%ended .and. .not. run%captured) contacts%restitution = run%bodies%separation()
     contacts%events = [contacts%events, event]
     contacts%segments = [contacts%segments, segment]
     contacts%segment_of = [contacts%segment_of, size(contacts%segments)]
@@ -153,12 +169,13 @@ contains
     integer, parameter :: between_questions = 64  ! steps
     type(force_step) :: odd
     real(dp), dimension(force_degree) :: indentation, rate
-    real(dp) :: force(0:force_degree), lack, largest, left
+    real(dp) :: force(0:force_degree), closing(0:force_degree), lack, largest, left
     logical :: converged, ends, is_last
     integer :: level
     level = levels
     largest = run%typical
     force = 0.0_dp
+    closing(0) = -run%bodies%separation()
     run%steps = 0
     run%impulse = 0.0_dp
     run%ended = .false.
@@ -190,6 +207,15 @@ contains
         end if
         run%failed = .not. converged
         if (run%failed) return
+        closing(1:) = rate
+        if (run%captures .and. any(rate <= 0.0_dp)) then
+          left = first_zero(closing)*merge(left, run%unit*0.5_dp**level, is_last)
+          is_last = .true.
+          odd = step_of(left)
+          call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged)
+          run%captured = .true.
+          ends = .false.
+        end if
         call keep(run, load, merge(left, run%unit*0.5_dp**level, is_last), force, indentation)
         if (ends) run%end_time = state%time + end_in_step(load%length(run%steps), indentation, force)
         if (is_last) then
@@ -198,12 +224,15 @@ contains
           call run%ladder(level)%advance(force, state%u, state%v)
         end if
         state%time = state%time + load%length(run%steps)
-        run%ended = ends
+        run%ended = ends .or. run%captured
+        run%last_force = merge(0.0_dp, force(force_degree), ends)
+        run%last_indentation = indentation(force_degree)
         if (ends .or. is_last) exit
         force(0) = force(force_degree)
+        closing(0) = rate(force_degree)
         if (level > 0 .and. lack < run%tolerance*largest*0.5_dp**(force_degree + 2)) level = level - 1
       end do
-      if (.not. run%ended) run%end_time = state%time
+      if (run%captured .or. .not. run%ended) run%end_time = state%time
     end associate
     load%length = load%length(:run%steps)
     load%force = load%force(:, :run%steps)
@@ -213,6 +242,25 @@ contains
       step_of = force_step_of(run%bodies%parts, run%bodies%weight, run%bodies%inertia, length)
     end function step_of
   end subroutine press
+
+  pure real(dp) function first_zero(values) result(x)
+    !! Where a polynomial that falls from a positive value at the start of a step is 0, as a part of the step, by halving.
+    real(dp), intent(in) :: values(0:)            !! at the points
+    real(dp) :: coefficients(0:force_degree), above, below
+    integer :: i, j
+    coefficients = polynomial_of(values)
+    i = findloc(values(1:) <= 0.0_dp, .true., dim=1)
+    above = node_places(i - 1)
+    below = node_places(i)
+    do j = 1, 60
+      x = 0.5_dp*(above + below)
+      if (sum(coefficients*x**[(i, i=0, force_degree)]) > 0.0_dp) then
+        above = x
+      else
+        below = x
+      end if
+    end do
+  end function first_zero
 
   pure subroutine keep(run, load, length, force, indentation)
     !! Take a step into a load.

@@ -47,6 +47,8 @@ module bw_segment
       !! of all modes there are, that start from rest position with the velocities force·Φ_k(ξ₀)/M_k, where no state is given
     real(dp), allocatable :: q(:)            !! modal displacements at the start, (modes)
     real(dp), allocatable :: rate(:)         !! modal velocities then, (modes)
+    real(dp), allocatable :: rest(:)
+      !! modal displacements of the equilibrium that displacements are measured from; unallocated: that of the beam at rest, (modes)
     real(dp) :: energy = 0.0_dp              !! of all modes there are, then
     type(lack_type), allocatable :: lack     !! unallocated: the modes lack nothing, or nobody asks
     real(dp) :: start_error = 0.0_dp         !! estimate of the error of `start`, where contacts amplify errors

@@ -6,7 +6,7 @@ module bw_report
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, table_of, text_table
-  use bw_event, only: event_words, release_event
+  use bw_event, only: capture_event, contact_event, event_words, release_event
   use bw_frequency_report, only: report_answer
   use bw_history_report, only: report_histories, report_measured
   use bw_missing, only: is_missing, missing, scaled
@@ -172,7 +172,9 @@ contains
       text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
         shortest(abs(contact%largest(1)), 6)//' N, '//shortest(1.0e6_dp*contact%largest_time(1), 4)// &
         ' us after its begin; impulse '//shortest(impulse(1), 6)//' N s'
-      if (is_missing(contact%restitution)) then
+      if (any(result%events%kind == capture_event)) then
+        call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
+      else if (is_missing(contact%restitution)) then
         call lines%append_line(text//'.')
         call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
       else
@@ -182,8 +184,9 @@ contains
           result%modes%modal_mass)), 4)//' N s on '//text_of(result%modes%count)// &
           ' modes of the beam, and none on infinitely many.')
       end if
-      if (size(result%events) > 1) call lines%append_line('  '//text_of(size(result%events))// &
-        ' contacts, with the impulse '//shortest(sum(impulse), 6)//' N s in all.')
+      if (count(result%events%kind == contact_event) > 1) call lines%append_line('  '// &
+        text_of(count(result%events%kind == contact_event))//' contacts, with the impulse '// &
+        shortest(sum(impulse), 6)//' N s in all.')
     end associate
     call report_events(result, lines)
   end subroutine report_contact

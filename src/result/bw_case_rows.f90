@@ -39,7 +39,8 @@ contains
     if (table%real_row('modal_velocity', 'mode', 'm s-1', 'modal velocity just after the last event at t = 0', 'Eq. 26', &
                        needs='blow')) &
       call table%put(result%modal_velocity(:modes%count)*result%approach_velocity)
-    if (table%real_row('modal_velocity_before', 'mode_before', 'm s-1', 'jump of the modal velocity at the impact', 'Eq. 12')) &
+    if (table%real_row('modal_velocity_before', 'mode_before', 'm s-1', 'jump of the modal velocity at the impact', 'Eq. 12', &
+                       needs='blow')) &
       call table%put(result%impact%modal_velocity(:before%count)*result%approach_velocity)
     if (table%real_row('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18', needs='mode_shapes')) &
       call table%put_columns(shapes_of(modes, result%profile_points))

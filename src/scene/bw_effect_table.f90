@@ -12,10 +12,11 @@ module bw_effect_table
   private
   public :: effect_number, in_words
 
-  integer, parameter, public :: plain = 1, own_unit = 2, of_first_speed = 3, of_sphere = 4, of_duration = 5, of_section = 6
+  integer, parameter, public :: plain = 1, own_unit = 2, of_first_speed = 3, of_sphere = 4, of_duration = 5, of_section = 6, &
+                              of_sphere_radius = 7
     !! what the number is measured in with which an effect is tried: nothing; what its unit is in the beam's own length, mass and
-    !! time; the speed at which mode 1 would be unstable; a sphere of the beam's density; the duration of the response; the usual
-    !! shear coefficient of the section
+    !! time; the speed at which mode 1 would be unstable; inertia and radius of a sphere of the beam's density; the duration of
+    !! the response; the usual shear coefficient of the section
 
   type, public :: effect_type
     !! One effect. In texts `@` stands for the number with which it is tried.
@@ -56,6 +57,11 @@ module bw_effect_table
     effect_type('release', 'release', values='time = @', tried=0.5_dp, measure=of_duration, needs='capture response', &
                 remark_off='tried at half of the duration'), &
     effect_type('recontact', 'recontact', needs='impact response', excludes='capture'), &
+    effect_type('contact', 'contact', values='radius = @', tried=1.0_dp, measure=of_sphere_radius, &
+                needs='impact response', excludes='recontact', counted=.true., &
+                remark_off='tried with a sphere of @ m, the mass in the beam''s density', &
+                remark_on='beside an instantaneous blow', &
+                about='compared with an instantaneous blow'), &
     effect_type('pieces', 'beam', 'length', tried=0.9_dp, &
                 remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
                 remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &

@@ -20,6 +20,10 @@ ABSENT = {
         *("bw_recontact", "bw_contact_motion", "bw_contact_segments", "bw_contact_modes"),
         *("bw_signal", "bw_oscillators", "bw_neighbours"),
     ],
+    "contact": [
+        *("bw_contact_case", "bw_case_contacts", "bw_lasting_contact", "bw_contact_bodies", "bw_contact_law"),
+        *("bw_force_step", "bw_force_response", "bw_loaded_sum", "bw_static_shape"),
+    ],
     "pieces": [
         *("bw_piece_beam", "bw_scene_pieces", "bw_piece_source", "bw_piece_set"),
         *("bw_mode_search", "bw_mode_probe", "bw_tip_phase"),

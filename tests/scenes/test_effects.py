@@ -185,7 +185,8 @@ def test_effects_that_are_on_are_taken_off(here):
     assert here.beamwave("effects", "all.nml").returncode == 0
     with xr.open_dataset(here.directory / "output/all.effects.nc") as ds:
         states = dict(zip(WORDS, ds["effect_state"].values))
-        assert {name for name, state in states.items() if state == OFF} == {"out_of_plane", "pieces", "taper", "support", "tip_support", "body", "position"}
+        off = {"out_of_plane", "contact", "pieces", "taper", "support", "tip_support", "body", "position"}
+        assert {name for name, state in states.items() if state == OFF} == off
         assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
         # A ratio ζ takes ζ²/2 off the frequency of bending alone, more off that of mode 1, which rotation has lowered.
         assert float(row(ds, "damping")["frequency_change"].sel(mode=5)) == pytest.approx(-2e-4, rel=0.1)

@@ -14,6 +14,7 @@ SQUARE = {**{name: value for name, value in PAPER_BEAM.items() if name != "diame
 BAR = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "width": 0.03, "height": 0.02}
 LUMPED = {"length": 1.0, "mass_per_length": 3.0, "bending_stiffness": 500.0}
 REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
+STRUCK = captured_beam(capture=None, modes={"before": 8}, response=RESPONSE)
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
 SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
 SCENES = {  # a scene in which the name means something, and two values; of a name that is not here a scene of input/ and its value
@@ -42,6 +43,14 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "capture%rotary_inertia": (CAPTURE, [0.0, 1e-3]),
     "release%time": ({**CAPTURE, "release": {"time": 0.01}}, [0.005, 0.015]),
     "recontact%max_contacts": ({**REBOUND, "recontact": {}}, [1, 3]),
+    "contact%stiffness": ({**STRUCK, "contact": {"stiffness": 1e10}}, [1e9, 1e10]),
+    "contact%exponent": ({**STRUCK, "contact": {"stiffness": 1e8}}, [1.0, 1.5]),
+    "contact%radius": ({**STRUCK, "contact": {"radius": 0.02}}, [0.01, 0.02]),
+    "contact%youngs_modulus": ({**STRUCK, "contact": {"radius": 0.02}}, [7e10, 2e11]),
+    "contact%poisson_ratio": ({**STRUCK, "contact": {"radius": 0.02}}, [0.2, 0.3]),
+    "contact%beam_poisson_ratio": ({**STRUCK, "contact": {"radius": 0.02}}, [0.2, 0.3]),
+    "contact%surface_radius": ({**STRUCK, "contact": {"radius": 0.02}}, [0.0, 0.05]),
+    "contact%damping": ({**STRUCK, "contact": {"radius": 0.02}}, [0.0, 0.3]),
     "modes%before": (CAPTURE, [4, 9]),
     "modes%after": (CAPTURE, [5, 7]),
     "modes%tolerance": ({**CAPTURE, "modes": {}}, [1e-2, 1e-4]),

@@ -19,7 +19,7 @@ module bw_contact_par
   end type contact_par
 
   type(input_group), parameter, public :: contact_group = input_group( &
-    'contact', needs='impact response', excludes='recontact capture', is_event=.true., &
+    'contact', needs='impact response', excludes='recontact', is_event=.true., &
     absent='the blow is instantaneous, as in the paper', &
     rules='Mass and beam are pressed into each other with the force F = K d^p (1 + damping d''), d the indentation, and never '// &
     'pull. Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere: K is then that of Hertz, with '// &

@@ -10,7 +10,8 @@ module bw_effect_pairs
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_modes
   use bw_effect_list, only: effect_off, effect_on, effect_row
-  use bw_effect_table, only: effect_table, effect_type, of_duration, of_first_speed, of_section, of_sphere, own_unit, &
+  use bw_effect_table, only: effect_table, effect_type, of_duration, of_first_speed, of_section, of_sphere, of_sphere_radius, &
+    own_unit, &
     plain
   use bw_input_name, only: has_word
   use bw_input_table, only: group_table, name_row, name_table
@@ -303,13 +304,14 @@ contains
       if (list%grows .and. index(remark, '@') > 0) remark = remark//', '//text_of(effect%tried)// &
         ' of the speed at which mode 1 would be unstable'
     case (of_sphere); number = effect%tried*sphere_inertia(scene)
+    case (of_sphere_radius); number = effect%tried*sphere_radius(scene)
     case (of_duration); number = effect%tried*scene%response%duration
     case (of_section)
       number = effect%tried*usual_coefficient(usual%poisson_ratio, scene%beam%round)
       remark = remark//', that of a solid '//trim(merge('circle   ', 'rectangle', scene%beam%round))
     end select
     digits = text_of(number)
-    if (any(effect%measure == [own_unit, of_first_speed, of_sphere])) digits = shortest(number, 3)
+    if (any(effect%measure == [own_unit, of_first_speed, of_sphere, of_sphere_radius])) digits = shortest(number, 3)
     values = replaced(values, '@', digits)
     remark = replaced(remark, '@', shortest(number, 3))
   end subroutine find_values
@@ -339,9 +341,13 @@ contains
   pure real(dp) function sphere_inertia(scene) result(inertia)
     !! The rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
     type(scene_type), intent(in) :: scene
-    associate (mass => scene%impact%mass)
-      inertia = 0.4_dp*mass*(0.75_dp*mass/pi/scene%beam%density)**(2.0_dp/3.0_dp)
-    end associate
+    inertia = 0.4_dp*scene%impact%mass*sphere_radius(scene)**2
   end function sphere_inertia
+
+  pure real(dp) function sphere_radius(scene) result(radius)
+    !! The radius of that sphere, m.
+    type(scene_type), intent(in) :: scene
+    radius = (0.75_dp*scene%impact%mass/pi/scene%beam%density)**(1.0_dp/3.0_dp)
+  end function sphere_radius
 
 end module bw_effect_pairs
