@@ -236,8 +236,7 @@ contains
   end subroutine keep_contacts
 
   pure subroutine find_errors(response, half, quarter, errors)
-    !! From the histories of n, n/2 and n/4 modes: with ρ the ratio of what the last two steps change, 2ρ/(1 − ρ) of the last change, and
-    !! never more than that change itself, which is the error of n/2 modes.
+    !! From the histories of n, n/2 and n/4 modes: with ρ the ratio of what the last two steps change, 2ρ/(1 − ρ) of the last change.
     type(response_type), intent(in) :: response, half, quarter
     type(history_errors), intent(inout) :: errors
     errors%displacement = error_of(response%displacement, half%displacement, quarter%displacement)
@@ -248,12 +247,12 @@ contains
     pure function error_of(history, beside, further) result(error)
       real(dp), intent(in) :: history(:, :), beside(:, :), further(:, :)
       real(dp) :: error(size(history, 2))
-      real(dp), parameter :: least = 0.05_dp         ! tuned: twelve in n⁻⁶, so that an estimate is rarely ten times the error
+      real(dp), parameter :: least = 0.1_dp, most = 0.9_dp   ! tuned
       real(dp) :: before, ratio
       error = largest_distance(history, beside)
       before = maxval(largest_distance(beside, further))
       if (before <= 0.0_dp) return
-      ratio = min(1.0_dp/3.0_dp, max(least, maxval(error)/before))
+      ratio = min(most, max(least, maxval(error)/before))
       error = error*(2.0_dp*ratio/(1.0_dp - ratio))
     end function error_of
   end subroutine find_errors

@@ -12,7 +12,7 @@ module bw_contact_law
   use bw_lapack, only: dgesv
   implicit none (type, external)
   private
-  public :: contact_law_of, solve_contact, usual_contact
+  public :: contact_law_of, solve_contact, stored_energy, usual_contact
 
   type, public :: contact_law
     real(dp) :: stiffness = 0.0_dp                 !! K
@@ -43,6 +43,14 @@ contains
     indentation = (0.5_dp*(law%exponent + 1.0_dp)*mass_ratio/law%stiffness)**(1.0_dp/(law%exponent + 1.0_dp))
     force = law%stiffness*indentation**law%exponent
   end subroutine usual_contact
+
+  pure real(dp) function stored_energy(law, indentation) result(energy)
+    !! That a contact gives back: Kδ^(p+1)/(p + 1).
+    type(contact_law), intent(in) :: law
+    real(dp), intent(in) :: indentation
+    energy = 0.0_dp
+    if (indentation > 0.0_dp) energy = law%stiffness*indentation**(law%exponent + 1.0_dp)/(law%exponent + 1.0_dp)
+  end function stored_energy
 
   elemental subroutine find_force(law, indentation, rate, force, by_indentation, by_rate)
     !! The force, and its derivatives.

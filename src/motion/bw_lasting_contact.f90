@@ -9,7 +9,7 @@ module bw_lasting_contact
   !!
   !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies
-  use bw_contact_law, only: contact_law, solve_contact, usual_contact
+  use bw_contact_law, only: contact_law, solve_contact, stored_energy, usual_contact
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_event, only: contact_event, event_type
   use bw_force_response, only: force_degree
@@ -145,7 +145,9 @@ contains
     if (stops(monitor) .or. run%failed) return
     event%end_time = run%end_time%hi
     event%impulse = run%impulse
-    event%energy_after = run%bodies%energy() + 0.5_dp*run%law%residual*run%last_force**2   ! with that of modes that are not summed
+    event%energy_after = run%bodies%energy()
+    if (run%captured .or. .not. run%ended) event%energy_after = event%energy_after + stored_energy(run%law, run%last_indentation) &
+      + 0.5_dp*run%law%residual*run%last_force**2            ! of modes that are not summed
     event%momentum_after = run%bodies%momentum()
     call find_largest(segment%load, event%largest_force, event%largest_force_time)
     event%largest_force_time = event%largest_force_time + event%time

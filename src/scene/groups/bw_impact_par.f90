@@ -63,10 +63,11 @@ contains
     call build_mass(values, beam_mass, impact%mass_par, messages)
   end subroutine build_impact
 
-  pure function impact_text(values, impact) result(text)
+  pure function impact_text(values, impact, lasts) result(text)
     !! What a report calls it, with the mass ratio that was given or follows.
     type(group_values), intent(in) :: values
     type(impact_par), intent(in) :: impact
+    logical, intent(in) :: lasts               !! what it rebounds with comes out
     character(:), allocatable :: text, ratio
     ratio = shortest(impact%mass_ratio, 6)
     if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'
@@ -76,8 +77,9 @@ contains
     else if (impact%position /= 1.0_dp) then
       text = text//' at xi = '//values%number_or_swept('position', '', digits=15)
     end if
-    text = text//' (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
-      ', restitution '//values%number_or_swept('restitution', '')//')'
+    text = text//' (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')
+    if (.not. lasts) text = text//', restitution '//values%number_or_swept('restitution', '')
+    text = text//')'
   end function impact_text
 
 end module bw_impact_par
