@@ -37,6 +37,9 @@ module bw_piece_beam
     logical :: holds_turning = .true.
     type(dd) :: stiffness                     !! k_v, unless the deflection is held
     type(dd) :: turning_stiffness             !! k_θ, unless the turning is held
+    logical :: on_hub = .false.               !! it is held by a hub that is free to turn
+    type(dd) :: hub_inertia                   !! J of the hub about its axis
+    type(dd) :: hub_radius                    !! R, distance of ξ = 0 from the axis
   end type beam_root
 
   type, public :: piece_beam
@@ -81,7 +84,8 @@ contains
   elemental logical function same_root(a, b) result(same)
     type(beam_root), intent(in) :: a, b
     same = (a%holds_deflection .eqv. b%holds_deflection) .and. (a%holds_turning .eqv. b%holds_turning) &
-      .and. a%stiffness == b%stiffness .and. a%turning_stiffness == b%turning_stiffness
+      .and. a%stiffness == b%stiffness .and. a%turning_stiffness == b%turning_stiffness &
+      .and. (a%on_hub .eqv. b%on_hub) .and. a%hub_inertia == b%hub_inertia .and. a%hub_radius == b%hub_radius
   end function same_root
 
   pure type(dd) function joint_position(beam, i) result(position)

@@ -26,6 +26,7 @@ module bw_scene_pieces
     integer :: struck = 1                          !! the joint at which the mass strikes, of the beam with and without it
     real(dp) :: position = 1.0_dp                  !! ξ₀ of it
     type(beam_joint) :: captured                   !! what the beam has there of the mass that it has captured
+    real(dp) :: lightness = 1.0_dp                 !! masses of the beam over those that it has, where it stands for one on a free hub
     type(piece_law), allocatable :: section(:)     !! how sections vary along the pieces of a beam that tapers, else unallocated
   contains
     procedure, private :: same_struck
@@ -67,6 +68,11 @@ contains
       end if
       allocate (beam%joint(size(beam%piece)))
       if (allocated(scene%support)) beam%root = root_of(scene%support, full)
+      if (allocated(scene%hub)) then
+        beam%root%on_hub = .true.
+        beam%root%hub_inertia = to_dd(scene%hub%rotary_inertia/full%mass/full%length**2)
+        beam%root%hub_radius = to_dd(scene%hub%radius/full%length)
+      end if
       if (allocated(scene%rotation)) then
         associate (omega => dimensionless_speed(scene%rotation, units))
           beam%spin_squared = omega*omega

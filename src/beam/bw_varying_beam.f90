@@ -8,7 +8,7 @@ module bw_varying_beam
   use bw_piece_beam, only: beam_joint, joint_position, piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: softest, stepped, tension_in_pieces, under_tension, value_of, without_tension
+  public :: softest, stepped, tension_in_pieces, turning_inertia, under_tension, value_of, without_tension
 
   integer, parameter, public :: soft_parts = 32   !! uniform ones that each piece of `softest` and `stepped` is cut into
 
@@ -142,6 +142,25 @@ contains
       t(:, i) = varying%tension(i)
     end do
   end function tension_in_pieces
+
+  pure real(dp) function turning_inertia(self) result(inertia)
+    !! About the axis of the hub, without the hub.
+    type(varying_beam), intent(in) :: self
+    real(dp) :: arm
+    integer :: i, k
+    inertia = 0.0_dp
+    do i = 1, size(self%law)
+      associate (piece => self%beam%piece(i), law => self%law(i), joint => self%beam%joint(i), &
+                 length => self%beam%piece(i)%length%hi)
+        arm = self%beam%root%hub_radius%hi + sum(self%beam%piece(:i - 1)%length%hi)
+        do k = 1, size(law%mass)
+          inertia = inertia + piece%mass%hi*length*law%mass(k)*(arm**2/k + 2.0_dp*arm*length/(k + 1) + length**2/(k + 2))
+        end do
+        inertia = inertia + piece%rotary%hi*length*sum([(law%rotary(k)/k, k=1, size(law%rotary))])
+        inertia = inertia + joint%mass%hi*(arm + length)**2 + joint%inertia%hi
+      end associate
+    end do
+  end function turning_inertia
 
   pure function value_of(polynomial, x) result(value)
     !! Of a law, at places from 0 to 1 over a piece.

@@ -73,7 +73,7 @@ contains
     real(dp), intent(in) :: force
     real(dp) :: mass
     associate (pieces => configuration%source%pieces)
-      mass = pieces%beam%joint(pieces%struck)%mass%hi
+      mass = pieces%beam%joint(pieces%struck)%mass%hi/pieces%lightness
     end associate
     energy = 0.0_dp
     if (mass > 0.0_dp) energy = 0.5_dp*force*(force/mass)

@@ -122,6 +122,7 @@ module bw_case_result
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
+    real(dp) :: lever = 0.0_dp                        !! from the axis of a hub that is free to where the mass strikes, m
     real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
     type(event_type), allocatable :: events(:)        !! in the order of time

@@ -6,6 +6,7 @@ module bw_one_case
   use bw_beam_units, only: units_of
   use bw_case_errors, only: drop_errors
   use bw_case_frequency, only: find_frequency_response
+  use bw_case_histories, only: sum_histories
   use bw_case_modes, only: find_modes
   use bw_case_moments, only: find_moments
   use bw_case_notes, only: note_relaxed
@@ -17,16 +18,18 @@ module bw_one_case
   use bw_contact_case, only: run_contact_case
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
-  use bw_mode_set, only: attend, search_failure
-  use bw_missing, only: is_missing
+  use bw_mode_set, only: attend, search_failure, turns
+  use bw_missing, only: is_missing, scaled
   use bw_modes_par, only: relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_note, only: remark
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: string
+  use bw_text, only: shortest, string
   implicit none (type, external)
   private
   public :: run_case
@@ -136,6 +139,8 @@ contains
     if (allocated(histories%response)) then
       if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%motion%sums, histories, errors)
       if (monitor%stop_requested()) return
+      if (allocated(scene%hub)) call find_hub_angle(scene, motion, part, cache%motion%sums, histories)
+      if (monitor%stop_requested()) return
       call drop_errors(motion, errors)
     end if
 
@@ -158,6 +163,19 @@ contains
     result%profile_points = layout%profile
     call compose(scene, foremost, motion, histories, errors, spectrum, result)
   end subroutine simulate_case
+
+  subroutine find_hub_angle(scene, motion, monitor, workspace, histories)
+    !! Add the turn of a hub that is free to the histories of a case: the same sum over the same modes.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    class(monitor_type), intent(inout), target :: monitor   !! the turn means nothing where it asks to stop
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(case_histories), intent(inout) :: histories
+    type(case_histories) :: found
+    call sum_histories(scene, motion, turns, monitor, workspace, found)
+    if (monitor%stop_requested()) return
+    histories%response%hub_angle = scaled(found%response%displacement(:, 1), 1.0_dp/motion%units%length)
+  end subroutine find_hub_angle
 
   subroutine compose(scene, foremost, motion, histories, errors, spectrum, result)
     !! The values of all stages in one; what is large is moved, not copied.
@@ -187,6 +205,11 @@ contains
     if (size(result%events) > 0) then
       result%impact = motion%initial%impact
       result%approach_velocity = scene%impact%approach_velocity
+      if (allocated(scene%hub)) then
+        result%lever = scene%hub%radius + scene%impact%position*motion%units%length
+        call remark(result%notes, 'hub: after the last event it turns on at '//shortest(sum(result%events%hub_rate_change) &
+          *(scene%impact%approach_velocity/motion%units%length), 6)//' rad/s on the mean, beside the even rotation')
+      end if
       call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
       call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
     end if

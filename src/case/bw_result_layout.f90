@@ -64,6 +64,7 @@ module bw_result_layout
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: bending_moment = .false.   !! and bending moments
     logical :: bending_stress = .false.   !! and stresses follow from them
+    logical :: hub = .false.          !! the hub is free to turn
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: contact_samples = 0    !! of the force of each contact that lasts
@@ -102,6 +103,7 @@ contains
       if (int(usual_profile, i8)*layout%peaks*max(1, layout%cases) <= most_shape_numbers) layout%profile = usual_profile
       return
     end if
+    layout%hub = allocated(scene%hub)
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
     if (allocated(scene%contact)) then
@@ -217,10 +219,10 @@ contains
 
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity`, `bending_moment` and `bending_stress` (histories of them),
-    !! `contacts` (histories that go through them), `continuum` (whose motion histories are held against), `estimates` (of their
-    !! errors), `mode_shapes` (there are not too many), `blow` (an instantaneous one), `record` or `simulated`, `hammer` (whose force is
-    !! measured), `by_modes` (how
-    !! a harmonic force is answered), `model` (of the record's beam), `places` (of all points along the beam), `waves`.
+    !! `hub` (which is free to turn), `contacts` (histories that go through them), `continuum` (whose motion histories are held
+    !! against), `estimates` (of their errors), `mode_shapes` (there are not too many), `blow` (an instantaneous one), `record` or
+    !! `simulated`, `hammer` (whose force is measured), `by_modes` (how a harmonic force is answered), `model` (of the record's
+    !! beam), `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -234,6 +236,7 @@ contains
     case (''); there = .true.
     case ('velocity'); there = layout%velocity
     case ('bending_moment'); there = layout%bending_moment
+    case ('hub'); there = layout%hub
     case ('bending_stress'); there = layout%bending_stress
     case ('mode_shapes'); there = layout%mode_shapes
     case ('model'); there = layout%modelled

@@ -68,7 +68,10 @@ contains
     moved = 0.0_dp
     stretch = 0.0_dp
     inward = 0.0_dp
-    if (is_papers_beam(scene)) then
+    if (allocated(scene%hub)) then           ! it is estimated for a root that is held alone
+      known = 0
+      square = 0.0_dp
+    else if (is_papers_beam(scene)) then
       known = size(number)
       shape = shapes_of(solve_roots(number, tip_mass(scene)))
       shift(:, absent_stiffening) = tension_shifts(scene, shape)

@@ -11,9 +11,9 @@ module bw_mode_set
   use bw_scene_pieces, only: struck_beam
   implicit none (type, external)
   private
-  public :: attend, first_failure, first_numbers, first_struck, take_terms, terms_of_set, values_at
+  public :: attend, first_failure, first_numbers, first_struck, mean_rate, take_terms, terms_of_set, values_at
 
-  integer, parameter, public :: deflections = 1, curvatures = 2   !! what histories show of modes
+  integer, parameter, public :: deflections = 1, curvatures = 2, turns = 3   !! what histories show of modes, the last of a free hub
 
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
@@ -50,6 +50,7 @@ module bw_mode_set
     procedure :: forget_rigid_waves
     procedure :: body_energy => no_body_energy
     procedure :: turnings => no_turnings
+    procedure :: hub_turns => no_turnings                         !! how far a hub that is free turns in each mode, else 0
     procedure :: number_errors => errors_of_set
   end type mode_set
 
@@ -147,12 +148,16 @@ contains
   pure function values_at(modes, quantity, first, last, xi) result(values)
     !! Φ_k(ξ), or Φ_k''(ξ), of some modes of a set.
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: quantity               !! deflections or curvatures
+    integer, intent(in) :: quantity               !! deflections, curvatures or turns
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)                 !! (points)
     real(dp) :: values(last - first + 1, size(xi))
     if (quantity == curvatures) then
       values = modes%some_curvatures(first, last, xi)
+    else if (quantity == turns) then
+      associate (turning => modes%hub_turns())
+        values = spread(turning(first:last), 2, size(xi))
+      end associate
     else
       values = modes%some_shapes(first, last, xi)
     end if
@@ -214,6 +219,17 @@ contains
     end associate
   end function first_struck
 
+  pure real(dp) function mean_rate(modes, rate)
+    !! Angular velocity that the rigid turn has, of a hub that is free; else 0.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: rate(:)               !! modal velocities, (modes)
+    mean_rate = 0.0_dp
+    if (size(rate) == 0) return
+    associate (turning => modes%hub_turns())
+      if (turning(1) /= 0.0_dp) mean_rate = turning(1)*rate(1)
+    end associate
+  end function mean_rate
+
   pure function rigid_modes(self) result(rigid)
     !! Which of the first two modes move the beam as a rigid body: their shapes are straight to within a hundredth. No other
     !! mode does, since a straight line has two numbers.
@@ -223,6 +239,9 @@ contains
     real(dp) :: shape(size(rigid), size(xi))
     integer :: k
     rigid = .false.
+    associate (turning => self%hub_turns())
+      rigid(:min(1, self%count)) = turning(:min(1, self%count)) /= 0.0_dp
+    end associate
     if (self%root_power == 2) return
     shape = self%some_shapes(1, size(rigid), xi)
     do k = 1, size(rigid)

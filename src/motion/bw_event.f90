@@ -24,6 +24,8 @@ module bw_event
       !! generalised momentum of the first mode of the set in force (of the beam alone at a release), per unit of its
       !! tip displacement, m_i V
     real(dp) :: momentum_after = 0.0_dp
+    real(dp) :: hub_rate_change = 0.0_dp
+      !! jump of the mean angular velocity of a hub that is free, which its rigid turn has, V/l
   end type event_type
 
 end module bw_event

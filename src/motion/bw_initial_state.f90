@@ -9,7 +9,7 @@ module bw_initial_state
   use bw_impact, only: capture_mass, capture_type, continuum_capture, continuum_impact, continuum_velocity, impact_type, strike
   use bw_impact_par, only: impact_par
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mean_rate, mode_set, mode_source
   use bw_monitor, only: monitor_type, part_monitor
   use bw_segment, only: move
   implicit none (type, external)
@@ -53,12 +53,14 @@ contains
     type(part_monitor) :: part
     real(dp) :: share
     state%impact = strike(free, given%mass_ratio, given%restitution)
+    state%impact%event%hub_rate_change = mean_rate(free, state%impact%modal_velocity)
     share = 0.0_dp
     if (present(loaded)) then
       share = handed_on*(1.0_dp + loaded%count/real(free%count, dp))
       share = share/(share + given%profile_points)
       part = part_monitor(monitor, 0.0_dp, share)
       capture = capture_mass(free, state%impact, loaded, part)
+      capture%event%hub_rate_change = mean_rate(loaded, capture%modal_velocity) - state%impact%event%hub_rate_change
       call move_alloc(capture%modal_velocity, state%modal_velocity)
       state%events = [state%impact%event, capture%event]
     else
@@ -79,6 +81,7 @@ contains
     state%impact = continuum_impact(given%mass_ratio, given%restitution, held)
     state%modal_velocity = continuum_velocity(loaded, given%mass_ratio, given%restitution)
     state%events = [state%impact%event, continuum_capture(state%impact, held)]
+    state%events(2)%hub_rate_change = mean_rate(loaded, state%modal_velocity)
     allocate (state%velocity_jump(given%profile_points), source=0.0_dp)
     place = given%position*(given%profile_points - 1)
     if (abs(place - nint(place)) <= place*epsilon(place)) state%velocity_jump(nint(place) + 1) = state%impact%tip_velocity

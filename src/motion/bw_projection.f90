@@ -179,7 +179,7 @@ contains
     type(energy_type) :: held
     real(dp) :: mass
     place%count = size(q)
-    mass = source%pieces%beam%joint(source%pieces%struck)%mass%hi
+    mass = source%pieces%beam%joint(source%pieces%struck)%mass%hi/source%pieces%lightness
     if (mass > 0.0_dp) place%mobility = max(0.0_dp, 1.0_dp/mass - accurate_sum(before%struck**2/before%modal_mass)) + unit/mass
     associate (inertia => source%pieces%captured%inertia%hi)
       if (inertia > 0.0_dp) place%turning_mobility = &

@@ -45,7 +45,7 @@ contains
     if (table%real_row('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18', needs='mode_shapes')) &
       call table%put_columns(shapes_of(modes, result%profile_points))
     call impact_rows(table, result, modes, before)
-    call event_rows(table, result%events, result%units, result%approach_velocity)
+    call event_rows(table, result%events, result%units, result%approach_velocity, result%lever)
     call contact_rows(table, result%contact)
     call history_rows(table, result%response)
     if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
@@ -142,12 +142,14 @@ contains
     if (result%can_grow .and. modes%grows_at_any_speed) speed = 0.0_dp
   end function critical_speed
 
-  subroutine event_rows(table, events, units, velocity)
+  subroutine event_rows(table, events, units, velocity, lever)
     !! Every event, in the order of time; its kind is 0 behind the last.
     class(result_table), intent(inout) :: table
     type(event_type), intent(in), optional :: events(:)
     type(beam_units), intent(in) :: units
     real(dp), intent(in) :: velocity                   !! of approach
+    real(dp), intent(in) :: lever                      !! from the axis of a hub that is free to where the mass strikes, m
+    character(*), parameter :: angular = 'angular momentum about the axis, less that of the even rotation'
     if (table%real_row('event_time', 'event', 's', 'time of the event')) call table%put(events%time)
     if (table%real_row('event_end', 'event', 's', 'end of the event')) call table%put(events%end_time)
     if (table%real_row('event_time_error', 'event', 's', 'estimate of the error of the time of the event', &
@@ -164,6 +166,12 @@ contains
       call table%put(in_newton_seconds(events%momentum_before, units, velocity))
     if (table%real_row('momentum_after', 'event', 'kg m s-1', momentum//', after the event')) &
       call table%put(in_newton_seconds(events%momentum_after, units, velocity))
+    if (table%real_row('angular_momentum_before', 'event', 'kg m2 s-1', angular//', before the event', needs='hub')) &
+      call table%put(scaled(in_newton_seconds(events%momentum_before, units, velocity), lever))
+    if (table%real_row('angular_momentum_after', 'event', 'kg m2 s-1', angular//', after the event', needs='hub')) &
+      call table%put(scaled(in_newton_seconds(events%momentum_after, units, velocity), lever))
+    if (table%real_row('hub_rate_change', 'event', 'rad s-1', 'change of the mean angular velocity of the hub', needs='hub')) &
+      call table%put(scaled(events%hub_rate_change, velocity/units%length))
     if (table%whole_row('event_kind', 'event', 'kind of the event', event_words)) call table%put(events%kind)
   end subroutine event_rows
 
@@ -203,6 +211,8 @@ contains
     if (table%real_row('bending_stress_error', 'point', 'Pa', estimate_of//'bending stress'//limit_of, &
                        needs='estimates bending_stress')) &
       call table%put(scaled(response%bending_moment_error, response%stress_of_moment))
+    if (table%real_row('hub_angle', 'time', 'rad', 'turn of the hub beyond the even rotation', needs='hub')) &
+      call table%put(response%hub_angle)
     if (table%real_row('displacement', 'point time', 'm', 'transverse displacement in the rotating frame', &
                        'Eqs 4, 13 and 29', needs='simulated')) call table%put_columns(response%displacement)
     if (table%real_row('velocity', 'point time', 'm s-1', 'transverse velocity in the rotating frame', needs='velocity')) &

@@ -74,6 +74,9 @@ module bw_effect_table
     effect_type('tip_support', 'tip_support', values='stiffness = @, rotational_stiffness = 0', tried=1.0_dp, measure=own_unit, &
                 remark_off='tried with stiffness = @ N/m, EI/l^3, and rotational_stiffness = 0', &
                 about='compared with a free tip'), &
+    effect_type('hub', 'hub', values='rotary_inertia = @', tried=1.0_dp, measure=own_unit, &
+                remark_off='tried with rotary_inertia = @ kg m2, the beam''s mass times l^2', &
+                about='compared with a hub whose motion is prescribed'), &
     effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &
                 remark_off='tried with a mass of @ of the beam''s at the midpoint', about='all bodies'), &
     effect_type('position', 'impact', 'position', '@', '1', tried=0.9_dp, needs='impact', &

@@ -8,6 +8,7 @@ module bw_input_table
   use bw_contact_par, only: contact_group, contact_names
   use bw_damping_par, only: damping_group, damping_names
   use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
+  use bw_hub_par, only: hub_group, hub_names
   use bw_identify_par, only: identify_group, identify_names
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, is_sweepable, name_length
@@ -33,6 +34,7 @@ module bw_input_table
     beam_group, &
     support_group, &
     tip_support_group, &
+    hub_group, &
     body_group, &
     rotation_group, &
     stiffening_group, &
@@ -56,6 +58,7 @@ module bw_input_table
     beam_names, &
     support_names, &
     tip_support_names, &
+    hub_names, &
     body_names, &
     rotation_names, &
     stiffening_names, &

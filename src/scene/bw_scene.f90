@@ -8,6 +8,7 @@ module bw_scene
   use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
   use bw_frequency_response_par, only: build_frequency_response, check_frequency_response, complete_frequency_response, &
     frequency_response_par
+  use bw_hub_par, only: build_hub, complete_hub, hub_par, hub_text
   use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_name, only: is_simulated
@@ -41,6 +42,7 @@ module bw_scene
     type(beam_par) :: beam                        !! &beam; of length 0 where a record alone is analysed
     type(support_par), allocatable :: support     !! &support; absent: the root is clamped
     type(support_par), allocatable :: tip_support !! &tip_support; absent: the tip is free
+    type(hub_par), allocatable :: hub             !! &hub; absent: the hub's motion is prescribed
     type(body_par), allocatable :: bodies(:)      !! &body, in the order of the scene, (n); unallocated: none
     type(rotation_par), allocatable :: rotation   !! &rotation; absent: the beam does not rotate
     type(stiffening_par), allocatable :: stiffening   !! &stiffening; absent: no tension
@@ -100,6 +102,7 @@ contains
     case ('body'); call build_one_body(scene, g, messages)
     case ('support'); scene%support = build_support(scene%groups(g))
     case ('tip_support'); scene%tip_support = build_support(scene%groups(g))
+    case ('hub'); scene%hub = build_hub(scene%groups(g))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
     case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
     case ('shear'); scene%shear = build_shear(scene%groups(g))
@@ -171,6 +174,7 @@ contains
       case ('shear'); call complete_shear(groups)
       case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('contact'); call complete_contact(groups)
+      case ('hub', 'stiffening'); call complete_hub(groups)
       case ('record'); call complete_record(groups, messages)
       case ('spectrum'); call complete_spectrum(groups(g), has_parts(groups))
       case ('modes')
@@ -196,6 +200,7 @@ contains
       select case (group_table(i)%name)
       case ('support'); text = text//', '//support_text(scene%groups(g))
       case ('tip_support'); text = text//', '//tip_support_text(scene%groups(g))
+      case ('hub'); text = text//', '//hub_text(scene%groups(g))
       case ('body'); text = text//', '//bodies_text(scene%groups)
       case ('rotation'); text = text//', '//rotation_text(scene%groups(g))
       case ('stiffening'); text = text//', '//stiffening_text(scene%groups(g))
@@ -313,9 +318,9 @@ contains
   end function by_pieces
 
   pure logical function varies_along_pieces(scene) result(varies)
-    !! Tension varies along a piece, or the section does.
+    !! Tension varies along a piece, or the section does; a hub that is free is found by the same method.
     type(scene_type), intent(in) :: scene
-    varies = allocated(scene%stiffening) .or. allocated(scene%beam%outer)
+    varies = allocated(scene%stiffening) .or. allocated(scene%beam%outer) .or. allocated(scene%hub)
   end function varies_along_pieces
 
   pure logical function answers_by_modes(scene) result(by_modes)

@@ -1,5 +1,6 @@
 module bw_scene_checks
   !! What the names of a group, and the groups of a scene, have to do with each other, and what its cases have to keep to.
+  use bw_hub_par, only: check_hub
   use bw_input_name, only: accepted_text, has_word, is_simulated, place_of
   use bw_input_table, only: group_row, group_table, name_table
   use bw_input_values, only: group_values, position_of, positions_of
@@ -150,6 +151,7 @@ contains
     if (position_of(scene%groups, 'beam') == 0) return
     call check_held(scene, messages)
     call check_struck(scene, messages)
+    call check_hub(scene%groups, messages)
     call check_method(scene, messages)
     call check_scales(scene, messages)
   end subroutine check_case

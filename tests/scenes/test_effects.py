@@ -46,7 +46,8 @@ def test_what_is_on_off_and_impossible_is_told_apart(studied):
     _, _, ds = studied
     states = dict(zip(WORDS, ds["effect_state"].values))
     assert {name for name, state in states.items() if state == ON} == {"rotation", "capture"}
-    assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
+    assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact", "hub"}
+    assert "hub: &hub: needs &stiffening" in ds.attrs["remarks"] or "needs &stiffening where the beam rotates" in ds.attrs["remarks"]
     assert "recontact: excludes &capture" in ds.attrs["remarks"]
     assert "shear: tried with poisson_ratio = 0.3" in ds.attrs["remarks"]
     assert np.isnan(row(ds, "recontact")["frequency_change"]).all()
@@ -185,7 +186,7 @@ def test_effects_that_are_on_are_taken_off(here):
     assert here.beamwave("effects", "all.nml").returncode == 0
     with xr.open_dataset(here.directory / "output/all.effects.nc") as ds:
         states = dict(zip(WORDS, ds["effect_state"].values))
-        off = {"out_of_plane", "contact", "pieces", "taper", "support", "tip_support", "body", "position"}
+        off = {"out_of_plane", "contact", "pieces", "taper", "support", "tip_support", "hub", "body", "position"}
         assert {name for name, state in states.items() if state == OFF} == off
         assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
         # A ratio ζ takes ζ²/2 off the frequency of bending alone, more off that of mode 1, which rotation has lowered.

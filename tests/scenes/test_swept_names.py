@@ -16,6 +16,7 @@ LUMPED = {"length": 1.0, "mass_per_length": 3.0, "bending_stiffness": 500.0}
 REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
 STRUCK = captured_beam(capture=None, modes={"before": 8}, response=RESPONSE)
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
+RECOIL = captured_beam(rotation=None, hub={"rotary_inertia": 2.0}, modes={"before": 8, "after": 8}, response=RESPONSE)
 SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
 SCENES = {  # a scene in which the name means something, and two values; of a name that is not here a scene of input/ and its value
     "beam%length": (CAPTURE, [0.9, 1.1]),
@@ -58,6 +59,8 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "support%rotational_stiffness": ({**CAPTURE, "support": {"rotational_stiffness": 1e4}}, [1e3, 1e5]),
     "tip_support%stiffness": ({**CAPTURE, "tip_support": {"stiffness": 1e6}}, [1e4, 1e6]),
     "tip_support%rotational_stiffness": ({**CAPTURE, "tip_support": {"stiffness": 1e4}}, [1e3, 1e5]),
+    "hub%rotary_inertia": (RECOIL, [1.0, 2.0]),
+    "hub%radius": (RECOIL, [0.0, 0.2]),
     "body%position": ({**CAPTURE, "body": SPRING}, [0.4, 1.0]),
     "body%mass": ({**CAPTURE, "body": SPRING}, [0.0, 0.2]),
     "body%mass_ratio": ({**CAPTURE, "body": {"position": 0.8, "mass_ratio": 0.1}}, [0.0, 0.2]),

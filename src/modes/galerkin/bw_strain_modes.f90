@@ -21,7 +21,7 @@ module bw_strain_modes
   use bw_singular_values, only: singular_values
   use bw_strain_basis, only: basis_values, times_polynomial
   use bw_strain_set, only: strain_set
-  use bw_strain_system, only: build_system, forms_of_spin, strain_system, unfactored
+  use bw_strain_system, only: build_system, forms_of_spin, strain_system, turn_of_piece, unfactored
   use bw_tension_layers, only: most_layers
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
@@ -101,7 +101,7 @@ contains
     last = huge(last)
     set%count = count
     call factor_system(given, functions, system, shift, set%resolved)
-    if (set%resolved) set%resolved = count <= system%layout%unknowns
+    if (set%resolved) set%resolved = count <= size(system%stiffness, 1)
     if (.not. set%resolved) return
     call solve_system(count, system, period, motion, strain, set%resolved, monitor)
     if (.not. set%resolved) return
@@ -176,11 +176,14 @@ contains
         set%turning = matmul(transpose(layout%joints%turning(:m, :)), joints)
       end associate
       row = 0
+      if (beam%root%on_hub) set%hub_turn = strain(size(strain, 1), :)
       do i = 1, n
         associate (piece => beam%piece(i), f => layout%functions(i))
           set%piece(i) = motions_of(piece, f, layout%shear, ends_and_inside(i))
           set%piece(i)%deflection = unfactored(set%given%law(i)%mass, motion(row + 1:row + f + 2, :)) &
             /sqrt(piece%mass%hi*piece%length%hi)
+          if (beam%root%on_hub) set%piece(i)%deflection = set%piece(i)%deflection &
+            - spread(turn_of_piece(set%given, i, f + 2), 2, set%count)*spread(set%hub_turn, 1, f + 2)
           row = row + f + 2
           if (piece%rotary%hi > 0.0_dp) row = row + f + 1
         end associate
@@ -222,6 +225,7 @@ contains
       quotient(k) = set%work(k, k) + set%rotation(k)
     end do
     call choose_squares(quotient, shift%hi, set)
+    if (given%beam%root%on_hub) set%beta_squared(1) = dd()       ! the rigid turn
     where (abs(set%beta_squared%hi) <= rest*given%beam%spin_squared%hi) set%beta_squared = dd()
   end subroutine find_squares
 
@@ -327,12 +331,14 @@ contains
     do k = 1, set%count
       scale = 0.0_dp
       do i = 1, size(set%piece)
-        scale = scale + set%given%beam%piece(i)%length%hi*sum(set%piece(i)%deflection(:, k)**2)
+        scale = scale + set%given%beam%piece(i)%length%hi*sum(whole(i)**2)
       end do
       scale = 1.0_dp/sqrt(scale)
       set%modal_mass(k) = scale**2
       side = side_of_tip(set%given%beam, [set%deflection(n, k), set%turning(n, k)], last_curvature(set%piece(n), k))
+      if (k == 1 .and. allocated(set%hub_turn)) side = set%hub_turn(1)
       if (mod(k, 2) == 0 .neqv. side > 0.0_dp) scale = -scale
+      if (allocated(set%hub_turn)) set%hub_turn(k) = scale*set%hub_turn(k)
       if (held(1)) set%deflection(n, k) = 0.0_dp
       if (held(2)) set%turning(n, k) = 0.0_dp
       set%deflection(:, k) = scale*set%deflection(:, k)
@@ -348,6 +354,16 @@ contains
     end do
     set%struck_joint = struck
     set%struck = set%deflection(struck, :)
+    if (allocated(set%hub_turn)) set%struck = set%struck &
+      + set%hub_turn*(set%given%beam%root%hub_radius%hi + sum(set%given%beam%piece(:struck)%length%hi))
+  contains
+    pure function whole(i) result(deflection)
+      !! With the turn of a hub that is free.
+      integer, intent(in) :: i
+      real(dp) :: deflection(size(set%piece(i)%deflection, 1))
+      deflection = set%piece(i)%deflection(:, k)
+      if (allocated(set%hub_turn)) deflection = deflection + set%hub_turn(k)*turn_of_piece(set%given, i, size(deflection))
+    end function whole
   end subroutine normalise
 
   pure real(dp) function last_curvature(piece, k) result(curvature)
@@ -380,6 +396,7 @@ contains
             slope = slope + piece%length%hi*sum(weight*rise)
           end associate
         end do
+        if (k == 1 .and. given%beam%root%on_hub) set%alpha(k) = 0.0_dp       ! a rigid turn is no wave
         if (square >= 0.0_dp .and. set%alpha(k) > 0.0_dp) set%phase_velocity(k) = sqrt(square)/set%alpha(k)
         if (square > 0.0_dp .and. slope > 0.0_dp) set%group_velocity(k) = 0.5_dp/(sqrt(square)*slope)
       end associate

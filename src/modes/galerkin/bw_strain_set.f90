@@ -10,7 +10,7 @@ module bw_strain_set
   use bw_piece_shape, only: beam_place, place_of
   use bw_piece_strains, only: piece_motions
   use bw_strain_basis, only: basis_values, times_polynomial
-  use bw_strain_system, only: stressed
+  use bw_strain_system, only: stressed, turn_of_piece
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
@@ -20,6 +20,7 @@ module bw_strain_set
     type(piece_motions), allocatable :: piece(:)   !! coefficients of the shapes and of their strains, (pieces)
     real(dp), allocatable :: deflection(:, :)      !! of the joints, (0:pieces, n)
     real(dp), allocatable :: turning(:, :)         !! of the joints, (0:pieces, n)
+    real(dp), allocatable :: hub_turn(:)           !! of a hub that is free, from whose line all else is measured; else unallocated, (n)
     real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
     integer :: struck_joint = 1                    !! where the mass strikes, or has been captured
     real(dp) :: body_inertia = 0.0_dp              !! J of the body that has been captured there
@@ -35,6 +36,8 @@ module bw_strain_set
     procedure :: coupling
     procedure :: body_energy => energy_of_body
     procedure :: turnings
+    procedure :: hub_turns
+    procedure, private :: in_frame
   end type strain_set
 
 contains
@@ -60,6 +63,7 @@ contains
     chosen%phase_velocity = self%phase_velocity(number)
     chosen%group_velocity = self%group_velocity(number)
     chosen%rotation = self%rotation(number)
+    if (allocated(self%hub_turn)) chosen%hub_turn = self%hub_turn(number)
     chosen%given = self%given
     chosen%struck_joint = self%struck_joint
     chosen%body_inertia = self%body_inertia
@@ -96,7 +100,7 @@ contains
           values(:, p:p) = matmul(transpose(f(:, first:last)), basis_values(size(f, 1), [x]))
         end associate
       end if
-      if (xi(p) == self%struck_at) values(:, p) = self%struck(first:last)
+      if (xi(p) == self%struck_at .and. .not. allocated(self%hub_turn)) values(:, p) = self%struck(first:last)
     end do
   end function shapes_of_strains
 
@@ -124,17 +128,24 @@ contains
     end do
   end function curvatures_of_strains
 
-  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
+  recursive function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! With all mass and inertia that both beams have.
     class(strain_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor     ! not asked: it takes no time
     real(dp) :: sums(self%count)
+    type(strain_set) :: whole
     integer :: i, n
     select type (from)
     class is (strain_set)
       n = size(amplitude)
+      if (allocated(self%hub_turn)) then
+        whole = self%in_frame()
+        sums = whole%overlap_of_beam(from%in_frame(), amplitude) &
+          + self%given%beam%root%hub_inertia%hi*self%hub_turn*sum(from%hub_turn(:n)*amplitude)
+        return
+      end if
       sums = 0.0_dp
       do i = 1, size(self%piece)
         associate (piece => self%given%beam%piece(i), law => self%given%law(i), &
@@ -159,13 +170,20 @@ contains
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    integer :: i
+    real(dp) :: onto(self%count), seen(size(amplitude))
+    integer :: i, n
     sums = self%overlap_of_beam(from, amplitude, monitor)
     select type (from)
     class is (strain_set)
+      n = size(amplitude)
       do i = 1, size(self%piece)
-        sums = sums + abs(self%given%beam%joint(i)%mass%hi - from%given%beam%joint(i)%mass%hi) &
-          *self%deflection(i, :)*sum(from%deflection(i, :size(amplitude))*amplitude)
+        onto = self%deflection(i, :)
+        seen = from%deflection(i, :n)
+        if (allocated(self%hub_turn)) then
+          onto = onto + (self%given%beam%root%hub_radius%hi + sum(self%given%beam%piece(:i)%length%hi))*self%hub_turn
+          seen = seen + (self%given%beam%root%hub_radius%hi + sum(self%given%beam%piece(:i)%length%hi))*from%hub_turn(:n)
+        end if
+        sums = sums + abs(self%given%beam%joint(i)%mass%hi - from%given%beam%joint(i)%mass%hi)*onto*sum(seen*amplitude)
       end do
     end select
   end function overlap_with_mass
@@ -221,22 +239,67 @@ contains
     class(strain_set), intent(in) :: self
     real(dp) :: turning(self%count)
     turning = self%turning(self%struck_joint, :)
+    if (allocated(self%hub_turn)) turning = turning + self%hub_turn
   end function turnings
+
+  pure function hub_turns(self) result(turning)
+    class(strain_set), intent(in) :: self
+    real(dp) :: turning(self%count)
+    turning = 0.0_dp
+    if (allocated(self%hub_turn)) turning = self%hub_turn
+  end function hub_turns
+
+  pure type(strain_set) function in_frame(self) result(whole)
+    !! Motions in the frame that turns evenly: those from the line of a hub that is free, and its turn.
+    class(strain_set), intent(in) :: self
+    real(dp) :: arm
+    integer :: i, n
+    whole%count = self%count
+    whole%given = self%given
+    whole%piece = self%piece
+    allocate (whole%deflection(0:size(self%piece), self%count), source=self%deflection)
+    allocate (whole%turning(0:size(self%piece), self%count), source=self%turning)
+    if (.not. allocated(self%hub_turn)) return
+    arm = self%given%beam%root%hub_radius%hi
+    whole%deflection(0, :) = whole%deflection(0, :) + arm*self%hub_turn
+    do i = 1, size(self%piece)
+      n = size(self%piece(i)%deflection, 1)
+      arm = arm + self%given%beam%piece(i)%length%hi
+      whole%deflection(i, :) = whole%deflection(i, :) + arm*self%hub_turn
+      whole%piece(i)%deflection = whole%piece(i)%deflection &
+        + spread(turn_of_piece(self%given, i, n), 2, self%count)*spread(self%hub_turn, 1, n)
+      whole%piece(i)%turning(1, :) = whole%piece(i)%turning(1, :) + self%hub_turn
+      whole%piece(i)%slope(1, :) = whole%piece(i)%slope(1, :) + self%hub_turn
+    end do
+    whole%turning = whole%turning + spread(self%hub_turn, 1, size(whole%turning, 1))
+  end function in_frame
 
   pure function energy_of_body(self, q, rate) result(energy)
     !! ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inside of it: how far its centrifugal force has been drawn inwards.
     !! Rotation does no work on its turning: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
     class(strain_set), intent(in) :: self
     real(dp), intent(in) :: q(:), rate(:)          !! (modes)
-    real(dp) :: energy(2)
+    real(dp) :: energy(2), turn, first
     integer :: i
-    energy(1) = 0.5_dp*self%body_inertia*dot_product(self%turning(self%struck_joint, :size(rate)), rate)**2
+    energy(1) = 0.0_dp
+    if (self%body_inertia > 0.0_dp) energy(1) = 0.5_dp*self%body_inertia*sum(turned(self%turnings(), rate))**2
     energy(2) = 0.0_dp
+    turn = 0.0_dp
+    if (allocated(self%hub_turn)) turn = dot_product(self%hub_turn(:size(q)), q)
     do i = 1, self%struck_joint
+      first = dot_product(self%piece(i)%slope(1, :size(q)), q)
       energy(2) = energy(2) + 0.5_dp*self%body_pull*self%given%beam%piece(i)%length%hi &
-        *sum(matmul(self%piece(i)%slope(:, :size(q)), q)**2)
+        *(sum(matmul(self%piece(i)%slope(:, :size(q)), q)**2) + turn*(2.0_dp*first + turn))
     end do
+    energy(2) = energy(2) + self%body_pull*turn*(dot_product(self%deflection(0, :size(q)), q) &
+                                                 + 0.5_dp*self%given%beam%root%hub_radius%hi*turn)
   end function energy_of_body
+
+  pure function turned(turning, rate) result(parts)
+    real(dp), intent(in) :: turning(:), rate(:)            !! of all modes; of the first of them
+    real(dp) :: parts(size(rate))
+    parts = turning(:size(rate))*rate
+  end function turned
 
   pure function products(weight, onto, from, amplitude) result(sums)
     !! Σ_i a_i∫w o_k f_i over the polynomials that both sets have, (modes of `onto`).

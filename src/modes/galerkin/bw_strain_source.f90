@@ -1,7 +1,7 @@
 module bw_strain_source
   !! Modes that are known by the coefficients of their strains, by their numbers: as many as were solved for, and how amplitudes
   !! fall beyond them.
-  use bw_double_double, only: operator(==)
+  use bw_double_double, only: operator(*), operator(==)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
@@ -10,7 +10,7 @@ module bw_strain_source
   use bw_scene_pieces, only: struck_beam
   use bw_strain_modes, only: strain_modes
   use bw_strain_set, only: strain_set
-  use bw_varying_beam, only: soft_parts, softest, varying_beam
+  use bw_varying_beam, only: soft_parts, softest, turning_inertia, varying_beam
   implicit none (type, external)
   private
   public :: strain_source_of
@@ -56,6 +56,7 @@ contains
       source%pieces = struck_beam(given%beam, problem%struck, problem%position, problem%captured)
       if (given%tapers()) &
         source%pieces = struck_beam(softest(given), soft_parts*problem%struck, problem%position, problem%captured)
+      if (given%beam%root%on_hub) call lighten(given, source%pieces)
       source%uniform = problem%uniform
       source%root_power = root_power(given%beam%root)
       call strain_modes(given, count, problem%struck, set, monitor)
@@ -69,6 +70,20 @@ contains
       set%body_pull = given%beam%spin_squared%hi*source%gamma*(problem%position + given%hub_radius)
     end associate
   end subroutine strain_source_of
+
+  pure subroutine lighten(given, pieces)
+    !! A hub that is free leaves deflections from its line the kinetic energy of a clamped beam, less what its turn takes: with inertias
+    !! J of the hub and I of the beam no less than the part J/(J + I).
+    type(varying_beam), intent(in) :: given
+    type(struck_beam), intent(inout) :: pieces
+    associate (hub => given%beam%root%hub_inertia%hi, beam => pieces%beam)
+      pieces%lightness = hub/(hub + turning_inertia(given))
+      beam%piece%mass = beam%piece%mass*pieces%lightness
+      beam%piece%rotary = beam%piece%rotary*pieces%lightness
+      beam%joint%mass = beam%joint%mass*pieces%lightness
+      beam%joint%inertia = beam%joint%inertia*pieces%lightness
+    end associate
+  end subroutine lighten
 
   subroutine find_among_solved(self, number, modes, longest, monitor)
     !! Find the modes of these numbers among those that were solved for. `longest` has no use here: β² has the digits that it

@@ -13,7 +13,7 @@ module bw_strain_system
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: build_system, forms_of_spin, stressed, unfactored
+  public :: build_system, forms_of_spin, stressed, turn_of_piece, unfactored
 
   type, public :: strain_system
     type(strain_layout) :: layout
@@ -46,7 +46,35 @@ contains
     system%layout = layout_of(given%beam, functions)
     call build_form(given, system%layout, weights, system%stiffness)
     call build_mass_root(given, system%layout, system%mass_root)
+    if (given%beam%root%on_hub) call add_turn(shift%hi, system)
   end subroutine build_system
+
+  pure subroutine add_turn(shift, system)
+    !! The turn of a hub that is free costs no energy, so that the last row and column are those of σM.
+    real(dp), intent(in) :: shift                  !! σ
+    type(strain_system), intent(inout) :: system
+    real(dp), allocatable :: form(:, :)
+    integer :: n
+    n = size(system%stiffness, 1)
+    allocate (form(n + 1, n + 1))
+    form(:n, :n) = system%stiffness
+    form(n + 1, :) = shift*matmul(system%mass_root(:, n + 1), system%mass_root)
+    form(:n, n + 1) = form(n + 1, :n)
+    call move_alloc(form, system%stiffness)
+  end subroutine add_turn
+
+  pure function turn_of_piece(given, i, n) result(motion)
+    !! A turn of the hub by 1: coefficients of the deflection R + ξ over a piece.
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: i
+    integer, intent(in) :: n                       !! ≥ 2
+    real(dp) :: motion(n)
+    associate (piece => given%beam%piece)
+      motion = 0.0_dp
+      motion(1) = given%beam%root%hub_radius%hi + sum(piece(:i - 1)%length%hi) + 0.5_dp*piece(i)%length%hi
+      motion(2) = piece(i)%length%hi*sqrt(3.0_dp)/6.0_dp
+    end associate
+  end function turn_of_piece
 
   subroutine forms_of_spin(given, functions, elastic, tension, push)
     !! What a mode's equation is made of at any speed: A = K + Ω²(T − R), the elastic stiffness, that by tension, and what the
@@ -184,35 +212,53 @@ contains
     real(dp), allocatable, intent(out) :: root(:, :)   !! (rows, unknowns)
     type(piece_motions) :: unit
     integer, allocatable :: column(:)
-    integer :: i, n, row
+    integer :: i, n, row, last
+    real(dp) :: turn(maxval(layout%functions) + 2, 1)
     associate (beam => given%beam)
       n = size(beam%piece)
-      allocate (root(2*sum(layout%functions + 2) + 2*n, layout%unknowns), source=0.0_dp)
+      last = layout%unknowns + merge(1, 0, beam%root%on_hub)
+      allocate (root(2*sum(layout%functions + 2) + 2*n + 1, last), source=0.0_dp)
       row = 0
       do i = 1, n
         column = columns_of(layout, i)
         unit = motions_of(beam%piece(i), layout%functions(i), layout%shear, unit_columns(layout, i))
         associate (piece => beam%piece(i), law => given%law(i), f => layout%functions(i))
           root(row + 1:row + f + 2, column) = sqrt(piece%mass%hi*piece%length%hi)*factored(law%mass, unit%deflection)
+          if (beam%root%on_hub) then
+            turn(:f + 2, 1) = turn_of_piece(given, i, f + 2)
+            root(row + 1:row + f + 2, last:) = sqrt(piece%mass%hi*piece%length%hi)*factored(law%mass, turn(:f + 2, :))
+          end if
           row = row + f + 2
           if (piece%rotary%hi > 0.0_dp) then
             root(row + 1:row + f + 1, column) = sqrt(piece%rotary%hi*piece%length%hi)*factored(law%rotary, unit%turning)
+            if (beam%root%on_hub) then
+              turn(:, 1) = 0.0_dp
+              turn(1, 1) = 1.0_dp
+              root(row + 1:row + f + 1, last:) = sqrt(piece%rotary%hi*piece%length%hi)*factored(law%rotary, turn(:f + 1, :))
+            end if
             row = row + f + 1
           end if
         end associate
       end do
       do i = 1, n
-        call add_body(beam%joint(i)%mass%hi, layout%joints%deflection(:layout%joints%number, i))
-        call add_body(beam%joint(i)%inertia%hi, layout%joints%turning(:layout%joints%number, i))
+        call add_body(beam%joint(i)%mass%hi, layout%joints%deflection(:layout%joints%number, i), &
+                      beam%root%hub_radius%hi + sum(beam%piece(:i)%length%hi))
+        call add_body(beam%joint(i)%inertia%hi, layout%joints%turning(:layout%joints%number, i), 1.0_dp)
       end do
-      root = root(:max(row, layout%unknowns), :)
+      if (beam%root%on_hub) then
+        row = row + 1
+        root(row, last) = sqrt(beam%root%hub_inertia%hi)
+      end if
+      root = root(:max(row, last), :)
     end associate
   contains
-    subroutine add_body(inertia, motion)
+    subroutine add_body(inertia, motion, turn)
       real(dp), intent(in) :: inertia, motion(:)
+      real(dp), intent(in) :: turn                   !! what a turn of the hub moves it by
       if (inertia == 0.0_dp) return
       row = row + 1
       root(row, layout%of_joints) = sqrt(inertia)*motion
+      if (given%beam%root%on_hub) root(row, last) = sqrt(inertia)*turn
     end subroutine add_body
   end subroutine build_mass_root
 
