@@ -6,7 +6,8 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: ddot, dgbsv, dgemm, dgesv, dtrsm
-  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgeev, zgesv, zgesvd
+  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgbsv, zgeev, zgesv, &
+    & zgesvd
 
   interface
 
@@ -195,6 +196,15 @@ module bw_lapack
       real(dp), intent(inout) :: rwork(*)
       integer, intent(out) :: info
     end subroutine zgeev
+
+    pure subroutine zgbsv(n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
+      !! The solution of A X = B, A a band of kl diagonals below and ku above its own: A(i, j) is ab(kl + ku + 1 + i − j, j).
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: n, kl, ku, nrhs, ldab, ldb
+      complex(dp), intent(inout) :: ab(ldab, *), b(ldb, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine zgbsv
 
     pure subroutine zgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
       !! The solution of A X = B by elimination; info > 0: A is singular.

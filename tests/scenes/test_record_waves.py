@@ -28,6 +28,17 @@ SIMULATED = {
         "impact": {"mass_ratio": 0.2, "position": 0.3},
         "modes": {"before": 12},
     },
+    "a short piece at the tip": {
+        "beam": PAPER_BEAM,
+        "body": {"position": 0.999, "mass": 1.0, "rotary_inertia": 0.002},
+        "impact": {"mass_ratio": 0.2, "position": 0.7},
+        "modes": {"before": 12},
+    },
+    "many pieces": {
+        "beam": {**PAPER_BEAM, "length": [0.05] * 20, "diameter": [0.03 + 0.001 * (7 * i % 11) for i in range(20)]},
+        "impact": {"mass_ratio": 0.2, "position": 0.7},
+        "modes": {"before": 12},
+    },
     "a mass that turns": {
         "beam": PAPER_BEAM,
         "rotation": {"angular_velocity": 30.0},

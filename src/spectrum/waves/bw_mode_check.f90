@@ -139,7 +139,8 @@ contains
     type(mode_lines), intent(in) :: modes
     real(dp), dimension(size(modes%strength)) :: distance, share
     distance = abs(modes%image(:size(distance)) - modes%image(own%number))
-    share = min(modes%strength/peak%strength, peak%hidden**2/max(hides*distance, tiny(1.0_dp)))
+    share = modes%strength/peak%strength
+    where (hides*distance*share > peak%hidden**2) share = peak%hidden**2/(hides*distance)
     if (own%number <= size(share)) share(own%number) = 0
     part = sum(share, mask=distance <= resolution)
   end function in_its_place

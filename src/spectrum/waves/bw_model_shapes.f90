@@ -3,11 +3,14 @@ module bw_model_shapes
   !! the force at the tip, which takes a mass or a spring there that is not known. At the wave numbers of the beam's own modes it
   !! is their shape. Lengths are in units of the beam's.
   use bw_kinds, only: dp
-  use bw_lapack, only: zgesv
+  use bw_lapack, only: zgbsv
   use bw_piece_beam, only: beam_joint, piece_beam
+  use bw_wave_shapes, only: near, powers
   implicit none (type, external)
   private
   public :: mean_wavenumber, model_shape
+
+  integer, parameter :: wide = 5               !! diagonals on either side of the conditions' own: each couples neighbouring pieces
 
 contains
 
@@ -26,43 +29,46 @@ contains
 
   pure function model_shape(beam, alpha, position, strain) result(values)
     !! Deflections at sensors, or the second derivative over α². In each piece they are sums of cos, sin and two exponentials that
-    !! fall from either end; the conditions are linear in their factors, so that the values are analytic in α.
+    !! fall from either end, or in short ones of powers; the conditions are linear in the factors, so that values are analytic in α.
     type(piece_beam), intent(in) :: beam           !! without shear and tension
     complex(dp), intent(in) :: alpha               !! (P l)⁴ = α⁴ where EI and ρA are 1; real part > 0
     real(dp), intent(in) :: position(:)            !! ξ, (n)
     logical, intent(in) :: strain
     complex(dp) :: values(size(position))
-    complex(dp) :: conditions(4*size(beam%piece), 4*size(beam%piece)), factors(4*size(beam%piece), 1), here(4, 4)
-    real(dp) :: ends(0:size(beam%piece)), wave(size(beam%piece)), left
+    complex(dp) :: conditions(3*wide + 1, 4*size(beam%piece)), factors(4*size(beam%piece), 1), here(4, 4)
+    real(dp) :: ends(0:size(beam%piece)), wave(size(beam%piece))
     integer :: pivot(4*size(beam%piece)), i, n, row, info
     n = size(beam%piece)
     wave = local_factor(beam)
     ends = [0.0_dp, [(sum(beam%piece(:i)%length%hi), i=1, n)]]
     conditions = 0
     here = states(1, 0.0_dp)
-    conditions(1, :4) = here(4, :) + beam%root%stiffness%hi*here(1, :)
-    conditions(2, :4) = here(3, :) - beam%root%turning_stiffness%hi*here(2, :)
-    if (beam%root%holds_deflection) conditions(1, :4) = here(1, :)
-    if (beam%root%holds_turning) conditions(2, :4) = here(2, :)
+    if (beam%root%holds_deflection) then
+      call put(conditions, 1, here(1, :), 1)
+    else
+      call put(conditions, 1, here(4, :) + beam%root%stiffness%hi*here(1, :), 1)
+    end if
+    if (beam%root%holds_turning) then
+      call put(conditions, 2, here(2, :), 1)
+    else
+      call put(conditions, 2, here(3, :) - beam%root%turning_stiffness%hi*here(2, :), 1)
+    end if
     do i = 1, n
-      row = 4*i - 2
       here = states(i, beam%piece(i)%length%hi)
       here(3, :) = here(3, :) + moment_of(beam%joint(i))*here(2, :)
       if (i == n) exit
       here(4, :) = here(4, :) + force_of(beam%joint(i))*here(1, :)
-      conditions(row + 1:row + 4, row - 1:row + 2) = here
-      conditions(row + 1:row + 4, row + 3:row + 6) = -states(i + 1, 0.0_dp)
+      associate (next => states(i + 1, 0.0_dp))
+        do row = 1, 4
+          call put(conditions, 4*i - 2 + row, [here(row, :), -next(row, :)], 4*i - 3)
+        end do
+      end associate
     end do
-    conditions(4*n - 1, 4*n - 3:) = here(3, :)
-    conditions(4*n, 4*n - 3:) = here(1, :) - here(4, :)/(beam%piece(n)%stiffness%hi*(alpha*wave(n))**3)  ! no mass ≥ 0 makes it 0
     factors = 0
     factors(4*n, 1) = 1
-    do row = 1, 4*n
-      left = 1/maxval(abs(conditions(row, :)))
-      conditions(row, :) = conditions(row, :)*left
-      factors(row, :) = factors(row, :)*left
-    end do
-    call zgesv(4*n, 1, conditions, 4*n, pivot, factors, 4*n, info)
+    call put(conditions, 4*n - 1, here(3, :), 4*n - 3)
+    call put(conditions, 4*n, here(1, :) - here(4, :)/(beam%piece(n)%stiffness%hi*(alpha*wave(n))**3), 4*n - 3)   ! no mass makes it 0
+    call zgbsv(4*n, wide, wide, 1, conditions, size(conditions, 1), pivot, factors, 4*n, info)
     do row = 1, size(position)
       i = max(1, count(ends(:n - 1) < position(row)))
       here = states(i, min(position(row), ends(i)) - ends(i - 1))
@@ -72,18 +78,39 @@ contains
 
   contains
 
+    pure subroutine put(band, row, condition, first)
+      !! A condition on the factors from a first one on. All but the last sum to 0; what that one sums to does not matter to the shape.
+      complex(dp), intent(inout) :: band(:, :)     !! as LAPACK has it
+      integer, intent(in) :: row, first
+      complex(dp), intent(in) :: condition(:)
+      integer :: j
+      do j = 1, size(condition)
+        band(2*wide + 2 + row - first - j, first + j - 1) = condition(j)/maxval(abs(condition))
+      end do
+    end subroutine put
+
     pure function states(piece, place) result(state)
       !! Deflection, slope, moment and shear force EI v''' of the four functions of a piece.
       integer, intent(in) :: piece
       real(dp), intent(in) :: place                !! from its inner end
-      complex(dp) :: state(4, 4), a
-      integer :: order
+      complex(dp) :: state(4, 4), power(4), a
+      integer :: order, m
       a = alpha*wave(piece)
-      state(1, :) = [cos(a*place), sin(a*place), exp(-a*place), exp(-a*(beam%piece(piece)%length%hi - place))]
-      state(2, :) = a*[-state(1, 2), state(1, 1), -state(1, 3), state(1, 4)]
-      do order = 3, 4
-        state(order, :) = beam%piece(piece)%stiffness%hi*a**2*[-1, -1, 1, 1]*state(order - 2, :)
-      end do
+      associate (length => beam%piece(piece)%length%hi)
+        if (real(a)*length < near) then            ! these functions would be alike
+          power = [(powers(a*place, m), m=0, 3)]   ! each is the derivative of the next
+          do m = 0, 3
+            state(:, m + 1) = [(a**order*power(1 + modulo(m - order, 4)), order=0, 3)]/(a*length)**m
+          end do
+        else
+          state(1, :) = [cos(a*place), sin(a*place), exp(-a*place), exp(-a*(length - place))]
+          state(2, :) = a*[-state(1, 2), state(1, 1), -state(1, 3), state(1, 4)]
+          do order = 3, 4
+            state(order, :) = a**2*[-1, -1, 1, 1]*state(order - 2, :)
+          end do
+        end if
+      end associate
+      state(3:4, :) = beam%piece(piece)%stiffness%hi*state(3:4, :)
     end function states
 
     pure complex(dp) function force_of(joint)

@@ -13,7 +13,7 @@ module bw_wave_shapes
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: function_count, shape_functions, tip_shape
+  public :: function_count, near, powers, shape_functions, tip_shape
 
   real(dp), parameter :: near = 1.9_dp         !! αξ below which sums of powers replace differences of exponentials
   real(dp), parameter :: factorial(0:3) = [1, 1, 2, 6]
