@@ -263,7 +263,7 @@ contains
       if (plan%drift > 0.5_dp*plan%reached) text = text//', whose frequencies under tension are rounded: most of the error is '// &
         'what that comes to by the end of so long a record'
       if (.not. is_missing(relaxed_tolerance(plan%surely))) then
-        text = text//'; accepted: '//shortest(1.1_dp*plan%surely, 2)//' or more, or before and after, which count modes'
+        text = text//'; accepted: '//shortest(plan%named(), 2)//' or more, or before and after, which count modes'
       else
         text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
       end if

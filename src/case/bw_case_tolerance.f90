@@ -13,6 +13,7 @@ module bw_case_tolerance
   use bw_mode_set, only: attend, search_failure
   use bw_modes_par, only: by_tolerance, relaxed_tolerance
   use bw_monitor, only: monitor_type
+  use bw_plan, only: plan_type
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_scene, case_words, few_corners
   use bw_text, only: text_of
@@ -47,8 +48,6 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(search_failure), target :: failure
     type(motion_cache) :: cache
-    type(case_histories) :: histories
-    type(history_errors) :: errors
     character(:), allocatable :: place
     integer :: line
     count = 0
@@ -59,18 +58,54 @@ contains
       if (monitor%stop_requested()) return
     end if
     call attend(motion%modes%configuration, failure, monitor)
-    call find_motion(scene, motion, monitor, cache)
-    if (monitor%stop_requested()) return
-    if (motion%plan%within .and. .not. motion%plan%is_certain()) &
-      call find_histories(scene, motion, monitor, cache, histories, errors)
+    call try_tolerance(scene, motion, monitor, cache)
     if (monitor%stop_requested()) return
     if (failure%first == 0 .and. size(motion%timeline%segments) > 0) count = motion%timeline%segments(1)%count
     if (failure%first > 0 .or. motion%plan%within) return
+    if (scene%modes%asked) call find_named(scene, monitor, motion%plan)
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
     if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
     call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion))
   end subroutine plan_motion
+
+  subroutine try_tolerance(scene, motion, monitor, cache)
+    !! Choose how many modes are summed. Where it is not certain that the tolerance is kept, the sum tells.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion     !! its modes are known
+    class(monitor_type), intent(inout), target :: monitor
+    type(motion_cache), intent(inout) :: cache
+    type(case_histories) :: histories
+    type(history_errors) :: errors
+    call find_motion(scene, motion, monitor, cache)
+    if (monitor%stop_requested() .or. motion%plan%is_certain() .or. .not. motion%plan%within) return
+    call find_histories(scene, motion, monitor, cache, histories, errors)
+  end subroutine try_tolerance
+
+  subroutine find_named(scene, monitor, plan)
+    !! Find a tolerance that can be kept, in the place of one that cannot: near the limit it is planned as a run would, before it is
+    !! named.
+    type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout), target :: monitor
+    type(plan_type), intent(inout) :: plan         !! that was refused
+    integer, parameter :: tries = 4
+    type(case_motion), allocatable :: motion
+    type(motion_cache) :: cache
+    type(scene_type) :: other
+    integer :: try
+    other = scene
+    do try = 1, tries
+      if (.not. any(plan%exhausted) .or. is_missing(relaxed_tolerance(plan%surely))) return
+      other%modes%tolerance = plan%named()
+      if (allocated(motion)) deallocate (motion)
+      allocate (motion)
+      motion%units = units_of(scene%beam)
+      call find_modes(other, motion%units, monitor, motion%modes)
+      if (.not. monitor%stop_requested()) call try_tolerance(other, motion, monitor, cache)
+      if (monitor%stop_requested() .or. motion%plan%within) return
+      plan%surely = max(motion%plan%surely, other%modes%tolerance)
+    end do
+  end subroutine find_named
 
   subroutine fix_tolerance(scene, monitor, count, error, motion)
     !! Plan a scene before it is run. A default tolerance becomes the one that is used; in a sweep each case relaxes its own,

@@ -13,6 +13,7 @@ module bw_kept_tolerance
   use bw_mode_set, only: deflections
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_plan, only: bound_times
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_events, stopwatch
   implicit none (type, external)
@@ -72,7 +73,8 @@ contains
       !! What the sum has shown.
       associate (unit => abs(scene%impact%approach_velocity)*motion%units%time%hi, plan => motion%plan)
         call plan%learn(errors%part, largest_magnitude(histories%response%displacement)/unit, errors%segment, &
-                        maxval(errors%displacement)/unit, maxval(drift_errors(scene, motion, deflections, .false.))/unit)
+                        max(maxval(errors%displacement), maxval(errors%displacement_bound)/bound_times)/unit, &
+                        maxval(drift_errors(scene, motion, deflections, .false.))/unit)
         plan%within = plan%within .and. try < tries - 1
       end associate
     end subroutine learn

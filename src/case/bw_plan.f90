@@ -31,6 +31,7 @@ module bw_plan
     procedure :: part_of_block
     procedure :: is_certain
     procedure :: learn
+    procedure :: named
   end type plan_type
 
 contains
@@ -107,5 +108,14 @@ contains
     self%aim = merge(known*min(1.0_dp, self%tolerance/self%reached)*self%aim, known, allocated(self%part) .and. self%within)
     call move_alloc(part, self%part)
   end subroutine learn
+
+  elemental real(dp) function named(self)
+    !! A tolerance that can be kept, in two digits.
+    class(plan_type), intent(in) :: self
+    real(dp), parameter :: margin = 1.02_dp
+    real(dp) :: digit
+    digit = 10.0_dp**(floor(log10(margin*self%surely)) - 1)
+    named = digit*ceiling(margin*self%surely/digit)
+  end function named
 
 end module bw_plan
