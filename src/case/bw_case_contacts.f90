@@ -128,13 +128,14 @@ contains
     type(event_type) :: event
     class(mode_set), allocatable :: before
     real(dp), allocatable :: q(:), rate(:)
-    real(dp) :: speed, turned
-    integer :: first
+    real(dp) :: held(2), speed, turned               ! of the mass: its displacement and velocity at the beam
+    integer :: first, mass
     event%kind = capture_event
     event%time = motion%timeline%events(size(motion%timeline%events))%end_time
     event%end_time = event%time
     event%energy_before = motion%timeline%events(size(motion%timeline%events))%energy_after
     speed = speed_in_plane(scene%rotation, motion%units)
+    mass = size(contacts%state%u)
     associate (free => motion%modes%configuration(alone), loaded => motion%modes%configuration(together)%set, n => taking_part)
       call free%source%find(first_numbers(min(free%source%highest, times_as_many*free%set%count)), before, monitor=monitor)
       if (monitor%stop_requested()) return
@@ -146,9 +147,9 @@ contains
       next%start = contacts%state%time
       next%count = loaded%count
       turned = motion%modes%configuration(together)%source%pieces%captured%inertia%hi*dot_product(before%turnings(), q)
-      next%q = (loaded%overlap_with_mass(before, q, monitor) + turned*loaded%turnings())/loaded%modal_mass
-      next%rate = (loaded%overlap_of_beam(before, rate, monitor) + scene%impact%mass_ratio*contacts%state%v(free%set%count + 1) &
-                   *loaded%struck)/loaded%modal_mass
+      held = scene%impact%mass_ratio*[contacts%state%u(mass) - contacts%indentation, contacts%state%v(mass)]
+      next%q = (loaded%overlap_of_beam(before, q, monitor) + held(1)*loaded%struck + turned*loaded%turnings())/loaded%modal_mass
+      next%rate = (loaded%overlap_of_beam(before, rate, monitor) + held(2)*loaded%struck)/loaded%modal_mass
       next%q(n + 1:) = 0.0_dp
       next%rate(n + 1:) = 0.0_dp
       event%energy_after = beam_energy(loaded, next%q, next%rate) - scene%impact%mass_ratio*speed**2*contacts%indentation &
