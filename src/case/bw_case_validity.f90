@@ -65,7 +65,8 @@ contains
     real(dp) :: flight, step, spin                 ! V l²/h; l²/h; h/l²
     integer :: j, p
     p = findloc(scene%response%points, scene%impact%position, dim=1)
-    if (allocated(scene%capture) .or. allocated(scene%recontact) .or. allocated(scene%contact) .or. p == 0) return
+    if (allocated(scene%capture) .or. allocated(scene%recontact) .or. allocated(scene%contact)) return
+    if (allocated(scene%hub) .or. p == 0) return
     if (scene%impact%mass_ratio == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
     step = scene%response%duration/scene%response%samples/motion%units%time%hi
     spin = speed_in_plane(scene%rotation, motion%units)

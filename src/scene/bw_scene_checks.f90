@@ -212,7 +212,7 @@ contains
     associate (modes => scene%groups(position_of(scene%groups, 'modes')))
       if (count <= most_galerkin_modes .or. .not. modes%given(name)) return
       call messages%add(modes%line_of(name), 'modes%'//name, 'is '//text_of(count)// &
-                        ', more than the Galerkin basis holds; accepted: 1 to '//text_of(most_galerkin_modes))
+                        ', more than the basis of Galerkin''s method holds; accepted: 1 to '//text_of(most_galerkin_modes))
     end associate
   end subroutine check_count
 

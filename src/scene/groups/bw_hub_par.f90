@@ -15,7 +15,7 @@ module bw_hub_par
   end type hub_par
 
   type(input_group), parameter, public :: hub_group = input_group( &
-    'hub', excludes='recontact', is_effect=.true., builds_up=.true., changes_shapes=.true., &
+    'hub', excludes='recontact contact', is_effect=.true., builds_up=.true., changes_shapes=.true., &
     absent='the hub''s motion is prescribed: it does not recoil', &
     rules='The root is clamped to a rigid hub, or held by the springs of `&support` on it, which is free to turn about the '// &
     'axis: a blow gives it an angular velocity, and angular momentum is kept. Mode 1 is the rigid turn, without frequency and '// &
