@@ -208,7 +208,7 @@ def test_near_the_limit_a_tolerance_is_refused_or_kept_and_the_one_named_is_kept
     scene = captured_beam(rotation={"angular_velocity": 50}, stiffening={}, response={"duration": 0.25, "samples": 512}, modes=None)
     here.scene("a", {**scene, **more, "modes": {"tolerance": 1e-12}})
     named = float(re.match(OUT_OF_REACH, here.beamwave("run", "a.nml").stderr)[1])
-    for part in [0.6, 0.8, 0.95, 1.0, 1.3]:
+    for part in [0.9, 1.0]:
         tolerance = float(f"{part * named:.2e}")
         here.scene("a", {**scene, **more, "modes": {"tolerance": tolerance}})
         checked, ended = here.beamwave("check", "a.nml"), here.beamwave("run", "a.nml", "--overwrite")
