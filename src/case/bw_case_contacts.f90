@@ -128,7 +128,8 @@ contains
     type(event_type) :: event
     class(mode_set), allocatable :: before
     real(dp), allocatable :: q(:), rate(:)
-    real(dp) :: held(2), speed, turned               ! of the mass: its displacement and velocity at the beam
+    real(dp) :: body(2), speed, turned
+    real(dp) :: held(2)                              ! of the mass: its displacement and velocity at the beam
     integer :: first, mass
     event%kind = capture_event
     event%time = motion%timeline%events(size(motion%timeline%events))%end_time
@@ -153,7 +154,9 @@ contains
       next%q(n + 1:) = 0.0_dp
       next%rate(n + 1:) = 0.0_dp
       event%energy_after = beam_energy(loaded, next%q, next%rate) - scene%impact%mass_ratio*speed**2*contacts%indentation &
-        *(dot_product(loaded%struck, next%q) + 0.5_dp*contacts%indentation)
+        *(contacts%state%u(mass) - 0.5_dp*contacts%indentation)
+      body = loaded%body_energy(next%q, next%rate)
+      event%energy_after = event%energy_after - body(2)    ! the tension that its mass brings begins with the capture
       first = first_struck(loaded)
       event%momentum_before = loaded%modal_mass(first)*next%rate(first)/loaded%struck(first)
       event%momentum_after = event%momentum_before

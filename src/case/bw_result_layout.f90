@@ -108,7 +108,7 @@ contains
     call plan_profile(scene, layout)
     if (allocated(scene%contact)) then
       layout%contact_samples = contact_samples
-      layout%events = scene%contact%max_contacts
+      layout%events = largest(scene, 'contact', 'max_contacts', scene%contact%max_contacts)
       if (layout%cases > 0) layout%events = min(layout%events, swept_contacts)
       layout%events = layout%events + most_events(scene, 0) - 1      ! a contact takes the place of the impact
     else if (allocated(scene%recontact)) then

@@ -21,7 +21,7 @@ ABSENT = {
         *("bw_signal", "bw_oscillators", "bw_neighbours"),
     ],
     "contact": [
-        *("bw_contact_case", "bw_case_contacts", "bw_lasting_contact", "bw_contact_bodies", "bw_contact_law"),
+        *("bw_lasting_contact", "bw_contact_bodies", "bw_contact_law"),
         *("bw_force_step", "bw_force_response", "bw_loaded_sum", "bw_static_shape"),
     ],
     "pieces": [

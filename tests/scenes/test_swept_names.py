@@ -14,7 +14,7 @@ SQUARE = {**{name: value for name, value in PAPER_BEAM.items() if name != "diame
 BAR = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "width": 0.03, "height": 0.02}
 LUMPED = {"length": 1.0, "mass_per_length": 3.0, "bending_stiffness": 500.0}
 REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
-STRUCK = captured_beam(capture=None, modes={"before": 8}, response=RESPONSE)
+STRUCK = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
 RECOIL = captured_beam(rotation=None, hub={"rotary_inertia": 2.0}, modes={"before": 8, "after": 8}, response=RESPONSE)
 SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
@@ -52,6 +52,7 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "contact%beam_poisson_ratio": ({**STRUCK, "contact": {"radius": 0.02}}, [0.2, 0.3]),
     "contact%surface_radius": ({**STRUCK, "contact": {"radius": 0.02}}, [0.0, 0.05]),
     "contact%damping": ({**STRUCK, "contact": {"radius": 0.02}}, [0.0, 0.3]),
+    "contact%max_contacts": ({**STRUCK, "contact": {"radius": 0.02}}, [500, 600]),
     "modes%before": (CAPTURE, [4, 9]),
     "modes%after": (CAPTURE, [5, 7]),
     "modes%tolerance": ({**CAPTURE, "modes": {}}, [1e-2, 1e-4]),

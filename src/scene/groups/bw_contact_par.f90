@@ -46,7 +46,7 @@ module bw_contact_par
                meaning='of the beam''s side, 0: flat; absent: of a round beam'), &
     input_name('contact', 'damping', real_input, 's m-1', not_negative, '0', swept=.true., &
                meaning='of Hunt and Crossley, in (1 + damping d'')'), &
-    input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', &
+    input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', swept=.true., &
                meaning='largest number of contacts')]
 
 contains
