@@ -128,7 +128,7 @@ contains
     type(event_type) :: event
     class(mode_set), allocatable :: before
     real(dp), allocatable :: q(:), rate(:)
-    real(dp) :: body(2), speed, turned
+    real(dp) :: speed, turned
     real(dp) :: held(2)                              ! of the mass: its displacement and velocity at the beam
     integer :: first, mass
     event%kind = capture_event
@@ -153,10 +153,6 @@ contains
       next%rate = (loaded%overlap_of_beam(before, rate, monitor) + held(2)*loaded%struck)/loaded%modal_mass
       next%q(n + 1:) = 0.0_dp
       next%rate(n + 1:) = 0.0_dp
-      event%energy_after = beam_energy(loaded, next%q, next%rate) - scene%impact%mass_ratio*speed**2*contacts%indentation &
-        *(contacts%state%u(mass) - 0.5_dp*contacts%indentation)
-      body = loaded%body_energy(next%q, next%rate)
-      event%energy_after = event%energy_after - body(2)    ! the tension that its mass brings begins with the capture
       first = first_struck(loaded)
       event%momentum_before = loaded%modal_mass(first)*next%rate(first)/loaded%struck(first)
       event%momentum_after = event%momentum_before
@@ -165,6 +161,7 @@ contains
         next%rest(n + 1:) = 0.0_dp
         next%q = next%q - next%rest
       end if
+      event%energy_after = beam_energy(loaded, next%q, next%rate)          ! about that equilibrium
       next%lack = lack_type(q=0.0_dp*next%q, rate=0.0_dp*next%q)
       next%energy = event%energy_after
     end associate

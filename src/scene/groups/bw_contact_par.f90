@@ -67,7 +67,8 @@ contains
     contact = position_of(groups, 'contact')
     impact = position_of(groups, 'impact')
     if (contact == 0 .or. impact == 0) return
-    if (groups(impact)%given('restitution')) call messages%add(groups(impact)%line_of('restitution'), 'impact%restitution', &
+    if (groups(impact)%number('restitution') == 0.0_dp .and. .not. groups(impact)%is_swept('restitution')) return
+    call messages%add(groups(impact)%line_of('restitution'), 'impact%restitution', &
       'has no meaning with &contact, where the rebound comes out; accepted: &contact without it, or it without &contact')
   end subroutine check_contact_place
 
