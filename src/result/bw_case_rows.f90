@@ -209,8 +209,7 @@ contains
     if (table%real_row('bending_moment_error', 'point', 'N m', estimate_of//'bending moment'//limit_of, &
                        needs='estimates bending_moment')) call table%put(response%bending_moment_error)
     if (table%real_row('bending_stress_error', 'point', 'Pa', estimate_of//'bending stress'//limit_of, &
-                       needs='estimates bending_stress')) &
-      call table%put(scaled(response%bending_moment_error, response%stress_of_moment))
+                       needs='estimates bending_stress')) call put_stress_errors(table, response)
     if (table%real_row('hub_angle', 'time', 'rad', 'turn of the hub beyond the even rotation', needs='hub')) &
       call table%put(response%hub_angle)
     if (table%real_row('displacement', 'point time', 'm', 'transverse displacement in the rotating frame', &
@@ -223,6 +222,17 @@ contains
                        needs='bending_stress')) &
       call table%put_columns(stresses_of(response))
   end subroutine history_rows
+
+  subroutine put_stress_errors(table, response)
+    !! Those of the moments, M c/I; fill where there are none.
+    class(result_table), intent(inout) :: table
+    type(response_type), intent(in) :: response
+    if (allocated(response%bending_moment_error)) then
+      call table%put(scaled(response%bending_moment_error, response%stress_of_moment))
+    else
+      call table%put(response%bending_moment_error)
+    end if
+  end subroutine put_stress_errors
 
   pure function stresses_of(response) result(stress)
     !! M c/I, (samples, points).
