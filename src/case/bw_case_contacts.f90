@@ -228,7 +228,8 @@ contains
       kept%lasting = contacts%lasting
       events%time = min(events%time*unit, duration)
       events%end_time = min(events%end_time*unit, duration)
-      if (contacts%lasting) events(size(events))%end_time = duration
+      if (contacts%lasting .and. size(events) > 0) events(size(events))%end_time = duration
+      run%initial%modal_velocity = 0.0_dp*square                ! where no force was found
       if (first == 0) return
       associate (flight => contacts%segments(first))
         run%initial%modal_velocity = sqrt(flight%rate**2 + max(0.0_dp, square)*flight%q**2)

@@ -10,7 +10,7 @@ module bw_case_frequency
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, extend_source, find_sources
-  use bw_case_result, only: answer_type, case_modes
+  use bw_case_result, only: answer_type, case_done, case_modes, case_not_converged
   use bw_constants, only: two_pi
   use bw_damping, only: law_of
   use bw_forced_beam, only: forced_beam
@@ -21,7 +21,7 @@ module bw_case_frequency
   use bw_piece_source, only: source_of_pieces
   use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam
-  use bw_text, only: append, shortest, string
+  use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
   public :: find_frequency_response
@@ -41,7 +41,7 @@ module bw_case_frequency
 
 contains
 
-  subroutine find_frequency_response(scene, units, monitor, cache, answer, notes)
+  subroutine find_frequency_response(scene, units, monitor, cache, answer, notes, status)
     !! The answer of all points at all frequencies, in SI units.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -49,6 +49,7 @@ contains
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), allocatable, intent(out) :: answer
     type(string), allocatable, intent(inout) :: notes(:)
+    integer, intent(inout) :: status                 !! of the case
     type(forced_beam) :: forced
     type(struck_beam) :: pieces
     real(dp), allocatable :: omega(:)                ! in h/l²
@@ -69,7 +70,7 @@ contains
     end if
     if (monitor%stop_requested()) return
     call keep_numbers(answer%value)
-    if (allocated(answer%error)) call note_error(answer, notes)
+    if (allocated(answer%error)) call judge_error(answer, notes, status)
   end subroutine find_frequency_response
 
   subroutine by_boundary(scene, units, forced, omega, factor, monitor, value)
@@ -232,19 +233,23 @@ contains
     if (.not. is_number) value = cmplx(missing, missing, dp)
   end subroutine keep_numbers
 
-  subroutine note_error(answer, notes)
-    !! What modes leave open.
-    type(answer_type), intent(in) :: answer
+  subroutine judge_error(answer, notes, status)
+    !! What modes leave open. An answer that is less than its error is missing.
+    type(answer_type), intent(inout) :: answer
     type(string), allocatable, intent(inout) :: notes(:)
+    integer, intent(inout) :: status                 !! of the case
     real(dp), parameter :: worth_saying = 0.01_dp
     real(dp) :: largest
     integer :: p
     do p = 1, size(answer%error)
       largest = maxval(abs(answer%value(:, p)), mask=abs(answer%value(:, p)) < missing)
-      if (answer%error(p) <= worth_saying*largest) cycle
+      if (answer%error(p) <= worth_saying*largest .or. largest <= 0.0_dp) cycle
       call append(notes, 'frequency response: modes leave an error of about '//shortest(answer%error(p)/largest, 2)// &
-                  ' of its largest value at point '//shortest(real(p, dp), 3))
+                  ' of its largest value at point '//text_of(p))
+      if (answer%error(p) < largest) cycle
+      answer%value(:, p) = cmplx(missing, missing, dp)
+      if (status == case_done) status = case_not_converged
     end do
-  end subroutine note_error
+  end subroutine judge_error
 
 end module bw_case_frequency

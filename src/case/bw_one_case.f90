@@ -67,7 +67,7 @@ contains
       relaxed = scene
       do while (whole .and. .not. (scene%modes%asked .or. result%within))
         relaxed%modes%tolerance = relaxed_tolerance(max(relaxed%modes%tolerance, result%reached))
-        if (is_missing(relaxed%modes%tolerance)) return
+        if (is_missing(relaxed%modes%tolerance)) exit
         call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
       end do
     end if
@@ -84,7 +84,8 @@ contains
     logical, intent(out) :: whole
     type(part_monitor) :: part
     part = stage_part(monitor, case_shares(scene), answer_share)
-    call find_frequency_response(scene, result%units, part, cache%motion%modes, result%answer, result%notes)
+    call find_frequency_response(scene, result%units, part, cache%motion%modes, result%answer, result%notes, &
+                                 result%status)
     whole = .not. monitor%stop_requested()
     call watch%lap(stage_response)
   end subroutine answer_force

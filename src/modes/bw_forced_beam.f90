@@ -8,7 +8,7 @@ module bw_forced_beam
     motion_within, solve
   use bw_double_double, only: dd, to_dd
   use bw_kinds, only: dp
-  use bw_piece_beam, only: beam_root, cut_at, joint_position, piece_beam
+  use bw_piece_beam, only: beam_root, cut_at, is_held, joint_position, piece_beam
   implicit none (type, external)
   private
 
@@ -17,12 +17,14 @@ module bw_forced_beam
     integer :: piece = 0                         !! 0: it is where the force is
     real(dp) :: way = 0.0_dp
     logical :: to_tip = .true.                   !! on the leg to the tip; else on that to the root
+    logical :: held = .false.                    !! at an end that is held rigidly
   end type beam_point
 
   type, public :: forced_beam
     !! A beam with the place of a force, and points.
     type(piece_beam), private :: beam            !! with a joint where the force acts
     integer, private :: forced = 0               !! the joint
+    logical, private :: held = .false.           !! the force acts where the beam is held rigidly
     type(beam_point), allocatable, private :: point(:)
     type(crossing_type), allocatable, private :: to_tip(:), to_root(:)   !! legs at the last frequency
   contains
@@ -50,8 +52,10 @@ contains
       ends(i) = there%hi
     end do
     self%point = spread(beam_point(), 1, size(xi))
+    self%held = is_held(beam, position)
     do p = 1, size(xi)
       associate (point => self%point(p), here => ends(self%forced))
+        point%held = is_held(beam, xi(p))
         point%to_tip = xi(p) > here
         if (point%to_tip) then
           i = min(count(ends(1:n) < xi(p)) + 1, n)
@@ -77,6 +81,8 @@ contains
     type(inertia_type) :: inertia
     complex(dp) :: sides(4, 4), equations(4, 4), amplitude(4), here
     integer :: p
+    v = 0.0_dp
+    if (self%held) return
     inertia = inertia_at(self%beam, square, loss)
     call lead_from_tip(self%beam, self%forced, inertia, self%to_tip)
     call lead_from_root(self%beam, self%forced, inertia, self%to_root)
@@ -89,7 +95,9 @@ contains
     here = sum(sides(1, :2)*amplitude(:2))
     do p = 1, size(v)
       associate (point => self%point(p))
-        if (point%piece == 0) then
+        if (point%held) then
+          v(p) = 0.0_dp
+        else if (point%piece == 0) then
           v(p) = here
         else if (point%to_tip) then
           v(p) = deflection_on(self%to_tip, amplitude(:2), point)

@@ -86,6 +86,7 @@ contains
     h = value/(cmplx(0.0_dp, frequency, dp))**order
     square = frequency**2
     power = h%re**2 + h%im**2
+    if (minval(power) <= 0.0_dp) return              ! a place that is held
     associate (turns => h(1)%re*h(3)%re < 0.0_dp)
       extreme%is_resonance = power(2) > max(power(1), power(3)) .and. (turns .or. abs(h(2)%im) > abs(h(2)%re))
       extreme%is_antiresonance = power(2) < min(power(1), power(3)) .and. turns

@@ -146,7 +146,8 @@ contains
     if (messages%count > 0) return
     call check_case(scene, messages)
     modes = position_of(scene%groups, 'modes')
-    if (size(scene%sweeps) > 0 .and. .not. scene%modes%asked) call scene%groups(modes)%drop('tolerance')   ! cases may relax it
+    if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. allocated(scene%contact))) &
+      & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact that lasts
   end subroutine complete
 
   pure subroutine build(scene, messages)

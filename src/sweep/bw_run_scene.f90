@@ -96,6 +96,7 @@ contains
     if (.not. existing%is_there .and. .not. (allocated(error) .and. work%scene%modes%asked)) then
       call fix_tolerance(work%scene, monitor, ignored, refused, planned)
       if (is_relaxed(work%scene%modes)) then
+        if (allocated(planned)) deallocate (planned)   ! so that a run of the resolved scene has the same plan
         call work%draft%plan(work%scene, work%layout)
         call look()                               ! the result that is there may be of this scene after all
       end if

@@ -174,3 +174,36 @@ def test_the_resolved_scene_gives_the_same_values_again(here):
     assert here.beamwave("run", "again.nml").returncode == 0
     with xr.open_dataset(here.directory / "output/again.nc") as again:
         assert np.array_equal(ds["displacement"], again["displacement"])
+
+
+@pytest.mark.parametrize("damping", [7.0, 10.0, 20.0, 1e3])
+def test_a_contact_whose_force_is_not_found_says_so_and_is_no_fault(here, damping):
+    scene = struck({"radius": 0.02, "damping": damping}, {"mass_ratio": 0.5, "mass": None})
+    del scene["impact"]["mass"]
+    scene["response"] = {"duration": 0.01, "samples": 50}
+    name = here.scene("a", scene)
+    assert here.beamwave("check", name).returncode == 0
+    ended = here.beamwave("run", name)
+    assert ended.returncode in (0, 4), ended.stderr
+    if ended.returncode == 4:
+        assert "not converged" in ended.stderr or "error of the displacement" in ended.stderr
+
+
+def test_effects_compares_a_contact_and_accuracy_refuses_it(here):
+    scene = struck({"radius": 0.02}, response={"duration": 2e-3, "samples": 20})
+    name = here.scene("a", scene)
+    assert here.beamwave("effects", name).returncode == 0
+    ended = here.beamwave("accuracy", name)
+    assert ended.returncode == 2
+    assert "a.nml: &contact: " in ended.stderr
+
+
+def test_a_default_tolerance_that_relaxes_is_resolved_to_the_same_run(here):
+    scene = struck({"exponent": 1.0, "stiffness": 1e6}, shear={}, stiffening={}, rotation={"angular_velocity": 30.0})
+    scene["response"] = {"duration": 2e-3, "samples": 20}
+    first = run(here, "first", scene)
+    here.write("again.nml", first.attrs["scene"])
+    again = here.beamwave("run", "again.nml")
+    assert again.returncode == 0, again.stderr
+    with xr.open_dataset(here.directory / "output/again.nc") as ds:
+        np.testing.assert_array_equal(ds["displacement"], first["displacement"])

@@ -184,6 +184,27 @@ def test_what_cannot_be_asked_is_refused(here, asked, message):
     assert message in ended.stderr
 
 
+def test_what_is_held_rests(here):
+    ended = here.beamwave("run", here.scene("a", scene({"position": 0.0, "points": [0.5, 1.0]})))
+    assert ended.returncode == 0 and "NaN" not in ended.stdout
+    assert "neither a resonance nor an antiresonance" in ended.stdout
+    assert not np.abs(answer(here.result("a"))).any()
+
+
+def test_what_is_less_than_its_error_is_missing(here):
+    ended = here.beamwave("run", here.scene("a", scene({"last": 1e6, "count": 30}, damping={"ratio": 1e30})))
+    assert ended.returncode == 4
+    assert results.is_fill(here.result("a")["frequency_response_real"]).all()
+
+
+def test_a_tolerance_that_cannot_be_had_takes_no_answer_away(here):
+    response = {"duration": 1e-9, "samples": 4, "points": [0.01]}
+    struck = scene({"points": [0.01]}, impact={}, capture={}, response=response)
+    name = here.scene("a", struck, {"parameter": "impact%mass_ratio", "values": [0.1, 0.2]})
+    assert here.beamwave("run", name).returncode == 4
+    assert np.isfinite(answer(here.result("a"))).all()
+
+
 def test_no_number_is_infinite_at_a_resonance(here):
     # to the last digit or not: what is no number is fill
     beta = float(frequencies_of_cantilever(1)[0] / 2 / np.pi)

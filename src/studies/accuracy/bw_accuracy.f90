@@ -69,6 +69,9 @@ contains
     if (.not. allocated(scene%response)) then
       call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
                 'could be measured'//accepted)
+    else if (allocated(scene%contact)) then
+      call fail(error, status_bad_input, scene%file//': &contact: has no converged run to measure errors against; its own '// &
+                'result has them, by runs with fewer modes and shorter steps; accepted: a scene without &contact')
     else if (.not. allocated(scene%capture)) then
       call fail(error, status_bad_input, scene%file//': &capture: is absent: the motion after a rebound depends on '// &
                 'the number of modes (its impulse goes to 0 as modes are added), so that there is no converged answer'// &

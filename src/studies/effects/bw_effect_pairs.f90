@@ -333,7 +333,10 @@ contains
     type(silent_monitor) :: monitor
     units = units_of(scene%beam)
     call find_modes(scene, units, monitor, modes)
-    list%first_speed = modes%configuration(size(modes%configuration))%set%critical_speed%hi*units%frequency
+    associate (moving => modes%configuration(modes%moving))
+      if (.not. allocated(moving%set)) call moving%source%find([1], moving%set)     ! a tolerance holds none of the beam alone
+      list%first_speed = moving%set%critical_speed%hi*units%frequency
+    end associate
     list%grows = list%first_speed > 0.0_dp
     if (.not. list%grows) list%first_speed = units%frequency
   end subroutine find_first_speed
