@@ -14,7 +14,7 @@ module bw_case_spectrum
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
   use bw_model_shapes, only: mean_wavenumber
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_scene, only: changes_shapes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_segment, only: together
   use bw_text, only: append, text_of
@@ -92,13 +92,14 @@ contains
 
   pure subroutine know_ends(scene, motion, facts)
     !! The ends of the beam as it moves in the end, and the length over which α is its wave number. Nothing is known of a beam with
-    !! tension or shear, or one that a mass is pressed against.
+    !! tension, taper, shear or a hub that is free, or one that a mass is pressed against.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(record_facts), intent(inout) :: facts
     type(struck_beam) :: pieces
     facts%ends = ''
-    if (is_pressed(motion) .or. allocated(scene%shear) .or. allocated(scene%stiffening)) return
+    if (size(motion%timeline%segments) == 0) return           ! modes were not found
+    if (is_pressed(motion) .or. allocated(scene%shear) .or. varies_along_pieces(scene)) return
     facts%ends = 'tip'
     if (.not. changes_shapes(scene)) return
     facts%ends = 'model'

@@ -6,7 +6,7 @@ module bw_result_layout
   use bw_line_windows, only: window_start
   use bw_modes_par, only: by_tolerance
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, scene_type
+  use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
@@ -96,7 +96,7 @@ contains
       layout%peaks = scene%spectrum%max_peaks
       layout%windows = size(window_start)
       layout%of_plain_beam = position_of(scene%groups, 'beam') > 0 .and. .not. (allocated(scene%shear) .or. &
-        allocated(scene%stiffening) .or. (allocated(scene%beam%pieces) .and. scene%spectrum%ends /= 'model'))
+        varies_along_pieces(scene) .or. (allocated(scene%beam%pieces) .and. scene%spectrum%ends /= 'model'))
       layout%candidates = most_candidates
       layout%hammer = allocated(scene%record%force)
       if (size(scene%sweeps) == 1 .and. all(scene%sweeps%implied)) layout%pooled = layout%peaks
