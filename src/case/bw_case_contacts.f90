@@ -8,6 +8,7 @@ module bw_case_contacts
     history_errors
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
+  use bw_constants, only: pi
   use bw_event, only: capture_event, event_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
@@ -206,14 +207,13 @@ contains
     type(case_motion), intent(in) :: motion
     type(lasting_contacts), intent(inout) :: contacts
     type(run_type), intent(inout) :: run
-    real(dp), parameter :: half_turn = 2.0_dp*acos(0.0_dp)
     real(dp) :: newton, places(contact_samples)
     integer :: i
     allocate (run%result)
     associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration, kept => run%result, &
                square => motion%modes%configuration(alone)%set%beta_squared%hi, first => min(2, size(contacts%segments)))
       newton = motion%units%mass*scene%impact%approach_velocity/unit
-      places = [(0.5_dp*(1.0_dp - cos(half_turn*(i - 1)/(contact_samples - 1))), i=1, contact_samples)]
+      places = [(0.5_dp*(1.0_dp - cos(pi*(i - 1)/(contact_samples - 1))), i=1, contact_samples)]
       allocate (kept%force(contact_samples, size(events)))
       do i = 1, size(events)
         kept%force(:, i) = newton*force_at(contacts%segments(contacts%segment_of(i))%load, &

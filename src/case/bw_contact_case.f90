@@ -1,10 +1,10 @@
 module bw_contact_case
   !! A case whose impact lasts: modes ► contacts and flights ► histories ► errors ► spectrum. The motion has a limit as modes are added, so
-  !! that a tolerance doubles their number until half of them give the same histories.
+  !! that a tolerance lets their number grow until its error is small enough.
   !!
-  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed three times, with all
-  !! modes, with half of them, and in steps of half the length, and the largest difference is the estimate. With the residual
-  !! flexibility the error of all modes is a fraction of that of half of them.
+  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed four times,
+  !! with all modes, a half and a quarter of them, and in steps of half the length: what fewer modes change tells how much is missing,
+  !! and the estimate is that or what shorter steps change, whichever is larger.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: add_difference, add_force_difference, add_rounding, find_errors, follow_run, part_of_peak, run_type

@@ -7,6 +7,7 @@ module bw_static_shape
   !! λ = ω² − s² in the plane of rotation, else −s², and R likewise of rotary inertia. Pieces are cut into parts over which the state changes
   !! little; Gauss's collocation carries it across each, and one system of equations joins them. Without dimensions, as the beam.
   use bw_double_double, only: dd
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_lapack, only: dgbsv, dgesv
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
@@ -286,7 +287,6 @@ contains
     !! Gauss's points from 0 to 1, their weights, and the integrals of Lagrange's polynomials up to each of them.
     real(dp), intent(out) :: place(stages), weight(stages), a(stages, stages)
     real(dp) :: p(0:stages), slope, x
-    real(dp), parameter :: pi = 2.0_dp*acos(0.0_dp)
     real(dp) :: powers(stages, stages), integrals(stages, stages)
     integer :: i, info, iteration, j, pivot(stages)
     do i = 1, stages

@@ -171,7 +171,7 @@ contains
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*scene%impact%approach_velocity)
       text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
         shortest(abs(contact%largest(1)), 6)//' N, '//shortest(1.0e6_dp*contact%largest_time(1), 4)// &
-        ' us after its begin; impulse '//shortest(impulse(1), 6)//' N s'
+        ' us after its beginning; impulse '//shortest(impulse(1), 6)//' N s'
       if (any(result%events%kind == capture_event)) then
         call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
       else if (is_missing(contact%restitution)) then

@@ -1,6 +1,7 @@
 module bw_contact_par
   !! `&contact`: the impact lasts, as long as mass and beam are pressed into each other.
   use bw_beam_par, only: beam_par
+  use bw_constants, only: pi
   use bw_input_name, only: input_group, input_name, integer_input, not_negative, number_range, positive, real_input
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
@@ -133,7 +134,6 @@ contains
     real(dp), intent(in) :: modulus                !! E*
     real(dp), intent(in) :: radius                 !! of the sphere
     real(dp), intent(in) :: surface_radius         !! of the cylinder; 0: a plane
-    real(dp), parameter :: pi = 2.0_dp*acos(0.0_dp)
     real(dp) :: ratio, low, high, m, first, second
     integer :: i
     stiffness = 4.0_dp/3.0_dp*modulus*sqrt(radius)
@@ -160,7 +160,6 @@ contains
     !! The complete integrals K and E, by the arithmetic-geometric mean.
     real(dp), intent(in) :: complement             !! 1 − e²
     real(dp), intent(out) :: first, second
-    real(dp), parameter :: pi = 2.0_dp*acos(0.0_dp)
     real(dp) :: a, b, c, lack, power
     integer :: i
     a = 1.0_dp
