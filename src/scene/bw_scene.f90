@@ -82,14 +82,15 @@ contains
     do g = 1, size(scene%groups)
       new = scene%groups(g)%changed
       if (.not. new .and. other_beam) new = has_ratio(scene%groups(g))
+      if (scene%groups(g)%group == 'contact') new = .true.   ! its law follows from the place that is struck
       if (new) call build_group(scene, g, messages)
     end do
   end subroutine build_scene
 
   pure logical function has_ratio(group)
-    !! The group's mass is told by its ratio to that of the beam, or the ratio follows; or its stiffness follows from the beam's.
+    !! The group's mass is told by its ratio to that of the beam, or the ratio follows.
     type(group_values), intent(in) :: group
-    has_ratio = group%group == 'impact' .or. group%group == 'body' .or. group%group == 'contact'
+    has_ratio = group%group == 'impact' .or. group%group == 'body'
   end function has_ratio
 
   pure subroutine build_group(scene, g, messages)
@@ -108,7 +109,10 @@ contains
     case ('shear'); scene%shear = build_shear(scene%groups(g))
     case ('damping'); scene%damping = build_damping(scene%groups(g))
     case ('impact'); call build_impact(scene%groups(g), beam_mass(scene%beam), scene%impact, messages)
-    case ('contact'); call build_contact(scene%groups(g), scene%beam, scene%contact)
+    case ('contact')
+      associate (impact => scene%groups(position_of(scene%groups, 'impact')))
+        call build_contact(scene%groups(g), scene%beam, impact%number('position'), scene%contact)
+      end associate
     case ('capture'); scene%capture = build_capture(scene%groups(g))
     case ('release'); scene%release = build_release(scene%groups(g))
     case ('recontact'); scene%recontact = build_recontact(scene%groups(g))

@@ -9,6 +9,7 @@ from workplace import PAPER_BEAM, example
 
 HERTZ = 4 / 3 * 0.025**0.5 * 2e11 / (2 * 0.91)  # N/m^1.5: a steel sphere of 25 mm on a flat side
 BALL = 7870 * 4 / 3 * math.pi * 0.025**3  # kg
+LUMPED = {"length": 1.0, "mass_per_length": 8.0, "bending_stiffness": 2e4}
 PLACES = {"duration": 0.01, "samples": 512, "points": [0.5, 1.0], "velocity": True, "bending_moment": True}
 
 
@@ -149,6 +150,19 @@ def test_a_sweep_keeps_sixteen_contacts_and_every_case_is_its_scene(here):
         assert np.array_equal(ds["contact_force"][1, 0], single["contact_force"][0])
 
 
+def test_hertz_takes_the_material_of_the_piece_that_is_struck(here):
+    beam = {"length": [0.5, 0.5], "density": 7870.0, "youngs_modulus": [2e11, 7e10], "width": 0.03, "height": [0.03, 0.04]}
+    by_radius = struck({"radius": 0.02}, beam=beam, modes={"before": 24})
+    here.scene("swept", by_radius, {"parameter": "impact%position", "values": [0.3, 0.9]})
+    assert here.beamwave("run", "swept.nml").returncode == 0
+    with xr.open_dataset(here.directory / "output/swept.nc") as swept:
+        for case, (place, modulus) in enumerate([(0.3, 2e11), (0.9, 7e10)]):
+            stiffness = 4 / 3 * math.sqrt(0.02) * modulus / (2 * (1 - 0.3**2))
+            scene = struck({"stiffness": stiffness}, {"position": place}, beam=beam, modes={"before": 24})
+            single = run(here, f"by_stiffness_{case}", scene)
+            assert swept["contact_force"][case, 0].values == pytest.approx(single["contact_force"][0].values, rel=1e-11, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("groups", "said"),
     [
@@ -157,6 +171,7 @@ def test_a_sweep_keeps_sixteen_contacts_and_every_case_is_its_scene(here):
         ({"contact": {"stiffness": 1e9, "radius": 0.02}}, "excludes"),
         ({"contact": {"stiffness": 1e9, "exponent": 0.5}}, "1 to 10"),
         ({"recontact": {}}, "excludes &recontact"),
+        ({"beam": LUMPED, "contact": {"radius": 0.02}}, "contact%radius: needs the material of the beam"),
         ({"response": None}, "needs &response"),
     ],
 )

@@ -1,6 +1,6 @@
 module bw_contact_par
   !! `&contact`: the impact lasts, as long as mass and beam are pressed into each other.
-  use bw_beam_par, only: beam_par
+  use bw_beam_par, only: beam_par, beam_piece, section_at
   use bw_constants, only: pi
   use bw_input_name, only: input_group, input_name, integer_input, not_negative, number_range, positive, real_input
   use bw_input_values, only: group_values, position_of
@@ -38,7 +38,7 @@ module bw_contact_par
     input_name('contact', 'radius', real_input, 'm', positive, swept=.true., excludes='stiffness exponent', &
                meaning='radius of the sphere that strikes'), &
     input_name('contact', 'youngs_modulus', real_input, 'Pa', positive, swept=.true., excludes='stiffness', &
-               meaning='of the sphere; absent: of the beam'), &
+               meaning='of the sphere; absent: of the beam where it is struck'), &
     input_name('contact', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', swept=.true., &
                excludes='stiffness', meaning='Poisson''s ratio of the sphere'), &
     input_name('contact', 'beam_poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
@@ -61,25 +61,31 @@ contains
   end subroutine check_contact
 
   pure subroutine check_contact_place(groups, messages)
-    !! What &impact says of the rebound has no meaning beside it.
+    !! Hertz's law needs the beam's material, and what &impact says of the rebound has no meaning beside it.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    integer :: contact, impact
+    integer :: beam, contact, impact
     contact = position_of(groups, 'contact')
+    if (contact == 0) return
+    beam = position_of(groups, 'beam')
+    if (beam > 0 .and. groups(contact)%given('radius')) then
+      if (groups(beam)%given('bending_stiffness')) call messages%add(groups(contact)%line_of('radius'), 'contact%radius', &
+        'needs the material of the beam, which mass_per_length and bending_stiffness do not tell; accepted: a beam by density, '// &
+        'youngs_modulus and a section, or stiffness and exponent in place of radius')
+    end if
     impact = position_of(groups, 'impact')
-    if (contact == 0 .or. impact == 0) return
+    if (impact == 0) return
     if (groups(impact)%number('restitution') == 0.0_dp .and. .not. groups(impact)%is_swept('restitution')) return
     call messages%add(groups(impact)%line_of('restitution'), 'impact%restitution', &
       'has no meaning with &contact, where the rebound comes out; accepted: &contact without it, or it without &contact')
   end subroutine check_contact_place
 
   pure subroutine complete_contact(groups)
-    !! What follows from the beam, and what a given stiffness leaves without meaning.
+    !! Drop what has no meaning beside what is given.
     type(group_values), intent(inout) :: groups(:)
-    integer :: beam, contact, impact
+    integer :: contact, impact
     contact = position_of(groups, 'contact')
     impact = position_of(groups, 'impact')
-    beam = position_of(groups, 'beam')
     if (impact > 0) call groups(impact)%drop('restitution')
     if (contact == 0) return
     if (groups(contact)%given('stiffness')) then
@@ -87,30 +93,18 @@ contains
       call groups(contact)%drop('beam_poisson_ratio')
     else
       call groups(contact)%drop('exponent')
-      if (beam == 0) return
-      if (.not. groups(contact)%given('youngs_modulus')) call groups(contact)%derive('youngs_modulus', &
-        groups(beam)%number('youngs_modulus'), sweep_of(groups(beam), 'youngs_modulus'))
-      if (.not. groups(contact)%given('surface_radius')) call groups(contact)%derive('surface_radius', &
-        0.5_dp*groups(beam)%number('diameter'), sweep_of(groups(beam), 'diameter'))
     end if
   end subroutine complete_contact
 
-  pure integer function sweep_of(group, name) result(sweep)
-    !! The sweep that gives a value, 0 where none does.
-    type(group_values), intent(in) :: group
-    character(*), intent(in) :: name
-    sweep = 0
-    associate (value => group%values(group%at(name)))
-      if (allocated(value%sweeps)) sweep = value%sweeps(1)
-    end associate
-  end function sweep_of
-
-  pure subroutine build_contact(values, beam, contact)
-    !! From checked values.
+  pure subroutine build_contact(values, beam, position, contact)
+    !! From checked values. What is left out of Hertz's law is that of the beam where it is struck; between two pieces it is that of the
+    !! piece towards the root.
     type(group_values), intent(in) :: values       !! complete
     type(beam_par), intent(in) :: beam
+    real(dp), intent(in) :: position               !! that is struck, ξ
     type(contact_par), allocatable, intent(out) :: contact
-    real(dp) :: modulus, own, of_beam
+    type(beam_piece) :: struck
+    real(dp) :: modulus, own, surface_radius
     allocate (contact)
     contact%damping = values%number('damping')
     contact%max_contacts = values%whole('max_contacts')
@@ -120,11 +114,15 @@ contains
       return
     end if
     contact%radius = values%number('radius')
-    of_beam = beam%youngs_modulus
-    own = values%number('youngs_modulus')
+    struck = section_at(beam, position)
+    own = struck%youngs_modulus
+    if (values%known('youngs_modulus')) own = values%number('youngs_modulus')
+    surface_radius = 0.0_dp
+    if (struck%round) surface_radius = 0.5_dp*struck%diameter
+    if (values%known('surface_radius')) surface_radius = values%number('surface_radius')
     modulus = 1.0_dp/((1.0_dp - values%number('poisson_ratio')**2)/own &
-                      + (1.0_dp - values%number('beam_poisson_ratio')**2)/of_beam)
-    contact%stiffness = hertz_stiffness(modulus, contact%radius, values%number('surface_radius'))
+                      + (1.0_dp - values%number('beam_poisson_ratio')**2)/struck%youngs_modulus)
+    contact%stiffness = hertz_stiffness(modulus, contact%radius, surface_radius)
   end subroutine build_contact
 
   pure real(dp) function hertz_stiffness(modulus, radius, surface_radius) result(stiffness)
