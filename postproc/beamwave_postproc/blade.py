@@ -57,7 +57,7 @@ def read_blade(path: Path) -> Blade:
         raise NotABlade(f"{path}:{scalars['NBlInpSt'][0]}: NBlInpSt is {count:g}; accepted: 2 to {MOST_STATIONS}")
     table = _stations(path, lines, int(count))
     factors = {name: scalar(name) for name in ("AdjBlMs", "AdjFlSt", "AdjEdSt")}
-    tuners = {name: scalar(name) for name in ("FlStTunr(1)", "FlStTunr(2)")}
+    tuners = {name: scalar(name) for name in ("FlStTunr(1)", "FlStTunr(2)", "FlStTunr1", "FlStTunr2")}  # both spellings occur
     return Blade(
         path=path,
         title=printable(lines[1].strip()) if len(lines) > 1 else "",

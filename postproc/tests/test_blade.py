@@ -149,3 +149,9 @@ def test_a_damaged_file_is_refused_with_its_line(tmp_path, change, message):
 def test_wrong_words_write_nothing(tmp_path, words):
     assert main([str(blade_file(tmp_path / "blade.dat")), "--direction", "edge", *words]) == 2
     assert not list(tmp_path.glob("*.nml"))
+
+
+@pytest.mark.parametrize("name", ["FlStTunr(2)", "FlStTunr2"])
+def test_the_stiffness_factor_of_a_mode_is_found_in_both_spellings(tmp_path, name):
+    change = ("          1   FlStTunr(2)", f"        1.2   {name}")
+    assert read_blade(blade_file(tmp_path / "b.dat", change=change)).tuners == {name: 1.2}
