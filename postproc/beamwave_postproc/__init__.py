@@ -1,7 +1,7 @@
 """Pictures of what a beamwave result holds, and the program itself, from Python."""
 
 from .compare import compare
-from .draw.campbell import campbell
+from .draw.campbell import campbell, crossings
 from .draw.effect_table import changes
 from .draw.frequency_response import frequency_response
 from .draw.history import bending_moment, displacement, velocity
@@ -45,6 +45,7 @@ __all__ = [
     "campbell",
     "changes",
     "compare",
+    "crossings",
     "dispersion",
     "displacement",
     "frequency_response",

@@ -1,12 +1,16 @@
-"""The Campbell diagram: frequencies over the angular velocity."""
+"""The Campbell diagram: frequencies over the angular velocity, and where multiples of the speed meet them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
 
 from ..parts.follow import eigenvalues, followed
 from ..parts.labels import value_text
@@ -21,7 +25,7 @@ RPM = 60.0 / (2.0 * np.pi)  # from rad/s
 MAX_MODES, MAX_PANELS = 5, 4
 FINE = 400  # places between the first and the last speed
 FEW_CASES = 40  # up to which each is marked
-ORDERS = (1, 2, 3, 4, 6, 8)  # multiples of the speed
+ORDERS = (1, 2, 3, 4, 6, 8)  # multiples of the speed: 1P, 2P …
 LOGARITHMIC = 12.0  # highest over lowest frequency from where on the axis is logarithmic
 GROWS = "#F3D9C9"
 SEEN = 0.1  # of a mode's frequencies lie below where a logarithmic axis counts it
@@ -29,11 +33,15 @@ NAME = 10.0  # points that the name of a multiple takes
 
 
 @styled
-def campbell(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figure:
+def campbell(
+    ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] = ORDERS, linear: bool = False, ax: Given = None
+) -> Figure:
     """Frequencies (Hz) of the lowest modes, or of these `modes`, over the angular velocity (rpm) of a sweep over it.
 
     Modes are followed through crossings. Where the first one grows the picture is shaded, from the critical speed on;
-    multiples of the speed are dotted lines. A second swept input makes panels.
+    the `orders`, multiples of the speed, are dotted lines, and diamonds mark where they meet a mode (`crossings` has the
+    numbers). A rotor of three blades wants `orders=(1, 3, 6, 9)`. The axis of frequencies is logarithmic where modes
+    are far apart, unless it shall be `linear`. A second swept input makes panels.
     """
     require(ds, "angular_frequency", SPEED)
     numbers = chosen(ds, modes=modes)["mode"].values[: MAX_MODES if modes is None else None]
@@ -52,14 +60,36 @@ def campbell(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figur
     parts = [drawn.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else drawn for value in shown]
     parts = [part.sortby(SPEED) for part in parts]
     branches = [_branches(part, numbers) for part in parts]
-    limits = _limits(np.concatenate(branches))
+    limits = _limits(np.concatenate(branches), linear)
     for axes, part, values in zip(sheet.axes, parts, branches):
-        limit = _draw(axes, part, numbers, values, limits)
+        limit = _draw(axes, part, numbers, values, limits, orders)
         axes.set_title(", ".join(filter(None, [value_text(part[other[0]][0]) if other else "", limit])))
     for axes in sheet.axes[shown.size :]:
         axes.set_visible(False)
     of_modes = left_out(numbers.size, ds["mode"].size, "modes in the file") if modes is None else ""
     return sheet.finish(ds, [left_out(shown.size, values_of.size, "values"), of_modes])
+
+
+def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] = ORDERS) -> pd.DataFrame:
+    """Speeds at which a multiple of the speed meets a mode, of a sweep over the angular velocity alone.
+
+    A row for each: `mode`, `order`, `angular_velocity` (rad/s), `rpm` and `frequency` (Hz), in the order of speed. Between the
+    speeds of the sweep the square of the frequency is interpolated over that of the speed, in which it is nearly linear.
+    """
+    require(ds, "angular_frequency", SPEED)
+    if [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1] != [SPEED]:
+        raise NothingToDraw("needs a sweep over the angular velocity alone")
+    numbers = chosen(ds, modes=modes)["mode"].values
+    cases = chosen(ds)[[name for name in HELD if name in ds]].load().sortby(SPEED)
+    speed, values = cases[SPEED].values, _branches(cases, numbers)
+    rows = [
+        (int(number), order, at, RPM * at, frequency)
+        for branch, number in enumerate(numbers)
+        for order in orders
+        for at, frequency in _meetings(speed, values[:, branch], order)
+    ]
+    table = pd.DataFrame(rows, columns=["mode", "order", "angular_velocity", "rpm", "frequency"])
+    return table.sort_values(["angular_velocity", "mode"], ignore_index=True)
 
 
 def _branches(cases: xr.Dataset, numbers: np.ndarray) -> np.ndarray:
@@ -70,7 +100,12 @@ def _branches(cases: xr.Dataset, numbers: np.ndarray) -> np.ndarray:
 
 
 def _draw(
-    axes: Axes, cases: xr.Dataset, numbers: np.ndarray, values: np.ndarray, limits: tuple[float, float, bool]
+    axes: Axes,
+    cases: xr.Dataset,
+    numbers: np.ndarray,
+    values: np.ndarray,
+    limits: tuple[float, float, bool],
+    orders: Sequence[float],
 ) -> str:
     """One diagram of cases that differ in their speed, which ascends; the critical speed in words, if there is one.
 
@@ -85,7 +120,10 @@ def _draw(
     else:
         axes.set_ylim(bottom, top)
     axes.set_xlim(RPM * speed[0], RPM * speed[-1])
-    _draw_orders(axes)
+    named = _draw_orders(axes, orders)
+    for branch in range(numbers.size):
+        met = np.array([place for order in named for place in _meetings(speed, values[:, branch], order)]).reshape(-1, 2)
+        axes.plot(RPM * met[:, 0], met[:, 1], linestyle="", marker="D", markersize=5, color=GREY, fillstyle="none")
     axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)")
     return _mark_growth(axes, cases, speed, values)
 
@@ -96,12 +134,35 @@ def _draw_mode(axes: Axes, speed: np.ndarray, values: np.ndarray, label: str, nu
     if np.count_nonzero(known) < 2:
         return
     fine = np.linspace(speed[known][0], speed[known][-1], FINE)
-    smooth = PchipInterpolator(_signed(speed[known]), values[known])(_signed(fine))
+    smooth = _between(speed, values)(fine)
     colour, dash = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
     label = label if (values > 0.0).any() else f"{label}: grows at all of these speeds"
     axes.plot(RPM * fine, _hertz(smooth), color=colour, linestyle=dash, linewidth=1.5, label=label)
     if speed.size <= FEW_CASES:
         axes.plot(RPM * speed, _hertz(values), linestyle="", marker="o", markersize=3, color=colour)
+
+
+def _between(speed: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Eigenvalues of a mode as a function of the speed, through those that are known."""
+    known = np.isfinite(values)
+    through = PchipInterpolator(_signed(speed[known]), values[known])
+    return lambda at: through(_signed(at))
+
+
+def _meetings(speed: np.ndarray, values: np.ndarray, order: float) -> list[tuple[float, float]]:
+    """Speeds (rad/s) other than 0 at which a mode's frequency (Hz) is that multiple of the speed, and that frequency."""
+    known = np.isfinite(values)
+    if np.count_nonzero(known) < 2:
+        return []
+    curve = _between(speed, values)
+
+    def gap(at: np.ndarray) -> np.ndarray:
+        return curve(at) - (order * at) ** 2
+
+    fine = np.linspace(speed[known][0], speed[known][-1], FINE)
+    above = gap(fine) > 0.0
+    places = [brentq(gap, fine[i], fine[i + 1]) for i in np.flatnonzero(above[1:] != above[:-1])]
+    return [(at, order * abs(at) / (2.0 * np.pi)) for at in places if at != 0.0 and curve(at) > 0.0]
 
 
 def _signed(speed: np.ndarray) -> np.ndarray:
@@ -114,7 +175,7 @@ def _hertz(values: np.ndarray) -> np.ndarray:
     return np.sqrt(np.where(values >= 0.0, values, np.nan)) / (2.0 * np.pi)
 
 
-def _limits(values: np.ndarray) -> tuple[float, float, bool]:
+def _limits(values: np.ndarray, linear: bool) -> tuple[float, float, bool]:
     """Lowest and highest frequency (Hz) of the axis for eigenvalues (case, mode), and whether it is logarithmic.
 
     It starts at 0, or where the modes are far apart below the lowest of them. A mode that comes to a halt goes below
@@ -124,17 +185,18 @@ def _limits(values: np.ndarray) -> tuple[float, float, bool]:
     known = frequency[np.isfinite(frequency) & (frequency > 0.0)]
     own = [column[np.isfinite(column) & (column > 0.0)] for column in frequency.T]
     lowest = min(np.quantile(column, SEEN) for column in own if column.size)
-    if known.max() > LOGARITHMIC * lowest:
+    if known.max() > LOGARITHMIC * lowest and not linear:
         return 0.4 * float(lowest), 1.6 * float(known.max()), True
     return 0.0, 1.1 * float(known.max()), False
 
 
-def _draw_orders(axes: Axes) -> None:
+def _draw_orders(axes: Axes, orders: Sequence[float]) -> list[float]:
     """Multiples of the speed, named where they leave the picture, the low ones first where names have no room."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     speed = np.linspace(left, right, FINE)
     named: list[np.ndarray] = []
-    for order in ORDERS:
+    drawn = []
+    for order in sorted(orders):
         line = order * np.abs(speed) / 60.0
         inside = np.flatnonzero((line > bottom) & (line < top))
         if not inside.size:
@@ -143,9 +205,11 @@ def _draw_orders(axes: Axes) -> None:
         if any(np.abs(end - other).max() < NAME for other in named):
             continue
         named.append(end)
+        drawn.append(order)
         axes.plot(speed, line, color=GREY, linewidth=0.7, linestyle=":", zorder=1)
-        axes.annotate(f"{order}×", (speed[inside[-1]], line[inside[-1]]), xytext=(3, 0), textcoords="offset points",
+        axes.annotate(f"{order:g}P", (speed[inside[-1]], line[inside[-1]]), xytext=(3, 0), textcoords="offset points",
                       fontsize=8, color=GREY, va="center", annotation_clip=False)  # fmt: skip
+    return drawn
 
 
 def _mark_growth(axes: Axes, cases: xr.Dataset, speed: np.ndarray, values: np.ndarray) -> str:

@@ -6,7 +6,7 @@ import synthetic
 import xarray as xr
 from matplotlib.patches import Polygon
 
-from beamwave_postproc import NothingToDraw, campbell, open_result
+from beamwave_postproc import NothingToDraw, campbell, crossings, open_result
 
 RPM = 30.0 / np.pi
 SPEEDS = [float(speed) for speed in range(0, 201, 20)]
@@ -76,10 +76,10 @@ def test_multiples_of_the_speed_are_lines_with_names(sweep):
     (axes,) = campbell(sweep).axes
     names = {text.get_text() for text in axes.texts}
     lines = [line for line in axes.lines if line.get_linestyle() == ":"]
-    assert "1×" in names and len(names) == len(lines)
+    assert "1P" in names and len(names) == len(lines)
     for line in lines:
         order = line.get_ydata()[-1] / (line.get_xdata()[-1] / 60.0)
-        assert f"{order:.0f}×" in names and order == pytest.approx(round(order))
+        assert f"{order:.0f}P" in names and order == pytest.approx(round(order))
 
 
 def test_a_second_input_makes_panels(grid_result):
@@ -138,5 +138,24 @@ def test_names_of_multiples_stand_apart():
     (axes,) = campbell(ds).axes
     axes.figure.draw_without_rendering()
     boxes = [text.get_window_extent() for text in axes.texts]
-    assert axes.texts[0].get_text() == "1×" and len(boxes) > 1
+    assert axes.texts[0].get_text() == "1P" and len(boxes) > 1
     assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
+
+
+def test_multiples_of_the_speed_meet_the_modes_where_the_closed_form_says(sweep):
+    table = crossings(sweep, orders=(1, 3))
+    elastic = dict(zip(sweep["mode"].values, sweep["angular_frequency"].isel(case=0).values))  # β² = elastic² - ω²
+    expected = {(mode, order): rest / np.hypot(1, order) for mode, rest in elastic.items() for order in (1, 3)}
+    expected = {key: speed for key, speed in expected.items() if speed < SPEEDS[-1]}
+    assert {(row.mode, row.order): row.angular_velocity for row in table.itertuples()} == pytest.approx(expected, rel=1e-9)
+    np.testing.assert_allclose(table["frequency"], table["order"] * table["rpm"] / 60, rtol=1e-12)
+    assert (np.diff(table["rpm"]) > 0).all()
+    (axes,) = campbell(sweep, orders=(1, 3), linear=True).axes
+    assert axes.get_yscale() == "linear"
+    marked = np.concatenate([line.get_xdata() for line in axes.lines if line.get_marker() == "D"])
+    assert sorted(marked) == pytest.approx(sorted(table["rpm"]))
+
+
+def test_crossings_of_two_swept_inputs_are_refused(grid_result):
+    with open_result(grid_result) as ds, pytest.raises(NothingToDraw, match="alone"):
+        crossings(ds)
