@@ -213,7 +213,7 @@ contains
       case ('impact')
         text = text//', '//impact_text(scene%groups(g), scene%impact, allocated(scene%contact))
         if (.not. (allocated(scene%capture) .or. allocated(scene%contact))) text = text//after_impact(scene%groups(g))
-      case ('contact'); text = text//', '//contact_text(scene%groups(g), scene%contact)
+      case ('contact'); text = text//', '//contact_text(scene%groups(g), scene%contact, size(scene%sweeps) == 0)
       case ('capture'); text = text//', '//capture_text(scene%groups(g))
       case ('release'); text = text//', '//release_text(scene%groups(g))
       case ('recontact'); text = text//', recontact'

@@ -154,7 +154,8 @@ def test_hertz_takes_the_material_of_the_piece_that_is_struck(here):
     beam = {"length": [0.5, 0.5], "density": 7870.0, "youngs_modulus": [2e11, 7e10], "width": 0.03, "height": [0.03, 0.04]}
     by_radius = struck({"radius": 0.02}, beam=beam, modes={"before": 24})
     here.scene("swept", by_radius, {"parameter": "impact%position", "values": [0.3, 0.9]})
-    assert here.beamwave("run", "swept.nml").returncode == 0
+    ended = here.beamwave("run", "swept.nml")
+    assert ended.returncode == 0 and "stiffness of Hertz, p = 1.5" in ended.stdout
     with xr.open_dataset(here.directory / "output/swept.nc") as swept:
         for case, (place, modulus) in enumerate([(0.3, 2e11), (0.9, 7e10)]):
             stiffness = 4 / 3 * math.sqrt(0.02) * modulus / (2 * (1 - 0.3**2))

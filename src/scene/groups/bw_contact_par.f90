@@ -177,17 +177,20 @@ contains
     second = first*(1.0_dp - lack)
   end subroutine elliptic_integrals
 
-  pure function contact_text(values, contact) result(text)
-    !! What a report calls it, with the stiffness that was given or follows.
+  pure function contact_text(values, contact, one_case) result(text)
+    !! What a report calls it, with the stiffness that was given, or follows in the one case that there is.
     type(group_values), intent(in) :: values
     type(contact_par), intent(in) :: contact
+    logical, intent(in) :: one_case
     character(:), allocatable :: text
     text = 'contact ('
     if (values%known('radius')) text = text//'sphere of '//values%number_or_swept('radius', ' m')//', '
     if (values%known('stiffness')) then
       text = text//'stiffness '//values%number_or_swept('stiffness', ' N/m^p')
-    else
+    else if (one_case) then
       text = text//'stiffness '//shortest(contact%stiffness, 6)//' N/m^p'
+    else
+      text = text//'stiffness of Hertz'
     end if
     text = text//', p = '//shortest(contact%exponent, 6)
     if (values%number('damping') > 0.0_dp .or. values%is_swept('damping')) &
