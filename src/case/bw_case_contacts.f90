@@ -1,6 +1,5 @@
 module bw_case_contacts
-  !! One way to follow the motion of a case whose impact lasts, to its histories, and how far two ways are apart.
-  use bw_case_drift, only: drift_errors, rounding_errors
+  !! One way to follow the motion of a case whose impact lasts, to its histories.
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: whole_beam
   use bw_case_moments, only: find_moments
@@ -13,9 +12,7 @@ module bw_case_contacts
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, follow_lasting_contacts, force_at, lasting_contacts
-  use bw_magnitude, only: largest_magnitude
-  use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: curvatures, deflections, first_numbers, first_struck, mode_set
+  use bw_mode_set, only: deflections, first_numbers, first_struck, mode_set
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: response_type
@@ -29,7 +26,7 @@ module bw_case_contacts
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: add_difference, add_force_difference, add_rounding, find_errors, follow_run, part_of_peak
+  public :: follow_run
 
   type, public :: run_type
     type(timeline_type) :: timeline
@@ -39,6 +36,7 @@ module bw_case_contacts
     integer :: status = case_done                   !! of the histories
     integer :: ending = case_done                   !! why the motion is not known to its end
     logical :: cut = .false., out_of_range = .false., failed = .false.   !! as those of lasting_contacts
+    real(dp) :: step_tolerance = 0.0_dp             !! of the largest force, what steps lack
     type(string), allocatable :: notes(:)
   end type run_type
 
@@ -57,21 +55,20 @@ contains
     type(history_errors) :: none
     call find_contacts(scene, motion, demand, monitor, contacts)
     if (monitor%stop_requested()) return
+    run%step_tolerance = demand%tolerance
     run%cut = contacts%cut
     run%out_of_range = contacts%out_of_range
     run%failed = contacts%failed
     if (contacts%out_of_range) run%ending = case_diverged
     if (contacts%cut .or. contacts%failed) run%ending = case_not_converged
     call keep_contacts(scene, motion, contacts, run)
-    call move_alloc(contacts%events, run%timeline%events)
-    call move_alloc(contacts%segments, run%timeline%segments)
-    run%timeline%known_until = contacts%known_until
-    motion%timeline = run%timeline
-    if (contacts%captured) then
-      call keep_mass(scene, motion, demand%modes, contacts, monitor)
-      if (monitor%stop_requested()) return
-      run%timeline = motion%timeline
-    end if
+    call move_alloc(contacts%events, motion%timeline%events)
+    call move_alloc(contacts%segments, motion%timeline%segments)
+    call move_alloc(contacts%ladder, motion%ladder)
+    motion%timeline%known_until = contacts%known_until
+    if (contacts%captured) call keep_mass(scene, motion, demand%modes, contacts, monitor)
+    if (monitor%stop_requested()) return
+    run%timeline = motion%timeline
     call sum_histories(scene, motion, deflections, monitor, workspace, histories)
     if (monitor%stop_requested()) return
     if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)
@@ -236,108 +233,5 @@ contains
       end associate
     end associate
   end subroutine keep_contacts
-
-  pure subroutine find_errors(response, half, quarter, errors)
-    !! From the histories of n, n/2 and n/4 modes: with ρ the ratio of what the last two steps change, 2ρ/(1 − ρ) of the last change.
-    type(response_type), intent(in) :: response, half, quarter
-    type(history_errors), intent(inout) :: errors
-    errors%displacement = error_of(response%displacement, half%displacement, quarter%displacement)
-    if (allocated(response%velocity)) errors%velocity = error_of(response%velocity, half%velocity, quarter%velocity)
-    if (allocated(response%bending_moment)) errors%bending_moment = &
-      error_of(response%bending_moment, half%bending_moment, quarter%bending_moment)
-  contains
-    pure function error_of(history, beside, further) result(error)
-      real(dp), intent(in) :: history(:, :), beside(:, :), further(:, :)
-      real(dp) :: error(size(history, 2))
-      real(dp), parameter :: least = 0.1_dp, most = 0.9_dp   ! tuned
-      real(dp) :: before, ratio
-      error = largest_distance(history, beside)
-      before = maxval(largest_distance(beside, further))
-      if (before <= 0.0_dp) return
-      ratio = min(most, max(least, maxval(error)/before))
-      error = error*(2.0_dp*ratio/(1.0_dp - ratio))
-    end function error_of
-  end subroutine find_errors
-
-  pure function largest_distance(history, other) result(distance)
-    !! Between two histories, where both are known, (points).
-    real(dp), intent(in) :: history(:, :), other(:, :)     !! (samples, points)
-    real(dp) :: distance(size(history, 2))
-    integer :: j, p
-    distance = 0.0_dp
-    do p = 1, size(distance)
-      do j = 1, size(history, 1)
-        if (is_missing(history(j, p)) .or. is_missing(other(j, p))) exit
-        distance(p) = max(distance(p), abs(history(j, p) - other(j, p)))
-      end do
-    end do
-  end function largest_distance
-
-  pure subroutine add_difference(response, other, errors)
-    !! How far two histories are apart, to errors that are known.
-    type(response_type), intent(in) :: response, other
-    type(history_errors), intent(inout) :: errors
-    errors%displacement = max(errors%displacement, largest_distance(response%displacement, other%displacement))
-    if (allocated(response%velocity)) errors%velocity = max(errors%velocity, largest_distance(response%velocity, other%velocity))
-    if (allocated(response%bending_moment)) errors%bending_moment = &
-      max(errors%bending_moment, largest_distance(response%bending_moment, other%bending_moment))
-  end subroutine add_difference
-
-  pure subroutine add_force_difference(run, other)
-    !! The same of the times of contacts and of their forces. A contact that the other run lacks is not known at all.
-    type(run_type), intent(inout) :: run
-    type(run_type), intent(in) :: other
-    integer :: i
-    associate (events => run%timeline%events, beside => other%timeline%events, kept => run%result)
-      do i = 1, size(kept%force_error)
-        if (i > size(other%result%force_error)) then
-          kept%force_error(i) = missing
-          events(i)%time_error = events(i)%time
-          events(i)%end_error = events(i)%end_time
-          cycle
-        end if
-        events(i)%time_error = max(events(i)%time_error, abs(events(i)%time - beside(i)%time))
-        events(i)%end_error = max(events(i)%end_error, abs(events(i)%end_time - beside(i)%end_time))
-        kept%force_error(i) = max(kept%force_error(i), maxval(abs(kept%force(:, i) - other%result%force(:, i))))
-      end do
-      i = size(kept%force_error)
-      if (i == 0 .or. i == size(events)) return
-      if (events(i + 1)%kind == capture_event) events(i + 1)%time_error = events(i)%end_error
-    end associate
-  end subroutine add_force_difference
-
-  subroutine add_rounding(scene, motion, response, errors)
-    !! What rounding leaves of sums and of phases.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    type(response_type), intent(in) :: response
-    type(history_errors), intent(inout) :: errors
-    if (response%finite_samples == 0) return
-    associate (of_sums => rounding_errors(scene, motion, response, .false.))
-      errors%displacement = errors%displacement + of_sums + drift_errors(scene, motion, deflections, .false.)
-    end associate
-    if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
-      + drift_errors(scene, motion, deflections, .true.)
-  end subroutine add_rounding
-
-  pure real(dp) function part_of_peak(response, errors) result(part)
-    !! The largest error of a quantity over its peak.
-    type(response_type), intent(in) :: response
-    type(history_errors), intent(in) :: errors
-    integer :: n
-    n = response%finite_samples
-    part = 0.0_dp
-    if (n == 0) return
-    call look(response%displacement, errors%displacement)
-    if (allocated(response%velocity)) call look(response%velocity, errors%velocity)
-    if (allocated(response%bending_moment)) call look(response%bending_moment, errors%bending_moment)
-  contains
-    pure subroutine look(history, error)
-      real(dp), intent(in) :: history(:, :), error(:)
-      real(dp) :: peak
-      peak = largest_magnitude(history(:n, :))
-      if (maxval(error) > 0.0_dp .and. peak > 0.0_dp) part = max(part, maxval(error)/peak)
-    end subroutine look
-  end function part_of_peak
 
 end module bw_case_contacts

@@ -140,7 +140,7 @@ contains
     own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
     call start_histories(own, part)
     if (allocated(segment%load)) then
-      call add_loaded_motion(configuration%set, segment, sampling%grid, samples(1), &
+      call add_loaded_motion(configuration%set, segment, motion%ladder, sampling%grid, samples(1), &
                              scene%impact%approach_velocity*motion%units%time%hi, monitor, part)
       call finish_histories(part)
       return

@@ -4,6 +4,7 @@ module bw_case_result
   use bw_beam_units, only: beam_units
   use bw_error, only: error_type
   use bw_event, only: event_type
+  use bw_force_step, only: step_end
   use bw_impact, only: impact_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
@@ -41,6 +42,7 @@ module bw_case_result
     type(case_modes) :: modes
     type(initial_state) :: initial
     type(timeline_type) :: timeline
+    type(step_end), allocatable :: ladder(:)        !! operators of the steps of its loads, by their level
     type(plan_type) :: plan                         !! how many modes of its segments a tolerance takes
     integer :: ending = case_done                   !! why the motion is not known to its end, as a status
     type(string), allocatable :: notes(:)

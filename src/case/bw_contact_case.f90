@@ -2,12 +2,12 @@ module bw_contact_case
   !! A case whose impact lasts: modes ► contacts and flights ► histories ► errors ► spectrum. The motion has a limit as modes are added, so
   !! that a tolerance lets their number grow until its error is small enough.
   !!
-  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed four times,
-  !! with all modes, a half and a quarter of them, and in steps of half the length: what fewer modes change tells how much is missing,
-  !! and the estimate is that or what shorter steps change, whichever is larger.
+  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed three times,
+  !! with all modes, a half and a quarter of them: what fewer modes change tells how much is missing. Steps leave far less. A tolerance
+  !! doubles the number of modes, so that each motion serves three counts.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
-  use bw_case_contacts, only: add_difference, add_force_difference, add_rounding, find_errors, follow_run, part_of_peak, run_type
+  use bw_case_contacts, only: follow_run, run_type
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_notes, only: note_lasting_contacts
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors
@@ -16,6 +16,7 @@ module bw_contact_case
   use bw_missing, only: is_missing, missing
   use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, relaxed_tolerance, shown_modes, wanted_tolerance
+  use bw_contact_errors, only: add_rounding, find_force_errors, find_history_errors, part_of_peak
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type
   use bw_monitor, only: monitor_type
@@ -31,7 +32,6 @@ module bw_contact_case
   public :: run_contact_case
 
   integer, parameter :: first_count = 32           !! modes that a tolerance begins with
-  real(dp), parameter :: step_share = 1.0e-2_dp    !! of the tolerance, the default where modes are counted, that steps may take
   integer, parameter :: most_count = 4096          !! and the most that it may take
 
 contains
@@ -51,7 +51,7 @@ contains
     type(case_motion) :: motion
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
-    type(run_type) :: run
+    type(run_type), allocatable :: run
     type(search_failure), target :: failure
     type(string), allocatable :: foremost(:), validity(:)
     whole = .false.
@@ -93,12 +93,13 @@ contains
     type(search_failure), intent(inout), target :: failure
     type(scene_type), intent(out) :: counted         !! the scene with the count that was taken
     type(case_motion), intent(out) :: motion
-    type(run_type), intent(out) :: run
+    type(run_type), allocatable, intent(out) :: run
     type(history_errors), intent(out) :: errors
-    type(run_type) :: half, other
-    type(demand_type) :: demand
+    type(run_type), allocatable :: quarter, half
     real(dp) :: before
     integer :: most
+    logical :: doubled
+    allocate (run)
     most = most_count
     before = huge(before)
     if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
@@ -107,42 +108,39 @@ contains
       counted%modes%tolerance = missing
       counted%modes%before = first_count
     end if
+    doubled = .false.
     do
       counted%modes%after = counted%modes%before
       motion = case_motion(units=units_of(scene%beam))
-      demand = demand_type(counted%modes%before, scene%contact%max_contacts, scene%response%duration/motion%units%time%hi, &
-                           step_share*wanted_tolerance(scene%modes), allocated(scene%capture))
       call find_modes(counted, motion%units, monitor, motion%modes, cache)
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
       call attend(motion%modes%configuration, failure, monitor)
-      call follow_run(counted, motion, demand, monitor, workspace, run)
+      if (doubled) then                              ! all modes of before are half of them now
+        call move_alloc(half, quarter)
+        call move_alloc(run, half)
+      else
+        call follow_part(4, quarter)
+        if (monitor%stop_requested()) return
+        call follow_part(2, half)
+        if (monitor%stop_requested()) return
+      end if
+      call follow_part(1, run)
       if (monitor%stop_requested()) return
       call watch%lap(stage_events)
-      demand%modes = (counted%modes%before + 1)/2
-      call follow_run(counted, motion, demand, monitor, workspace, half)
-      if (monitor%stop_requested()) return
-      demand%modes = (counted%modes%before + 3)/4
-      call follow_run(counted, motion, demand, monitor, workspace, other)
-      if (monitor%stop_requested()) return
       errors = history_errors()
-      call find_errors(run%response, half%response, other%response, errors)
+      call find_history_errors(run, half, quarter, errors)
       call watch%lap(stage_response)
       if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
       motion%plan%reached = part_of_peak(run%response, errors)
       if (motion%plan%reached <= scene%modes%tolerance) exit
       if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
       before = motion%plan%reached
-      counted%modes%before = min(most, (3*counted%modes%before)/2)
+      doubled = 2*counted%modes%before <= most
+      counted%modes%before = min(most, 2*counted%modes%before)
     end do
-    call add_force_difference(run, half)
-    demand%modes = counted%modes%before
-    demand%fineness = 2
-    call follow_run(counted, motion, demand, monitor, workspace, other)
-    if (monitor%stop_requested()) return
-    call add_difference(run%response, other%response, errors)
-    call add_force_difference(run, other)
+    call find_force_errors(run, half, quarter)
     motion%timeline = run%timeline
     motion%initial = run%initial
     motion%ending = run%ending
@@ -151,20 +149,38 @@ contains
     call add_notes(errors%notes, run%notes)
     call add_rounding(counted, motion, run%response, errors)
     motion%plan%reached = part_of_peak(run%response, errors)
+  contains
+    subroutine follow_part(divisor, followed)
+      !! The motion of a part of the modes.
+      integer, intent(in) :: divisor
+      type(run_type), allocatable, intent(out) :: followed
+      type(demand_type) :: demand
+      demand = demand_type((counted%modes%before + divisor - 1)/divisor, scene%contact%max_contacts, &
+                           scene%response%duration/motion%units%time%hi, step_tolerance(scene), allocated(scene%capture))
+      allocate (followed)
+      call follow_run(counted, motion, demand, monitor, workspace, followed)
+    end subroutine follow_part
   end subroutine follow_to_tolerance
 
+  pure real(dp) function step_tolerance(scene) result(tolerance)
+    !! Of the force in a step: so far below the tolerance of the histories that contacts may amplify it.
+    type(scene_type), intent(in) :: scene
+    real(dp), parameter :: share = 1.0e-3_dp, most = 1.0e-9_dp, least = 1.0e-11_dp   ! tuned: below it rounding decides about steps
+    tolerance = max(least, min(most, share*wanted_tolerance(scene%modes)))
+  end function step_tolerance
+
   pure logical function is_hopeless(reached, before, tolerance, count, most)
-    !! Falling on as it did when the modes became half as many again, an error stays above a tolerance up to far more than the most modes.
+    !! Falling on as it did when the number of modes doubled, an error stays above a tolerance up to far more than the most modes.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
-    real(dp), parameter :: half_more = log(1.5_dp), far = log(8.0_dp)
+    real(dp), parameter :: doubling = log(2.0_dp), far = log(8.0_dp)
     real(dp) :: steps
     is_hopeless = .false.
     if (before >= huge(before)) return
     is_hopeless = reached >= 0.999_dp*before .and. count > 4*first_count
     if (reached >= before) return
     steps = log(reached/tolerance)/log(before/reached)
-    is_hopeless = steps*half_more > log(real(most, dp)/count) + far
+    is_hopeless = steps*doubling > log(real(most, dp)/count) + far
   end function is_hopeless
 
   subroutine judge_tolerance(scene, motion, count, errors)

@@ -7,7 +7,7 @@ module bw_contact_law
   use bw_beam_units, only: beam_units
   use bw_contact_par, only: contact_par
   use bw_force_response, only: force_degree
-  use bw_force_step, only: force_step, node_derivatives
+  use bw_force_step, only: force_step, node_slopes
   use bw_kinds, only: dp
   use bw_lapack, only: dgesv
   implicit none (type, external)
@@ -74,7 +74,7 @@ contains
     type(contact_law), intent(in) :: law
     type(force_step), intent(in) :: step
     real(dp), intent(in) :: u(:), v(:)             !! of all oscillators, at the start of the step
-    real(dp), intent(inout) :: force(0:)           !! the first is known, (0:points)
+    real(dp), intent(inout) :: force(0:)           !! the first is known, the others are near it, (0:points)
     real(dp), intent(out) :: indentation(force_degree), rate(force_degree)
     logical, intent(out) :: converged
     integer, parameter :: most = 60
@@ -85,11 +85,10 @@ contains
     integer :: i, info, iteration, pivot(force_degree)
     call step%approach(u, v, free, free_rate)
     compliance = step%compliance
-    rate_compliance = step%rate_compliance + law%residual/step%length*node_derivatives()
+    rate_compliance = step%rate_compliance + law%residual/step%length*node_slopes
     do i = 1, force_degree
       compliance(i, i) = compliance(i, i) + law%residual
     end do
-    force(1:) = force(0)
     converged = .false.
     do iteration = 1, most
       indentation = free - matmul(compliance, force)

@@ -1,95 +1,133 @@
 module bw_force_response
-  !! What a force that is a polynomial in time does to an oscillator that is at rest: q̈ + cq̇ + β²q = (t/h)^j, exactly.
+  !! What a force that is a polynomial in a step of time does to an oscillator that is at rest at its start: q̈ + cq̇ + β²q = x^j, exactly,
+  !! x going from −1 to 1 in the step of length h.
   !!
-  !! With s₁, s₂ the roots of s² + cs + β² the displacement at t = h is h(I_j(s₁h) − I_j(s₂h))/(s₁ − s₂), where
-  !! I_j(z) = ∫₀¹ e^(z(1−w))w^j dw. Its recurrence I_j = (j I_(j−1) − 1)/z is stable forwards for large |z| and backwards for small. Where
-  !! both |s|h are small the roots would cancel: there the motion is its power series. Without dimensions.
+  !! With g the motion from velocity 1, q̇_j = (2j/h)q_(j−1) + (−1)^j g, so that the equation itself leads from power to power:
+  !! (4j(j−1)/h²)q_(j−2) + (2j/h)cq_(j−1) + β²q_j = x^j − (−1)^j(ġ + (c − 2j/h)g). Downwards from a power so high that what it was taken
+  !! for has died away this is stable where the roots s of s² + cs + β² are small, |s|h < 2(n!)^(1/n). Where they are not, q_j
+  !! is (M_j(s₁) − M_j(s₂))/(s₁ − s₂), with M_j = ∫e^(s(t−τ))x^j dτ from sM_j = (2j/h)M_(j−1) − x^j + (−1)^j e^(st), upwards or downwards as
+  !! |s|h is large or small. Without dimensions.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: find_force_response
+  public :: find_force_response, powers_of
 
-  integer, parameter, public :: force_degree = 6   !! of a force in a step
-  real(dp), parameter :: slow = 1.0_dp             !! |s|h below which the power series is taken
+  integer, parameter, public :: force_degree = 10  !! of a force in a step
+  real(dp), parameter :: slow = 8.0_dp             !! |s|h up to which recurrences go downwards, about 2(n!)^(1/n)
   real(dp), parameter :: apart = 1.0e-5_dp         !! of c/2, by which the roots of a mode at its critical damping are taken apart
+  integer, parameter, public :: highest_power = force_degree + 40   !! from which recurrences come down, at most
+  integer :: power
+  real(dp), parameter :: inverse(2:highest_power) = [(1.0_dp/(4*power*(power - 1)), power=2, highest_power)]
 
 contains
 
-  pure subroutine find_force_response(beta_squared, c, time, displacement, velocity)
-    !! At the end of a time h, for each power j. **Limit**: e^(s₁h) must not overflow.
+  pure subroutine find_force_response(beta_squared, c, length, x, free, rate, displacement, velocity)
+    !! At some times in a step, for each power. **Limit**: e^(s₁t) must not overflow.
     real(dp), intent(in) :: beta_squared, c
-    real(dp), intent(in) :: time                   !! h > 0
-    real(dp), intent(out) :: displacement(0:force_degree), velocity(0:force_degree)
-    complex(dp) :: root, s(2), first(0:force_degree), second(0:force_degree)
+    real(dp), intent(in) :: length                    !! of the step, h
+    real(dp), intent(in), contiguous :: x(:, 0:)      !! powers of x at the times, to the highest, (times, powers)
+    real(dp), intent(in), contiguous :: free(:), rate(:)   !! g and ġ then
+    real(dp), intent(out), contiguous :: displacement(:, 0:), velocity(:, 0:)   !! (times, powers)
+    complex(dp) :: root, s(2)
+    complex(dp), dimension(force_degree, 0:force_degree) :: first, second
     real(dp) :: half
-    if (max(sqrt(abs(beta_squared)), c)*time < slow) then
-      call sum_series(beta_squared*time**2, c*time, displacement, velocity)
-      displacement = displacement*time**2
-      velocity = velocity*time
-      return
-    end if
-    half = 0.5_dp*c
-    root = sqrt(cmplx(half**2 - beta_squared, 0.0_dp, dp))
-    if (abs(root) < apart*half) root = apart*half
-    s = [-half + root, -half - root]
-    if (half > 0.0_dp .and. abs(aimag(root)) == 0.0_dp .and. abs(s(2)) > 0.0_dp) s(1) = beta_squared/s(2)
-    first = kernel_moments(s(1)*time)
-    if (abs(aimag(root)) > 0.0_dp) then            ! the other root is the conjugate
-      displacement = time*aimag(first)/aimag(root)
-      velocity = time*aimag(s(1)*first)/aimag(root)
+    integer :: j, n
+    n = size(x, 1)
+    if (abs(beta_squared)*length**2 < slow**2 .and. c*length < slow) then
+      call slow_response(beta_squared*length**2, c*length, x, free, rate, length, displacement)
+      displacement = length**2*displacement
     else
-      second = kernel_moments(s(2)*time)
-      displacement = time*real((first - second)/(2.0_dp*root))
-      velocity = time*real((s(1)*first - s(2)*second)/(2.0_dp*root))
+      half = 0.5_dp*c
+      root = sqrt(cmplx(half**2 - beta_squared, 0.0_dp, dp))
+      if (abs(root) < apart*half) root = apart*half
+      s = [-half + root, -half - root]
+      if (half > 0.0_dp .and. abs(aimag(root)) == 0.0_dp .and. abs(s(2)) > 0.0_dp) s(1) = beta_squared/s(2)
+      call find_moments(s(1)*length, x, first)
+      if (abs(aimag(root)) > 0.0_dp) then             ! the other root is the conjugate
+        displacement = (length/aimag(root))*aimag(first(:n, :))
+      else
+        call find_moments(s(2)*length, x, second)
+        displacement = length*real((first(:n, :) - second(:n, :))/(2.0_dp*root))
+      end if
     end if
+    velocity(:, 0) = free
+    do j = 1, force_degree
+      velocity(:, j) = (2*j/length)*displacement(:, j - 1) + sign_of(j)*free
+    end do
   end subroutine find_force_response
 
-  pure function kernel_moments(z) result(moment)
-    !! I_0 … I_n.
+  pure subroutine slow_response(square, damping, x, free, rate, length, displacement)
+    !! y″ + Cy′ + By = x^j in a step of length 1.
+    real(dp), intent(in) :: square, damping           !! B and C
+    real(dp), intent(in), contiguous :: x(:, 0:)
+    real(dp), intent(in), contiguous :: free(:), rate(:)
+    real(dp), intent(in) :: length                    !! of the unit of g
+    real(dp), intent(out), contiguous :: displacement(:, 0:)
+    real(dp), dimension(force_degree) :: above, g, next, start
+    real(dp) :: left
+    integer :: i, j, n, top
+    top = force_degree
+    left = 1.0_dp                                     ! of what is wrong at the top
+    do while (left > epsilon(left) .and. top < highest_power - 1)
+      top = top + 2
+      left = left*max(abs(square), damping**2)*inverse(top)
+    end do
+    n = size(x, 1)
+    g(:n) = free/length
+    start(:n) = rate + damping*g(:n)
+    above(:n) = 0.0_dp                                ! powers j and j + 1, then j − 2 and j − 1
+    next(:n) = 0.0_dp
+    do j = top, 2, -2
+      do i = 1, n
+        next(i) = ((x(i, j + 1) + start(i) - (2*(j + 1))*g(i)) - (2*(j + 1)*damping)*above(i) - square*next(i))*inverse(j + 1)
+      end do
+      if (j - 1 <= force_degree) displacement(:, j - 1) = next(:n)
+      do i = 1, n
+        above(i) = ((x(i, j) - start(i) + (2*j)*g(i)) - (2*j*damping)*next(i) - square*above(i))*inverse(j)
+      end do
+      if (j - 2 <= force_degree) displacement(:, j - 2) = above(:n)
+    end do
+  end subroutine slow_response
+
+  pure subroutine find_moments(z, x, moment)
+    !! M_0 … M_n in a step of length 1.
     complex(dp), intent(in) :: z
-    complex(dp) :: moment(0:force_degree)
-    real(dp), parameter :: large = force_degree    ! |z| from which the recurrence is stable forwards
-    integer, parameter :: terms = 34               ! 6^m 6!/(m + 7)! is below rounding then
-    complex(dp) :: term
-    integer :: j, m
-    if (abs(z) >= large) then
-      moment(0) = (exp(z) - 1.0_dp)/z
+    real(dp), intent(in), contiguous :: x(:, 0:)
+    complex(dp), intent(out) :: moment(force_degree, 0:force_degree)   !! of the times, which come first
+    complex(dp) :: decayed(force_degree), next(force_degree), reciprocal
+    integer :: j, n
+    n = size(x, 1)
+    decayed(:n) = exp(z*(0.5_dp*(1.0_dp + x(:, 1))))
+    if (abs(z) >= slow) then
+      reciprocal = 1.0_dp/z
+      moment(:n, 0) = (decayed(:n) - 1.0_dp)*reciprocal
       do j = 1, force_degree
-        moment(j) = (j*moment(j - 1) - 1.0_dp)/z
+        moment(:n, j) = ((2*j)*moment(:n, j - 1) - x(:, j) + sign_of(j)*decayed(:n))*reciprocal
       end do
       return
     end if
-    term = 1.0_dp/(force_degree + 1)
-    moment(force_degree) = term
-    do m = 1, terms
-      term = term*z/(force_degree + 1 + m)
-      moment(force_degree) = moment(force_degree) + term
+    next = 0.0_dp
+    do j = highest_power, 1, -1
+      next(:n) = (z*next(:n) + x(:, j) - sign_of(j)*decayed(:n))/(2*j)
+      if (j - 1 <= force_degree) moment(:n, j - 1) = next(:n)
     end do
-    do j = force_degree, 1, -1
-      moment(j - 1) = (1.0_dp + z*moment(j))/j
-    end do
-  end function kernel_moments
+  end subroutine find_moments
 
-  pure subroutine sum_series(square, damping, displacement, velocity)
-    !! y″ + Cy′ + By = u^j at u = 1, from rest at u = 0.
-    real(dp), intent(in) :: square, damping        !! B and C, at most 1
-    real(dp), intent(out) :: displacement(0:force_degree), velocity(0:force_degree)
-    integer, parameter :: terms = 22
-    real(dp) :: before, coefficient, next
-    integer :: j, m
-    do j = 0, force_degree
-      before = 0.0_dp
-      coefficient = 1.0_dp/((j + 1)*(j + 2))
-      displacement(j) = coefficient
-      velocity(j) = (j + 2)*coefficient
-      do m = j + 3, j + 2 + terms
-        next = -(damping*(m - 1)*coefficient + square*before)/(m*(m - 1))
-        before = coefficient
-        coefficient = next
-        displacement(j) = displacement(j) + coefficient
-        velocity(j) = velocity(j) + m*coefficient
-      end do
+  pure real(dp) function sign_of(j)
+    !! (−1)^j.
+    integer, intent(in) :: j
+    sign_of = 1 - 2*iand(j, 1)
+  end function sign_of
+
+  pure function powers_of(x) result(powers)
+    !! 1, x, x² … to the highest, (places, powers).
+    real(dp), intent(in) :: x(:)
+    real(dp) :: powers(size(x), 0:highest_power)
+    integer :: j
+    powers(:, 0) = 1.0_dp
+    do j = 1, highest_power
+      powers(:, j) = x*powers(:, j - 1)
     end do
-  end subroutine sum_series
+  end function powers_of
 
 end module bw_force_response

@@ -5,43 +5,50 @@ module bw_force_step
   !!
   !! The force drives each oscillator by a_k/M_k times its value, and what is looked at is −Σa_ku_k: of a beam and a mass beside it,
   !! with Φ_k(ξ₀) and −1, their approach. Units of bw_segment.
-  use bw_double_double, only: to_dd
-  use bw_force_response, only: find_force_response, force_degree
+  use bw_force_response, only: find_force_response, force_degree, highest_power, powers_of
   use bw_kinds, only: dp
-  use bw_modal_flow, only: flow
   use bw_oscillators, only: oscillators
   implicit none (type, external)
   private
-  public :: force_step_of, last_coefficient, node_derivatives, part_values, polynomial_of, step_end_of
+  public :: drive, force_in_step, find_force_step, last_coefficient, mean_force, polynomial_of
 
   integer :: point, term
   real(dp), parameter :: quarter_turn = acos(0.0_dp)
   real(dp), parameter, public :: node_places(0:force_degree) = &
     [(sin(quarter_turn*point/force_degree)**2, point=0, force_degree)]
     !! Chebyshev's extrema over a step from 0 to 1; the first is its start
-  integer, parameter :: shifted(0:force_degree, 0:force_degree) = reshape([ &
-    1, 0, 0, 0, 0, 0, 0, &
-    -1, 2, 0, 0, 0, 0, 0, &
-    1, -8, 8, 0, 0, 0, 0, &
-    -1, 18, -48, 32, 0, 0, 0, &
-    1, -32, 160, -256, 128, 0, 0, &
-    -1, 50, -400, 1120, -1280, 512, 0, &
-    1, -72, 840, -3584, 6912, -6144, 2048], [force_degree + 1, force_degree + 1])
-    !! Chebyshev's polynomials of 2x − 1 by the powers of x, (powers, polynomials)
+  integer, parameter :: chebyshev(0:force_degree, 0:force_degree) = reshape([ &
+    1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, &
+    0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, &
+    -1, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, &
+    0, -3, 0, 4, 0, 0, 0, 0, 0, 0, 0, &
+    1, 0, -8, 0, 8, 0, 0, 0, 0, 0, 0, &
+    0, 5, 0, -20, 0, 16, 0, 0, 0, 0, 0, &
+    -1, 0, 18, 0, -48, 0, 32, 0, 0, 0, 0, &
+    0, -7, 0, 56, 0, -112, 0, 64, 0, 0, 0, &
+    1, 0, -32, 0, 160, 0, -256, 0, 128, 0, 0, &
+    0, 9, 0, -120, 0, 432, 0, -576, 0, 256, 0, &
+    -1, 0, 50, 0, -400, 0, 1120, 0, -1280, 0, 512], [force_degree + 1, force_degree + 1])
+    !! polynomials by the powers of x, (powers, polynomials)
   real(dp), parameter :: ends_halved(0:force_degree) = &
     [(merge(0.5_dp, 1.0_dp, point == 0 .or. point == force_degree), point=0, force_degree)]
   real(dp), parameter :: series(0:force_degree, 0:force_degree) = reshape( &
     [((2.0_dp/force_degree*ends_halved(point)*ends_halved(term)*(-1)**term*cos(2.0_dp*quarter_turn*point*term/force_degree), &
        term=0, force_degree), point=0, force_degree)], [force_degree + 1, force_degree + 1])
     !! coefficients of Chebyshev's series by values at the points, (polynomials, points)
-  real(dp), parameter :: node_powers(0:force_degree, 0:force_degree) = matmul(real(shifted, dp), series)
-    !! coefficients of 1, x, x² … of the polynomial that is 1 at one point and 0 at the others, (powers, points)
+  real(dp), parameter :: node_powers(0:force_degree, 0:force_degree) = matmul(real(chebyshev, dp), series)
+    !! coefficients of 1, x, x² … (x from −1 to 1 in the step) of the polynomial that is 1 at one point and 0 at the others, (powers, points)
+  real(dp), parameter, public :: node_slopes(force_degree, 0:force_degree) = matmul(reshape( &
+    [((2*term*(2.0_dp*node_places(point) - 1.0_dp)**max(0, term - 1), point=1, force_degree), term=0, force_degree)], &
+    [force_degree, force_degree + 1]), node_powers)
+    !! derivatives at the points by values at them, over a step of length 1, (points, 0:points)
 
   type, public :: step_end
     !! From the state at the start to that at the end.
     real(dp) :: length = 0.0_dp                    !! h; 0: not found yet
     real(dp), allocatable :: moved(:, :)           !! end state of each: q by q, q by v, v by q, v by v, (oscillators, 4)
-    real(dp), allocatable :: pushed(:, :, :)       !! and by each value of the force, (oscillators, 0:points, 2)
+    real(dp), allocatable :: pushed(:, :, :)       !! and by the coefficient of each power of time in the force,
+                                                   !! (oscillators, 0:powers, 2)
   contains
     procedure :: advance
   end type step_end
@@ -58,65 +65,75 @@ module bw_force_step
 
 contains
 
-  type(force_step) function force_step_of(parts, a, inertia, length) result(step)
+  subroutine find_force_step(parts, a, inertia, length, step)
     !! The operators of a step.
     type(oscillators), intent(in) :: parts
     real(dp), intent(in) :: a(:), inertia(:)       !! a_k and M_k, (oscillators)
     real(dp), intent(in) :: length
-    real(dp) :: unit(4), pushed(0:force_degree, 2)
-    integer :: i, k
-    step%step_end = step_end_of(parts, a, inertia, length)
-    allocate (step%seen(2*force_degree, 2, size(a)))
-    allocate (step%compliance(force_degree, 0:force_degree), step%rate_compliance(force_degree, 0:force_degree), source=0.0_dp)
-    do i = 1, force_degree
-      do k = 1, size(a)
-        if (i < force_degree) then
-          call move_and_push(parts, k, a(k)/inertia(k), node_places(i)*length, unit, pushed, node_places(i))
-        else
-          unit = step%moved(k, :)
-          pushed = step%pushed(k, :, :)
-        end if
-        step%seen(i, :, k) = -a(k)*unit(:2)
-        step%seen(force_degree + i, :, k) = -a(k)*unit(3:)
-        step%compliance(i, :) = step%compliance(i, :) + a(k)*pushed(:, 1)
-        step%rate_compliance(i, :) = step%rate_compliance(i, :) + a(k)*pushed(:, 2)
-      end do
-    end do
-  end function force_step_of
-
-  type(step_end) function step_end_of(parts, a, inertia, length) result(step)
-    !! Those that lead to the end of a step.
-    type(oscillators), intent(in) :: parts
-    real(dp), intent(in) :: a(:), inertia(:), length   !! as those of `force_step_of`
+    type(force_step), intent(out) :: step
+    real(dp), dimension(force_degree, 0:force_degree) :: given, given_rate, pushed, pushed_rate   ! by powers, (points, powers)
+    real(dp) :: moved(force_degree, 4), x(force_degree, 0:highest_power)
     integer :: k
     step%length = length
-    allocate (step%moved(size(a), 4), step%pushed(size(a), 0:force_degree, 2))
+    allocate (step%moved(size(a), 4), step%pushed(size(a), 0:force_degree, 2), step%seen(2*force_degree, 2, size(a)))
+    x = powers_of(2.0_dp*node_places(1:) - 1.0_dp)
+    given = 0.0_dp
+    given_rate = 0.0_dp
     do k = 1, size(a)
-      call move_and_push(parts, k, a(k)/inertia(k), length, step%moved(k, :), step%pushed(k, :, :), 1.0_dp)
+      call move_and_push(parts, k, a(k)/inertia(k), length, x, moved, pushed, pushed_rate)
+      step%seen(:force_degree, :, k) = -a(k)*moved(:, :2)
+      step%seen(force_degree + 1:, :, k) = -a(k)*moved(:, 3:)
+      given = given + a(k)*pushed
+      given_rate = given_rate + a(k)*pushed_rate
+      step%moved(k, :) = moved(force_degree, :)
+      step%pushed(k, :, 1) = pushed(force_degree, :)
+      step%pushed(k, :, 2) = pushed_rate(force_degree, :)
     end do
-  end function step_end_of
+    step%compliance = matmul(given, node_powers)
+    step%rate_compliance = matmul(given_rate, node_powers)
+  end subroutine find_force_step
 
-  pure subroutine move_and_push(parts, k, driven, time, moved, pushed, place)
-    !! One oscillator at a time after the start of a step.
+  pure subroutine move_and_push(parts, k, driven, length, x, moved, pushed, pushed_rate)
+    !! One oscillator at some times in a step, by its state at the start and by each power in the force.
     type(oscillators), intent(in) :: parts
     integer, intent(in) :: k
     real(dp), intent(in) :: driven                 !! a_k/M_k
-    real(dp), intent(in) :: time, place            !! the same as a part of the step
-    real(dp), intent(out) :: moved(4), pushed(0:force_degree, 2)
-    real(dp), dimension(0:force_degree) :: displacement, velocity
-    real(dp) :: unit(2, 2)
-    integer :: j
-    unit = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
-    call flow(parts%beta_squared(k), parts%c(k), to_dd(time), unit(1, :), unit(2, :))
-    moved = [unit(1, :), unit(2, :)]
+    real(dp), intent(in) :: length
+    real(dp), intent(in), contiguous :: x(:, 0:)   !! powers of x at the times, (times, powers)
+    real(dp), intent(out), contiguous :: moved(:, :)   !! (times, 4)
+    real(dp), intent(out), contiguous :: pushed(:, 0:), pushed_rate(:, 0:)   !! (times, powers)
+    integer :: i
+    do i = 1, size(x, 1)
+      moved(i, :) = parts%motion(k, 0.5_dp*(1.0_dp + x(i, 1))*length)
+    end do
+    moved(:, 1) = 1.0_dp + moved(:, 1)
     pushed = 0.0_dp
+    pushed_rate = 0.0_dp
     if (driven == 0.0_dp) return
-    call find_force_response(parts%beta_squared(k)%hi, parts%c(k), time, displacement, velocity)
-    associate (raised => [(driven*place**j, j=0, force_degree)])
-      pushed(:, 1) = matmul(displacement*raised, node_powers)
-      pushed(:, 2) = matmul(velocity*raised, node_powers)
-    end associate
+    call find_force_response(parts%beta_squared(k)%hi, parts%c(k), length, x, moved(:, 2), moved(:, 4), pushed, pushed_rate)
+    pushed = driven*pushed
+    pushed_rate = driven*pushed_rate
   end subroutine move_and_push
+
+  pure subroutine drive(parts, a, inertia, length, place, force, u, v)
+    !! The state at a place in a step, from 0 to 1.
+    type(oscillators), intent(in) :: parts
+    real(dp), intent(in) :: a(:), inertia(:)       !! as those of `find_force_step`
+    real(dp), intent(in) :: length, place
+    real(dp), intent(in) :: force(0:)              !! at the start and at the points
+    real(dp), intent(inout) :: u(:), v(:)
+    real(dp), dimension(1, 0:force_degree) :: pushed, pushed_rate
+    real(dp) :: coefficients(0:force_degree), moved(1, 4), start, x(1, 0:highest_power)
+    integer :: k
+    coefficients = polynomial_of(force)
+    x = powers_of([2.0_dp*place - 1.0_dp])
+    do k = 1, size(u)
+      call move_and_push(parts, k, a(k)/inertia(k), length, x, moved, pushed, pushed_rate)
+      start = u(k)
+      u(k) = moved(1, 1)*start + moved(1, 2)*v(k) + dot_product(pushed(1, :), coefficients)
+      v(k) = moved(1, 3)*start + moved(1, 4)*v(k) + dot_product(pushed_rate(1, :), coefficients)
+    end do
+  end subroutine drive
 
   pure subroutine approach(self, u, v, value, rate)
     !! What the approach and its rate at the points would be without a force.
@@ -137,46 +154,53 @@ contains
     !! The state at the end of the step.
     class(step_end), intent(in) :: self
     real(dp), intent(in) :: force(0:)              !! at the start and at the points
-    real(dp), intent(inout) :: u(:), v(:)
-    real(dp) :: start(size(u))
-    start = u
-    u = self%moved(:, 1)*start + self%moved(:, 2)*v + matmul(self%pushed(:, :, 1), force)
-    v = self%moved(:, 3)*start + self%moved(:, 4)*v + matmul(self%pushed(:, :, 2), force)
+    real(dp), intent(inout) :: u(:), v(:)          !! of all oscillators, or of the first
+    real(dp) :: coefficients(0:force_degree), start, pushed(2)
+    integer :: j, k
+    coefficients = polynomial_of(force)
+    do k = 1, size(u)
+      pushed = 0.0_dp
+      do j = 0, force_degree
+        pushed = pushed + self%pushed(k, j, :)*coefficients(j)
+      end do
+      start = u(k)
+      u(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k) + pushed(1)
+      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + pushed(2)
+    end do
   end subroutine advance
 
   pure function polynomial_of(values) result(coefficients)
-    !! Coefficients of 1, x, x² … of the force in a step, from its values at the points.
+    !! Coefficients of 1, x, x² … of the force in a step, x from −1 to 1, from its values at the points.
     real(dp), intent(in) :: values(0:)
     real(dp) :: coefficients(0:force_degree)
     coefficients = matmul(node_powers, values)
   end function polynomial_of
 
-  pure function part_values(values, part) result(shorter)
-    !! A step's force at the points of its first part.
-    real(dp), intent(in) :: values(0:)
-    real(dp), intent(in) :: part                   !! 0 to 1
-    real(dp) :: shorter(0:force_degree)
-    real(dp) :: coefficients(0:force_degree), places(0:force_degree)
+  pure subroutine force_in_step(coefficients, place, force, slope)
+    !! The force and its derivative by the place, the part of the step that is over; also beyond its end.
+    real(dp), intent(in) :: coefficients(0:)       !! of the polynomial in the step
+    real(dp), intent(in) :: place
+    real(dp), intent(out) :: force
+    real(dp), intent(out), optional :: slope
+    real(dp) :: rate
     integer :: j
-    coefficients = polynomial_of(values)
-    places = part*node_places
-    shorter = coefficients(force_degree)
-    do j = force_degree - 1, 0, -1
-      shorter = coefficients(j) + places*shorter
+    force = 0.0_dp
+    rate = 0.0_dp
+    do j = force_degree, 0, -1
+      rate = rate*(2.0_dp*place - 1.0_dp) + force
+      force = force*(2.0_dp*place - 1.0_dp) + coefficients(j)
     end do
-  end function part_values
+    if (present(slope)) slope = 2.0_dp*rate
+  end subroutine force_in_step
 
-  pure function node_derivatives() result(slopes)
-    !! Derivatives at the points from values at them, over a step of length 1, (points, 0:points).
-    real(dp) :: slopes(force_degree, 0:force_degree)
-    integer :: i, j
-    slopes = 0.0_dp
-    do i = 1, force_degree
-      do j = 1, force_degree
-        slopes(i, :) = slopes(i, :) + j*node_places(i)**(j - 1)*node_powers(j, :)
-      end do
-    end do
-  end function node_derivatives
+  pure real(dp) function mean_force(values) result(mean)
+    !! Over the step.
+    real(dp), intent(in) :: values(0:)
+    integer :: j
+    associate (coefficients => polynomial_of(values))
+      mean = sum([(coefficients(j + 1)/(j + 1), j=0, force_degree, 2)])
+    end associate
+  end function mean_force
 
   pure real(dp) function last_coefficient(values) result(size_of)
     !! How large the last terms of Chebyshev's series of the force are, which tells what the polynomial lacks.

@@ -3,9 +3,9 @@ module bw_lasting_contact
   !!
   !! In a contact the force is a polynomial in each step, through its values at Chebyshev's points, which obey the law of the contact
   !! (bw_contact_law), and between them all oscillators move exactly (bw_force_step). Steps are a unit of time over powers of two, so that
-  !! their operators are found once. A force that begins or ends as t^(3/2) is no polynomial: steps grow from the
-  !! shortest on, and shrink to it where the contact ends, as far as the last coefficients of the force ask for. What is in the
-  !! last step, 1e-6 of the contact, comes to less than rounding.
+  !! their operators are found once; the unit is what a tolerance allows where the force is smooth. A force that begins or ends as
+  !! t^(3/2) is no polynomial: steps grow from the shortest on, and shrink to it where the contact ends, as far as the last
+  !! coefficients of the force ask for. What is in the last step, 1e-7 of the contact, comes to less than rounding.
   !!
   !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies
@@ -13,7 +13,8 @@ module bw_lasting_contact
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_event, only: contact_event, event_type
   use bw_force_response, only: force_degree
-  use bw_force_step, only: force_step, force_step_of, last_coefficient, node_places, polynomial_of
+  use bw_force_step, only: force_in_step, find_force_step, force_step, last_coefficient, mean_force, node_places, &
+    polynomial_of, step_end
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_mode_set, only: mode_set
@@ -24,7 +25,7 @@ module bw_lasting_contact
   private
   public :: follow_lasting_contacts, force_at
 
-  integer, parameter :: levels = 18               !! of halving, from the longest step to the shortest
+  integer, parameter :: levels = 20               !! of halving, from the longest step to the shortest
 
   type, public :: demand_type
     !! How contacts are to be followed.
@@ -33,7 +34,6 @@ module bw_lasting_contact
     real(dp) :: longest = 0.0_dp                  !! the record, l²/h
     real(dp) :: tolerance = 1.0e-9_dp             !! of the largest force: what a polynomial may lack at its points
     logical :: captures = .false.                 !! the mass stays from the first instant of largest indentation
-    integer :: fineness = 1                       !! 2: steps of half the length, to see what the others leave
   end type demand_type
 
   type, public :: lasting_contacts
@@ -41,6 +41,7 @@ module bw_lasting_contact
     type(event_type), allocatable :: events(:)    !! contacts, in order, with times in l²/h
     type(segment_type), allocatable :: segments(:)   !! contacts and flights, in order
     integer, allocatable :: segment_of(:)         !! (events)
+    type(step_end), allocatable :: ladder(:)      !! operators of their steps, by level
     real(dp) :: restitution = missing             !! separation over approach at the end of the first contact
     real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
     real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
@@ -84,11 +85,12 @@ contains
     type(contact_run) :: run
     type(segment_type) :: segment
     logical :: found
+    integer :: i
     run%bodies = bodies_of(free, demand%modes, mass_ratio, omega)
     run%law = law
     call usual_contact(law, mass_ratio, run%unit, run%typical)
-    run%unit = run%unit/demand%fineness
-    run%tolerance = demand%tolerance/demand%fineness**(force_degree + 1)
+    run%unit = run%unit*demand%tolerance**(1.0_dp/(force_degree + 1))
+    run%tolerance = demand%tolerance
     run%captures = demand%captures
     run%typical = 1.0e-3_dp*run%typical           ! far less than that is no contact that anybody would notice
     run%last = min(demand%longest, growth_ends(free))
@@ -104,6 +106,10 @@ contains
       if (.not. found) exit
       contacts%cut = size(contacts%events) == demand%most_contacts
       if (contacts%cut) exit
+    end do
+    allocate (contacts%ladder(0:levels))
+    do i = 0, levels
+      contacts%ladder(i) = run%ladder(i)%step_end
     end do
     contacts%failed = run%failed
     contacts%captured = run%captured
@@ -182,7 +188,7 @@ contains
     run%impulse = 0.0_dp
     run%ended = .false.
     run%failed = .false.
-    allocate (load%length(64), load%force(0:force_degree, 64))
+    allocate (load%length(64), load%level(64), load%force(0:force_degree, 64))
     associate (state => run%bodies%state)
       do
         if (mod(run%steps, between_questions) == 0) then
@@ -191,10 +197,11 @@ contains
         left = (run%last - state%time%hi) - state%time%lo
         is_last = run%unit*0.5_dp**level >= left
         if (is_last) then
-          odd = step_of(left)
+          call find_step(left, odd)
         else if (run%ladder(level)%length == 0.0_dp) then
-          run%ladder(level) = step_of(run%unit*0.5_dp**level)
+          call find_step(run%unit*0.5_dp**level, run%ladder(level))
         end if
+        force(1:) = expected_force(merge(left, run%unit*0.5_dp**level, is_last))
         if (is_last) then
           call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged)
         else
@@ -213,12 +220,12 @@ contains
         if (run%captures .and. any(rate <= 0.0_dp)) then
           left = first_zero(closing)*merge(left, run%unit*0.5_dp**level, is_last)
           is_last = .true.
-          odd = step_of(left)
+          call find_step(left, odd)
           call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged)
           run%captured = .true.
           ends = .false.
         end if
-        call keep(run, load, merge(left, run%unit*0.5_dp**level, is_last), force, indentation)
+        call keep(run, load, merge(left, run%unit*0.5_dp**level, is_last), level, force, indentation)
         if (ends) run%end_time = state%time + end_in_step(load%length(run%steps), indentation, force)
         if (is_last) then
           call odd%advance(force, state%u, state%v)
@@ -232,31 +239,43 @@ contains
         if (ends .or. is_last) exit
         force(0) = force(force_degree)
         closing(0) = rate(force_degree)
-        if (level > 0 .and. lack < run%tolerance*largest*0.5_dp**(force_degree + 2)) level = level - 1
+        if (lack < run%tolerance*largest*0.5_dp**(force_degree + 1)) level = max(0, level - 1)
       end do
       if (run%captured .or. .not. run%ended) run%end_time = state%time
     end associate
     load%length = load%length(:run%steps)
+    load%level = load%level(:run%steps)
     load%force = load%force(:, :run%steps)
   contains
-    type(force_step) function step_of(length)
+    pure function expected_force(length) result(expected)
+      !! The step before, going on in a straight line.
       real(dp), intent(in) :: length
-      step_of = force_step_of(run%bodies%parts, run%bodies%weight, run%bodies%inertia, length)
-    end function step_of
+      real(dp) :: expected(force_degree), last, slope
+      expected = 0.0_dp
+      if (run%steps == 0) return
+      call force_in_step(polynomial_of(load%force(:, run%steps)), 1.0_dp, last, slope)
+      expected = last + slope*node_places(1:)*(length/load%length(run%steps))
+    end function expected_force
+
+    subroutine find_step(length, step)
+      real(dp), intent(in) :: length
+      type(force_step), intent(out) :: step
+      call find_force_step(run%bodies%parts, run%bodies%weight, run%bodies%inertia, length, step)
+    end subroutine find_step
   end subroutine press
 
   pure real(dp) function first_zero(values) result(x)
     !! Where a polynomial that falls from a positive value at the start of a step is 0, as a part of the step, by halving.
     real(dp), intent(in) :: values(0:)            !! at the points
-    real(dp) :: coefficients(0:force_degree), above, below
+    real(dp) :: above, below, value
     integer :: i, j
-    coefficients = polynomial_of(values)
     i = findloc(values(1:) <= 0.0_dp, .true., dim=1)
     above = node_places(i - 1)
     below = node_places(i)
     do j = 1, 60
       x = 0.5_dp*(above + below)
-      if (sum(coefficients*x**[(i, i=0, force_degree)]) > 0.0_dp) then
+      call force_in_step(polynomial_of(values), x, value)
+      if (value > 0.0_dp) then
         above = x
       else
         below = x
@@ -264,27 +283,28 @@ contains
     end do
   end function first_zero
 
-  pure subroutine keep(run, load, length, force, indentation)
+  pure subroutine keep(run, load, length, level, force, indentation)
     !! Take a step into a load.
     type(contact_run), intent(inout) :: run
     type(load_type), intent(inout) :: load
     real(dp), intent(in) :: length, force(0:), indentation(:)
+    integer, intent(in) :: level
     type(load_type) :: longer
-    integer :: i
     if (run%steps == size(load%length)) then
-      allocate (longer%length(2*run%steps), longer%force(0:force_degree, 2*run%steps))
+      allocate (longer%length(2*run%steps), longer%level(2*run%steps), longer%force(0:force_degree, 2*run%steps))
       longer%length(:run%steps) = load%length
+      longer%level(:run%steps) = load%level
       longer%force(:, :run%steps) = load%force
       call move_alloc(longer%length, load%length)
+      call move_alloc(longer%level, load%level)
       call move_alloc(longer%force, load%force)
     end if
     run%steps = run%steps + 1
     load%length(run%steps) = length
+    load%level(run%steps) = level
     load%force(:, run%steps) = force
     run%indentation = max(run%indentation, maxval(indentation))
-    associate (coefficients => polynomial_of(force))
-      run%impulse = run%impulse + length*sum([(coefficients(i + 1)/(i + 1), i=0, force_degree)])
-    end associate
+    run%impulse = run%impulse + length*mean_force(force)
   end subroutine keep
 
   pure real(dp) function end_in_step(length, indentation, force) result(time)
@@ -303,7 +323,7 @@ contains
     type(load_type), intent(in) :: load
     real(dp), intent(out) :: force, time
     integer, parameter :: parts = 40, refinements = 50
-    real(dp) :: coefficients(0:force_degree), left, right, x(2)
+    real(dp) :: coefficients(0:force_degree), left, right, x(2), value(2)
     integer :: at(2), i, j
     force = 0.0_dp
     time = 0.0_dp
@@ -311,46 +331,49 @@ contains
     at = maxloc(load%force)
     do i = max(1, at(2) - 1), min(size(load%length), at(2) + 1)
       coefficients = polynomial_of(load%force(:, i))
-      j = maxloc([(value(real(j, dp)/parts), j=0, parts)], dim=1) - 1
-      left = max(0.0_dp, (j - 1.0_dp)/parts)
-      right = min(1.0_dp, (j + 1.0_dp)/parts)
+      left = 0.0_dp
+      call force_in_step(coefficients, left, value(1))
+      do j = 1, parts
+        call force_in_step(coefficients, real(j, dp)/parts, value(2))
+        if (value(2) > value(1)) left = real(j, dp)/parts
+        value(1) = max(value(1), value(2))
+      end do
+      right = min(1.0_dp, left + 1.0_dp/parts)
+      left = max(0.0_dp, left - 1.0_dp/parts)
       do j = 1, refinements
         x = [left + (right - left)/3.0_dp, right - (right - left)/3.0_dp]
-        if (value(x(1)) < value(x(2))) then
+        call force_in_step(coefficients, x(1), value(1))
+        call force_in_step(coefficients, x(2), value(2))
+        if (value(1) < value(2)) then
           left = x(1)
         else
           right = x(2)
         end if
       end do
-      if (value(left) <= force) cycle
-      force = value(left)
+      call force_in_step(coefficients, left, value(1))
+      if (value(1) <= force) cycle
+      force = value(1)
       time = sum(load%length(:i - 1)) + left*load%length(i)
     end do
-  contains
-    pure real(dp) function value(x)
-      real(dp), intent(in) :: x
-      value = sum(coefficients*x**[(j, j=0, force_degree)])
-    end function value
   end subroutine find_largest
 
   pure function force_at(load, times) result(force)
-    !! The force of a contact at times after its start; 0 beyond its last step.
+    !! The force of a contact at times after its start, up to its end.
     type(load_type), intent(in) :: load
     real(dp), intent(in) :: times(:)              !! ascending, l²/h
-    real(dp) :: force(size(times)), start, x
-    integer :: i, j, step
+    real(dp) :: force(size(times)), start
+    integer :: i, step
     force = 0.0_dp
     start = 0.0_dp
     step = 1
     do i = 1, size(times)
-      do while (step <= size(load%length))
+      do while (step < size(load%length))
         if (times(i) <= start + load%length(step)) exit
         start = start + load%length(step)
         step = step + 1
       end do
-      if (step > size(load%length)) return
-      x = (times(i) - start)/load%length(step)
-      force(i) = max(0.0_dp, sum(polynomial_of(load%force(:, step))*x**[(j, j=0, force_degree)]))
+      call force_in_step(polynomial_of(load%force(:, step)), min(1.0_dp, (times(i) - start)/load%length(step)), force(i))
+      force(i) = max(0.0_dp, force(i))
     end do
   end function force_at
 

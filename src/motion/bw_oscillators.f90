@@ -27,6 +27,7 @@ module bw_oscillators
     real(dp), allocatable :: rate(:)              !! as many times as this a derivative may be larger than the one before it
   contains
     procedure :: advance
+    procedure :: motion
     procedure :: move
     procedure :: accelerations
     procedure :: derivative
@@ -58,41 +59,55 @@ contains
     real(dp), intent(in) :: time                  !! ≥ 0
     real(dp), intent(in) :: u(:), v(:)            !! at the start
     real(dp), intent(out) :: change(:), velocity(:)
-    real(dp), parameter :: many = 1.0e7_dp        ! rad, below which the square of what rounding takes off a phase is none
-    type(dd) :: half
-    real(dp) :: c, cosine, less, rate, sine, square
+    real(dp) :: by(4)
     integer :: k
     do k = 1, size(u)
-      c = self%c(k)
-      square = self%root(k)%hi**2
-      half = self%root(k)*(0.5_dp*time)
-      if (self%turning(k)) then
-        if (half%hi > many) half = to_dd(angle_of(half))
-        sine = sin(half%hi) + half%lo*cos(half%hi)
-        cosine = cos(half%hi) - half%lo*sin(half%hi)
-        less = -2.0_dp*sine**2                    ! cos − 1
-        sine = 2.0_dp*sine*cosine/self%root(k)%hi
-      else if (2.0_dp*half%hi < joined_below) then
-        square = -square
-        less = 2.0_dp*sinh(half%hi)**2            ! cosh − 1
-        sine = time
-        if (half%hi > 0.0_dp) sine = time*sinh(half%hi)*cosh(half%hi)/half%hi
-      else
-        change(k) = u(k)
-        velocity(k) = v(k)
-        call flow(self%beta_squared(k), c, to_dd(time), change(k), velocity(k))
-        change(k) = change(k) - u(k)
-        cycle
-      end if
-      rate = v(k) + 0.5_dp*c*u(k)
-      change(k) = u(k)*less + rate*sine
-      velocity(k) = rate + (rate*less - square*u(k)*sine)
-      if (c == 0.0_dp) cycle
-      less = decay_less_one(0.5_dp*c*time)
-      change(k) = change(k) + less*(u(k) + change(k))
-      velocity(k) = velocity(k) + less*velocity(k) - 0.5_dp*c*(u(k) + change(k))
+      by = self%motion(k, time)
+      change(k) = by(1)*u(k) + by(2)*v(k)
+      velocity(k) = by(3)*u(k) + by(4)*v(k)
     end do
   end subroutine advance
+
+  pure function motion(self, k, time) result(by)
+    !! Of one oscillator after a time: the change of its displacement by displacement and velocity at the start, and its velocity by
+    !! both.
+    class(oscillators), intent(in) :: self
+    integer, intent(in) :: k
+    real(dp), intent(in) :: time                  !! ≥ 0
+    real(dp) :: by(4)
+    real(dp), parameter :: many = 1.0e7_dp        ! rad, below which the square of what rounding takes off a phase is none
+    type(dd) :: half
+    real(dp) :: c, cosine, less, sine, square
+    c = self%c(k)
+    square = self%root(k)%hi**2
+    half = self%root(k)*(0.5_dp*time)
+    if (self%turning(k)) then
+      if (half%hi > many) half = to_dd(angle_of(half))
+      sine = sin(half%hi) + half%lo*cos(half%hi)
+      cosine = cos(half%hi) - half%lo*sin(half%hi)
+      less = -2.0_dp*sine**2                      ! cos − 1
+      sine = 2.0_dp*sine*cosine/self%root(k)%hi
+    else if (2.0_dp*half%hi < joined_below) then
+      square = -square
+      less = 2.0_dp*sinh(half%hi)**2              ! cosh − 1
+      sine = time
+      if (half%hi > 0.0_dp) sine = time*sinh(half%hi)*cosh(half%hi)/half%hi
+    else
+      by = [1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp]
+      call flow(self%beta_squared(k), c, to_dd(time), by(1), by(3))
+      call flow(self%beta_squared(k), c, to_dd(time), by(2), by(4))
+      by(1) = by(1) - 1.0_dp
+      return
+    end if
+    by = [less, sine, -square*sine, 1.0_dp + less]
+    if (c == 0.0_dp) return
+    by(1) = less + 0.5_dp*c*sine                  ! of a motion without its decay
+    by(3) = 0.5_dp*c*(1.0_dp + less) - square*sine
+    less = decay_less_one(0.5_dp*c*time)
+    by(1) = by(1) + less*(1.0_dp + by(1))
+    by(2) = by(2) + less*by(2)
+    by(3:4) = by(3:4) + less*by(3:4) - 0.5_dp*c*[1.0_dp + by(1), by(2)]
+  end function motion
 
   pure real(dp) function decay_less_one(x) result(less)
     !! e⁻ˣ − 1 without cancellation, for x ≥ 0 of any size.

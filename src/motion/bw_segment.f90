@@ -32,6 +32,7 @@ module bw_segment
   type, public :: load_type
     !! A force at the place that the mass strikes: in each step a polynomial through Chebyshev's points (bw_force_step).
     real(dp), allocatable :: length(:)       !! of the steps, l²/h
+    integer, allocatable :: level(:)         !! how often the longest step was halved to theirs, but for the last that a record ends in
     real(dp), allocatable :: force(:, :)     !! m_iV h/l², (0:points, steps)
     integer :: taking_part = 0               !! modes that it drives; the others are at rest
     real(dp), allocatable :: residual(:, :)

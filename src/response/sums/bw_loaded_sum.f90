@@ -1,8 +1,7 @@
 module bw_loaded_sum
   !! Histories of modes that a force drives, step by step: exact between all samples, with what modes that are not summed add at once.
-  use bw_double_double, only: dd, to_dd, operator(*), operator(-)
-  use bw_force_response, only: force_degree
-  use bw_force_step, only: part_values, polynomial_of, step_end, step_end_of
+  use bw_double_double, only: dd, operator(*), operator(-)
+  use bw_force_step, only: drive, force_in_step, polynomial_of, step_end
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, mode_set, values_at
   use bw_monitor, only: monitor_type
@@ -16,20 +15,19 @@ module bw_loaded_sum
 
 contains
 
-  subroutine add_loaded_motion(modes, segment, grid, first, unit, monitor, response)
+  subroutine add_loaded_motion(modes, segment, ladder, grid, first, unit, monitor, response)
     !! Add the motion of a segment with a load. Velocities are in m per unit of the grid's time until the histories are finished.
     class(mode_set), intent(in) :: modes
     type(segment_type), intent(in) :: segment        !! with a load, whose residual is that of the points
+    type(step_end), intent(in) :: ladder(0:)         !! of the steps of its load, by their level
     type(time_grid), intent(in) :: grid              !! of the whole record
     integer, intent(in) :: first                     !! sample of it that is the first of the histories, from 1
     real(dp), intent(in) :: unit                     !! m of displacements in V l²/h
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response   !! started, of the samples of the segment
-    type(step_end), allocatable :: known(:)
-    type(step_end) :: there
     type(oscillators) :: parts
     type(dd) :: after
-    real(dp) :: start, length, left, force(0:force_degree), a(modes%count), c(modes%count)
+    real(dp) :: start, length, left, force, slope, a(modes%count), c(modes%count)
     real(dp), dimension(modes%count) :: u, v, u_there, v_there
     real(dp), allocatable :: shapes(:, :)
     integer :: i, sample, samples
@@ -40,7 +38,6 @@ contains
     if (allocated(modes%damping)) c = modes%damping
     parts = oscillators_of(modes%beta_squared, c)
     shapes = values_at(modes, response%sampling%quantity, 1, modes%count, response%sampling%points)
-    allocate (known(0))
     u = segment%q
     v = segment%rate
     start = 0.0_dp
@@ -55,49 +52,29 @@ contains
           if (monitor%stop_requested()) return
           u_there = u
           v_there = v
-          force = load%force(:, i)
-          if (left > 0.0_dp) then
-            there = step_end_of(parts, a, modes%modal_mass, left)
-            if (left <= length) force = part_values(force, left/length)
-            if (left > length) force = 0.0_dp        ! by rounding, or in the last sample of a record
-            call there%advance(force, u_there, v_there)
-          else
-            force = part_values(force, 0.0_dp)
-          end if
-          call put_sample(left/length)
+          force = 0.0_dp                           ! beyond, by rounding, or in the last sample of a record
+          slope = 0.0_dp
+          if (left <= length) call force_in_step(polynomial_of(load%force(:, i)), max(0.0_dp, left/length), force, slope)
+          if (left > 0.0_dp) call drive(parts, a, modes%modal_mass, length, min(1.0_dp, left/length), load%force(:, i), &
+                                    u_there, v_there)
+          call put_sample()
           sample = sample + 1
         end do
         if (sample > samples) exit
-        call move_on()
+        call ladder(load%level(i))%advance(load%force(:, i), u, v)
         start = start + length
       end do
     end associate
   contains
-    subroutine put_sample(x)
-      !! The histories at a sample, at a part of the step.
-      real(dp), intent(in) :: x
-      real(dp) :: coefficients(0:force_degree), rate
-      integer :: column, j
+    subroutine put_sample()
+      !! The histories at a sample.
+      integer :: column
       column = merge(2, 1, response%sampling%quantity == curvatures)
-      coefficients = polynomial_of(segment%load%force(:, i))
       associate (residual => segment%load%residual(:, column))
-        response%displacement(sample, :) = unit*(matmul(u_there, shapes) + residual*force(force_degree))
-        if (.not. allocated(response%velocity)) return
-        rate = sum([(j*coefficients(j)*x**(j - 1), j=1, force_degree)])/length
-        if (x > 1.0_dp) rate = 0.0_dp
-        response%velocity(sample, :) = unit*(matmul(v_there, shapes) + residual*rate)
+        response%displacement(sample, :) = unit*(matmul(u_there, shapes) + residual*force)
+        if (allocated(response%velocity)) response%velocity(sample, :) = unit*(matmul(v_there, shapes) + residual*(slope/length))
       end associate
     end subroutine put_sample
-
-    subroutine move_on()
-      !! To the end of the step; steps of one length share their operators.
-      integer :: k
-      do k = 1, size(known)
-        if (known(k)%length == length) exit
-      end do
-      if (k > size(known)) known = [known, step_end_of(parts, a, modes%modal_mass, length)]
-      call known(k)%advance(segment%load%force(:, i), u, v)
-    end subroutine move_on
   end subroutine add_loaded_motion
 
 end module bw_loaded_sum

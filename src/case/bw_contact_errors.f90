@@ -1,0 +1,139 @@
+module bw_contact_errors
+  !! Errors of a motion whose impact lasts, from three ways to follow it, with n, n/2 and n/4 modes. Where ρ is the ratio of what the last
+  !! two steps change, what is left is about ρ/(1 − ρ) of the last change; three times that is given, since ρ need not stay the same.
+  use bw_case_contacts, only: run_type
+  use bw_case_drift, only: drift_errors, rounding_errors
+  use bw_case_result, only: case_motion, history_errors
+  use bw_event, only: capture_event
+  use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
+  use bw_missing, only: is_missing, missing
+  use bw_mode_set, only: deflections
+  use bw_response, only: response_type
+  use bw_scene, only: scene_type
+  implicit none (type, external)
+  private
+  public :: add_rounding, find_force_errors, find_history_errors, part_of_peak
+
+  real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp   !! tuned: of their tolerance, what steps leave
+
+contains
+
+  pure subroutine find_history_errors(run, half, quarter, errors)
+    !! Of histories.
+    type(run_type), intent(in) :: run, half, quarter
+    type(history_errors), intent(inout) :: errors
+    associate (response => run%response, beside => half%response, further => quarter%response, &
+               left => in_histories*run%step_tolerance)
+      errors%displacement = error_of(response%displacement, beside%displacement, further%displacement, left)
+      if (allocated(response%velocity)) errors%velocity = error_of(response%velocity, beside%velocity, further%velocity, left)
+      if (allocated(response%bending_moment)) errors%bending_moment = &
+        error_of(response%bending_moment, beside%bending_moment, further%bending_moment, left)
+    end associate
+  end subroutine find_history_errors
+
+  pure subroutine find_force_errors(run, half, quarter)
+    !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
+    type(run_type), intent(inout) :: run
+    type(run_type), intent(in) :: half, quarter
+    integer :: i, known
+    associate (events => run%timeline%events, kept => run%result, all => size(run%result%force_error))
+      known = min(all, size(half%result%force_error))
+      kept%force_error = missing
+      kept%force_error(:known) = error_of(kept%force(:, :known), half%result%force, quarter%result%force, &
+                                           in_forces*run%step_tolerance)
+      events(:known)%time_error = error_of(one_row(events%time), one_row(half%timeline%events%time), &
+                                           one_row(quarter%timeline%events%time), 0.0_dp)
+      events(:known)%end_error = error_of(one_row(events%end_time), one_row(half%timeline%events%end_time), &
+                                          one_row(quarter%timeline%events%end_time), 0.0_dp)
+      do i = known + 1, all
+        events(i)%time_error = events(i)%time
+        events(i)%end_error = events(i)%end_time
+      end do
+      if (all == 0 .or. all == size(events)) return
+      if (events(all + 1)%kind == capture_event) events(all + 1)%time_error = events(all)%end_error
+    end associate
+  contains
+    pure function one_row(times) result(row)
+      real(dp), intent(in) :: times(:)
+      real(dp) :: row(1, known)
+      integer :: k
+      row = missing
+      k = min(known, size(times))
+      row(1, :k) = times(:k)
+    end function one_row
+  end subroutine find_force_errors
+
+  pure function error_of(values, beside, further, left) result(error)
+    !! Of the columns of a table. The coarser ones may have fewer or more of them.
+    real(dp), intent(in) :: values(:, :), beside(:, :), further(:, :)
+    real(dp), intent(in) :: left                     !! by steps, of the largest value
+    real(dp) :: error(size(values, 2))
+    real(dp), parameter :: least = 0.07_dp, most = 0.9_dp   ! tuned
+    real(dp), parameter :: times = 3.0_dp            ! tuned
+    real(dp), parameter :: shared = 0.01_dp          ! tuned: of the largest error of any column, that every column may have
+    real(dp), allocatable :: before(:)
+    real(dp) :: ratio(size(values, 2))
+    integer :: known
+    error = largest_distance(values, beside)
+    before = largest_distance(beside, further)
+    known = min(size(error), size(before))
+    if (any(before > 0.0_dp)) then
+      ratio = maxval(error)/maxval(before)
+      where (before(:known) > 0.0_dp) ratio(:known) = max(ratio(:known), error(:known)/before(:known))
+      ratio = min(most, max(least, ratio))
+      error = error*(times*ratio/(1.0_dp - ratio))
+    end if
+    where (error > 0.0_dp) error = max(error, shared*maxval(error))
+    if (left > 0.0_dp) error = error + left*largest_magnitude(values)
+  end function error_of
+
+  pure function largest_distance(table, other) result(distance)
+    !! Between two tables, where both are known, (columns that both have).
+    real(dp), intent(in) :: table(:, :), other(:, :)   !! (rows, columns)
+    real(dp) :: distance(min(size(table, 2), size(other, 2)))
+    integer :: j, p
+    distance = 0.0_dp
+    do p = 1, size(distance)
+      do j = 1, size(table, 1)
+        if (is_missing(table(j, p)) .or. is_missing(other(j, p))) exit
+        distance(p) = max(distance(p), abs(table(j, p) - other(j, p)))
+      end do
+    end do
+  end function largest_distance
+
+  subroutine add_rounding(scene, motion, response, errors)
+    !! What rounding leaves of sums and of phases.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(inout) :: errors
+    if (response%finite_samples == 0) return
+    associate (of_sums => rounding_errors(scene, motion, response, .false.))
+      errors%displacement = errors%displacement + of_sums + drift_errors(scene, motion, deflections, .false.)
+    end associate
+    if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
+      + drift_errors(scene, motion, deflections, .true.)
+  end subroutine add_rounding
+
+  pure real(dp) function part_of_peak(response, errors) result(part)
+    !! The largest error of a quantity over its peak.
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(in) :: errors
+    integer :: n
+    n = response%finite_samples
+    part = 0.0_dp
+    if (n == 0) return
+    call look(response%displacement, errors%displacement)
+    if (allocated(response%velocity)) call look(response%velocity, errors%velocity)
+    if (allocated(response%bending_moment)) call look(response%bending_moment, errors%bending_moment)
+  contains
+    pure subroutine look(history, error)
+      real(dp), intent(in) :: history(:, :), error(:)
+      real(dp) :: peak
+      peak = largest_magnitude(history(:n, :))
+      if (maxval(error) > 0.0_dp .and. peak > 0.0_dp) part = max(part, maxval(error)/peak)
+    end subroutine look
+  end function part_of_peak
+
+end module bw_contact_errors
