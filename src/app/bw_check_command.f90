@@ -13,10 +13,11 @@ module bw_check_command
   use bw_process, only: free_disk, free_memory
   use bw_record, only: record_extent, record_type
   use bw_record_plan, only: plan_record
+  use bw_load_courses, only: check_load_files
   use bw_record_summary, only: record_summary
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
-  use bw_scene, only: scene_type
+  use bw_scene, only: counts_in_its_run, is_loaded, scene_type
   use bw_scene_files, only: read_and_list
   use bw_scene_summary, only: bytes_text, case_numbers, cost_summary, disk_bytes, scene_heading, &
     & scene_summary, unknowns_text, working_bytes
@@ -72,7 +73,7 @@ contains
 
   subroutine examine(scene, brief, text, notes, error)
     !! Find what is printed of a scene, and its notes.
-    !! **Errors**: its tolerance is out of reach; a file of its record is bad.
+    !! **Errors**: its tolerance is out of reach; a file of its record or of its loads is bad.
     type(scene_type), intent(inout) :: scene       !! as that of `plan_tolerance`
     logical, intent(in) :: brief                   !! in one line
     character(:), allocatable, intent(out) :: text !! what is printed of a good scene
@@ -94,6 +95,8 @@ contains
       if (size(scene%unknowns) > 0) time_line = time_line//' or the model does not explain them'
       time_line = time_line//new_line('a')
     else
+      if (is_loaded(scene)) call check_load_files(scene, layout%load_checksums, error)
+      if (allocated(error)) return
       monitor = terminal_progress_to(wall_seconds() + patience, quiet=.true.)
       call plan_tolerance(scene, monitor, planned, count_line, error)
       if (allocated(error)) return
@@ -224,7 +227,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     text = ''
     count = first_modes
-    if (allocated(scene%contact) .or. .not. takes_at_most(scene, first_modes, most_planning)) return   ! a contact's run finds it
+    if (counts_in_its_run(scene) .or. .not. takes_at_most(scene, first_modes, most_planning)) return
     call fix_tolerance(scene, monitor, count, error)
     if (monitor%stop_requested() .or. .not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &

@@ -8,7 +8,7 @@ module bw_case_cost
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: sum_tolerance
-  use bw_scene, only: answers_by_modes, by_pieces, changes_shapes, scene_type
+  use bw_scene, only: answers_by_modes, by_pieces, changes_shapes, counts_in_its_run, is_loaded, scene_type
   use bw_sum_choice, only: sum_seconds
   use bw_timeline, only: comes_back
   implicit none (type, external)
@@ -27,7 +27,8 @@ module bw_case_cost
 
   enum, bind(c)                                      ! terms, in the order of the table
     enumerator :: closed_modes = 1, piece_modes, unknowns_cubed, unknowns_squared, closed_places, other_places, capture_pairs
-    enumerator :: plans, closed_releases, other_releases, contacts, plain_sums, damped_sums, error_estimates, search_transforms
+    enumerator :: plans, closed_releases, other_releases, contacts, loaded_steps, plain_sums, damped_sums, error_estimates
+    enumerator :: search_transforms
     enumerator :: line_searches, line_samples, answers, modal_answers, numbers_term, cases_term, run_term
   end enum
   public :: numbers_term, cases_term, run_term
@@ -45,6 +46,7 @@ module bw_case_cost
     term_type(later_share, 4.3e-9_dp), &             !! a pair before and after a release in closed form
     term_type(later_share, 1.2e-6_dp), &             !! such a pair without closed form where a tolerance is planned
     term_type(later_share, 1.6e-5_dp), &             !! a mode in a contact
+    term_type(histories_share, 2.5e-9_dp), &         !! a mode under loads in a sample, and each history of it
     term_type(histories_share, 0.90_dp), &           !! a second of the sums' own model
     term_type(histories_share, 3.3_dp), &            !! the same of damped modes
     term_type(histories_share, 6.6e-8_dp), &         !! a mode at a point, where its error is estimated
@@ -57,6 +59,7 @@ module bw_case_cost
     term_type(whole_run, 3.8e-6_dp), &               !! a case
     term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
   integer, parameter, public :: term_count = size(term)
+  real(dp), parameter :: times_over = 2.0_dp         !! what all numbers of modes up to the last take, over that one
   real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: four runs of some contacts
 
 contains
@@ -97,12 +100,12 @@ contains
     before = merge(0, scene%modes%before, planning)
     after = merge(merge(planned, scene%modes%after, planning), 0, allocated(scene%capture))
     moving = merge(after, before, allocated(scene%capture))
-    if (allocated(scene%contact) .and. planning) then     ! how many its tolerance takes is found by its run
+    if (counts_in_its_run(scene) .and. planning) then     ! how many its tolerance takes is found by its run
       moving = first_modes*2
       before = moving
     end if
     found = before + after
-    if (planning .and. .not. allocated(scene%contact)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
+    if (planning .and. .not. counts_in_its_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
     counts = 0.0_dp
     if (closed) then
       counts(closed_modes) = found
@@ -115,7 +118,7 @@ contains
       & counts(merge(closed_places, other_places, closed)) = before*scene%impact%profile_points
     if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
       & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
-    if (planning .and. .not. allocated(scene%contact)) counts(plans) = 1.0_dp
+    if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
@@ -130,6 +133,8 @@ contains
     associate (response => scene%response, points => size(scene%response%points))
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
       counts(error_estimates) = moving*points
+      if (is_loaded(scene)) counts(loaded_steps) = merge(4.0_dp*first_modes*times_over, 2.0_dp*moving, planning)*response%samples &
+        *(4.0_dp + points*count([.true., response%velocity, response%acceleration, response%bending_moment, response%shear_force]))
       if (.not. allocated(scene%spectrum)) return
       if (.not. (any(response%points == 0.5_dp) .and. any(response%points == 1.0_dp))) return   ! waves are measured there
       counts(search_transforms) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points

@@ -17,7 +17,7 @@ module bw_case_moments
   use bw_text, only: append, shortest
   implicit none (type, external)
   private
-  public :: find_moments
+  public :: find_moments, scale_of_moments
 
 contains
 
@@ -35,20 +35,20 @@ contains
     if (allocated(errors%displacement)) then
       call errors_of_quantity(scene, motion, curvatures, found, monitor, errors)
       if (monitor%stop_requested()) return
-      errors%bending_moment = scaled(errors%bending_moment, stiffness_of(scene))
+      errors%bending_moment = scaled(errors%bending_moment, scale_of_moments(scene))
     end if
     allocate (histories%response%bending_moment, mold=found%response%displacement)
-    histories%response%bending_moment(:, :) = scaled(found%response%displacement, stiffness_of(scene))
+    histories%response%bending_moment(:, :) = scaled(found%response%displacement, scale_of_moments(scene))
     if (has_fibre(scene%beam)) histories%response%stress_of_moment = stress_of_moment(scene)
-    if (allocated(found%blocks)) histories%octave_moment = octave_of(found, size(scene%response%points))*stiffness_of(scene)
+    if (allocated(found%blocks)) histories%octave_moment = octave_of(found, size(scene%response%points))*scale_of_moments(scene)
     call fill_overflow(scene, histories%response, errors)
   end subroutine find_moments
 
-  pure real(dp) function stiffness_of(scene) result(stiffness)
+  pure real(dp) function scale_of_moments(scene) result(stiffness)
     !! EI/l², N: what makes N m of m.
     type(scene_type), intent(in) :: scene
     stiffness = scene%beam%youngs_modulus*scene%beam%second_moment/scene%beam%length/scene%beam%length
-  end function stiffness_of
+  end function scale_of_moments
 
   pure function stress_of_moment(scene) result(factor)
     !! c/I at the points, m⁻³: what makes the stress at the extreme fibre of a moment.

@@ -68,6 +68,8 @@ module bw_case_result
     real(dp), allocatable :: displacement_bound(:)  !! m, proved, (points)
     real(dp), allocatable :: velocity(:)            !! m/s, (points)
     real(dp), allocatable :: bending_moment(:)      !! N m, (points)
+    real(dp), allocatable :: acceleration(:)        !! m/s², (points)
+    real(dp), allocatable :: shear_force(:)         !! N, (points)
     real(dp), allocatable :: part(:, :)             !! of the sum of its amplitudes that a block comes to, (points, segments)
     integer :: status = case_done                   !! of the case, these errors considered
     type(string), allocatable :: notes(:)
@@ -112,6 +114,16 @@ module bw_case_result
     logical :: lasting = .false.                    !! the last contact had not ended when the record did
   end type contact_result
 
+  type, public :: load_result
+    !! What loads were applied, in the order of the scene.
+    integer :: count = 0                            !! modes that are summed under them
+    real(dp) :: until = 0.0_dp                      !! when the last of them has ended, s
+    real(dp), allocatable :: force_largest(:)       !! largest magnitude of each force, N
+    real(dp), allocatable :: force_impulse(:)       !! its impulse, N s
+    real(dp), allocatable :: base_largest(:)        !! largest magnitude of each acceleration of the base, m/s²
+    real(dp), allocatable :: base_velocity(:)       !! the velocity that the base has gained from it, m/s
+  end type load_result
+
   type, public :: case_result
     !! An unallocated component was not asked for.
     type(beam_units) :: units
@@ -134,6 +146,7 @@ module bw_case_result
     type(answer_type), allocatable :: answer          !! to a harmonic force
     type(measured_type), allocatable :: measured      !! SI
     type(contact_result), allocatable :: contact      !! of contacts that last
+    type(load_result), allocatable :: loads           !! of forces and motions of the base
     type(record_result), allocatable :: record        !! of a record
     integer :: status = case_done
     type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)

@@ -1,9 +1,9 @@
 module bw_case_spectrum
   !! What the histories of a case are searched for: amplitude spectra, and waves measured at tip and midpoint, checked with
-  !! the modes that move in the samples after the last event.
+  !! the modes that move in the samples after the last event, when all loads have ended.
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_segment_samples, only: samples_of_segment
-  use bw_case_result, only: case_done, case_motion, case_spectrum
+  use bw_case_result, only: case_done, case_motion, case_spectrum, load_result
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
@@ -27,7 +27,7 @@ module bw_case_spectrum
 
 contains
 
-  subroutine find_spectrum(scene, layout, motion, response, status, monitor, plan, spectrum)
+  subroutine find_spectrum(scene, layout, motion, response, status, monitor, plan, spectrum, loads)
     !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -37,13 +37,14 @@ contains
     class(monitor_type), intent(inout) :: monitor  !! nothing is found where it asks to stop
     type(spectrum_plan), intent(inout) :: plan     !! any, also one that another case has used
     type(case_spectrum), intent(out) :: spectrum
+    type(load_result), intent(in), optional :: loads   !! that move the beam, too
     integer :: p
     if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
     if (layout%middle == 0 .or. layout%tip == 0) then
       call remark(spectrum%notes, 'measured waves: they need the points 0.5 and 1.0, so they are left out')
     else
       ! before there are spectra, for it needs more memory than they do
-      call find_waves(scene, layout, motion, response, status, monitor, spectrum)
+      call find_waves(scene, layout, motion, response, status, monitor, spectrum, loads)
     end if
     if (status /= case_done) return
     associate (histories => response%displacement)
@@ -55,8 +56,8 @@ contains
     end associate
   end subroutine find_spectrum
 
-  subroutine find_waves(scene, layout, motion, response, status, monitor, spectrum)
-    !! Of the motion after the last event.
+  subroutine find_waves(scene, layout, motion, response, status, monitor, spectrum, loads)
+    !! Of the free motion after the last event and the last load.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_motion), intent(in) :: motion
@@ -64,11 +65,13 @@ contains
     integer, intent(in) :: status
     class(monitor_type), intent(inout) :: monitor
     type(case_spectrum), intent(inout) :: spectrum
+    type(load_result), intent(in), optional :: loads
     type(record_facts) :: facts
     integer :: first, i, samples
     allocate (spectrum%measured)
     samples = size(response%displacement, 1)
     first = first_of_last(scene, motion)
+    if (present(loads)) first = max(first, 1 + ceiling(min(1.0_dp, loads%until/scene%response%duration)*samples))
     if (first > samples) then
       call remark(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
     else if (first > 1) then
@@ -81,7 +84,7 @@ contains
     call know_ends(scene, motion, facts)
     facts%rotates = .false.
     if (allocated(scene%rotation)) facts%rotates = scene%rotation%plane == 'in'
-    if (status == case_done .and. first <= samples) call know_modes(motion, facts%known)
+    if (status == case_done .and. first <= samples) call know_modes(motion, facts%known, loads)
     call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), facts, &
                        spectrum%measured, monitor)
     if (monitor%stop_requested()) return
@@ -98,14 +101,12 @@ contains
     type(record_facts), intent(inout) :: facts
     type(struck_beam) :: pieces
     facts%ends = ''
-    if (size(motion%timeline%segments) == 0) return           ! modes were not found
+    if (.not. motion%modes%resolved) return
     if (is_pressed(motion) .or. allocated(scene%shear) .or. varies_along_pieces(scene)) return
     facts%ends = 'tip'
     if (.not. changes_shapes(scene)) return
     facts%ends = 'model'
-    associate (segments => motion%timeline%segments)
-      pieces = pieces_of(scene, motion%units, segments(size(segments))%configuration == together)
-    end associate
+    pieces = pieces_of(scene, motion%units, last_configuration(motion) == together)
     facts%model = pieces%beam
     facts%length = motion%units%length/mean_wavenumber(facts%model)
   end subroutine know_ends
@@ -126,29 +127,40 @@ contains
   pure logical function is_pressed(motion)
     !! A mass is pressed against the beam at the end: shapes are of that.
     type(case_motion), intent(in) :: motion
-    associate (segments => motion%timeline%segments)
-      is_pressed = .not. allocated(motion%modes%configuration(segments(size(segments))%configuration)%source)
-    end associate
+    is_pressed = .not. allocated(motion%modes%configuration(last_configuration(motion))%source)
   end function is_pressed
 
-  subroutine know_modes(motion, known)
+  pure integer function last_configuration(motion) result(configuration)
+    !! Which modes move in the end.
+    type(case_motion), intent(in) :: motion
+    configuration = motion%modes%moving
+    if (.not. allocated(motion%timeline%segments)) return
+    associate (segments => motion%timeline%segments)
+      if (size(segments) > 0) configuration = segments(size(segments))%configuration
+    end associate
+  end function last_configuration
+
+  subroutine know_modes(motion, known, loads)
     !! The frequencies of the modes that move at the end; of very many those of the first.
     type(case_motion), intent(in) :: motion
     type(known_modes), allocatable, intent(out) :: known
+    type(load_result), intent(in), optional :: loads
     class(mode_set), allocatable :: first
+    integer :: count
+    count = 0
+    if (present(loads)) count = loads%count
     allocate (known)
-    associate (last => motion%timeline%segments(size(motion%timeline%segments)))
-      associate (moving => motion%modes%configuration(last%configuration))
-        if (allocated(last%rate)) then
-          known%angular_frequency = frequencies_of(moving%set, last%count)*motion%units%frequency
-          known%wavenumber = moving%set%alpha(:last%count)/motion%units%length
-        else
-          call moving%source%find(first_numbers(min(most, last%count)), first)
-          known%angular_frequency = frequencies_of(first, first%count)*motion%units%frequency
-          known%wavenumber = first%alpha(:first%count)/motion%units%length
-          known%all = first%count == last%count
-        end if
-      end associate
+    associate (segments => motion%timeline%segments, moving => motion%modes%configuration(last_configuration(motion)))
+      if (size(segments) > 0) count = max(count, segments(size(segments))%count)
+      if (count <= moving%set%count) then
+        known%angular_frequency = frequencies_of(moving%set, count)*motion%units%frequency
+        known%wavenumber = moving%set%alpha(:count)/motion%units%length
+      else
+        call moving%source%find(first_numbers(min(most, count)), first)
+        known%angular_frequency = frequencies_of(first, first%count)*motion%units%frequency
+        known%wavenumber = first%alpha(:first%count)/motion%units%length
+        known%all = first%count == count
+      end if
     end associate
   end subroutine know_modes
 

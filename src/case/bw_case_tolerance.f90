@@ -14,7 +14,7 @@ module bw_case_tolerance
   use bw_modes_par, only: by_tolerance, relaxed_tolerance
   use bw_monitor, only: monitor_type
   use bw_plan, only: plan_type
-  use bw_scene, only: scene_type
+  use bw_scene, only: counts_in_its_run, scene_type
   use bw_scene_cases, only: case_scene, case_words, few_corners
   use bw_text, only: text_of
   implicit none (type, external)
@@ -33,7 +33,7 @@ contains
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
     type(case_motion), allocatable :: motion
     count = 0
-    if (.not. by_tolerance(scene%modes) .or. allocated(scene%contact)) return
+    if (.not. by_tolerance(scene%modes) .or. counts_in_its_run(scene)) return
     call plan_motion(scene, monitor, motion, count, error)
     if (present(reached)) reached = motion%plan%reached
   end subroutine plan_case
@@ -122,7 +122,7 @@ contains
     integer(i8), allocatable :: corners(:)
     integer :: i, ignored
     count = 0
-    if (.not. by_tolerance(scene%modes) .or. allocated(scene%contact)) return     ! a contact is not linear: its run finds the count
+    if (.not. by_tolerance(scene%modes) .or. counts_in_its_run(scene)) return     ! the run finds the count
     if (size(scene%sweeps) == 0) then
       call plan_relaxed(scene, monitor, planned, count, error)
       if (present(motion) .and. count > 0 .and. .not. allocated(error)) call move_alloc(planned, motion)

@@ -50,6 +50,10 @@ contains
       call note_rotation(centrifugal_strain(scene), notes)
       if (.not. present(response)) return
       if (response%finite_samples == 0) return       ! another note says why
+      if (.not. allocated(scene%impact)) then
+        call note_size(scene, largest_magnitude(response%displacement(:response%finite_samples, :)), placed_strain(), notes)
+        return
+      end if
       call note_amplitudes(scene, motion, modes, largest_magnitude(response%displacement(:response%finite_samples, :)), notes)
       call note_return(scene, motion, response, notes)
     end associate
@@ -234,6 +238,8 @@ contains
     if (allocated(errors%displacement)) call note_error('displacement', response%displacement(:n, :), errors%displacement)
     if (allocated(errors%velocity)) call note_error('velocity', response%velocity(:n, :), errors%velocity)
     if (allocated(errors%bending_moment)) call note_error('bending moment', response%bending_moment(:n, :), errors%bending_moment)
+    if (allocated(errors%acceleration)) call note_error('acceleration', response%acceleration(:n, :), errors%acceleration)
+    if (allocated(errors%shear_force)) call note_error('shear force', response%shear_force(:n, :), errors%shear_force)
   contains
     subroutine note_error(quantity, histories, error)
       !! The point where an error is the largest part of its own peak.
@@ -268,7 +274,8 @@ contains
     character(:), allocatable :: words
     if (allocated(scene%recontact)) then
       words = 'contacts amplify every error, and a shorter duration has fewer of them'
-    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. allocated(scene%contact)) then
+    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. .not. allocated(scene%impact) .or. &
+             allocated(scene%contact)) then
       words = 'more modes lessen it: larger counts, or a smaller tolerance'
     else
       words = 'ten times as many modes (before, after) leave about a third of it, and &damping far less'

@@ -7,11 +7,12 @@ module bw_one_case
   use bw_case_errors, only: drop_errors
   use bw_case_frequency, only: find_frequency_response
   use bw_case_histories, only: sum_histories
+  use bw_case_loads, only: add_loads, without_tolerance
   use bw_case_modes, only: find_modes
   use bw_case_moments, only: find_moments
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_undecided
-  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
+  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors, load_result
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
@@ -26,7 +27,7 @@ module bw_one_case
   use bw_note, only: remark
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
-  use bw_scene, only: scene_type
+  use bw_scene, only: is_loaded, scene_type
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: shortest, string
@@ -63,12 +64,21 @@ contains
       call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
                             result, whole)
     else
-      call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
+      if (is_loaded(scene)) then
+        call simulate_case(without_tolerance(scene), layout, watch, monitor, cache, result, whole, planned, scene)
+      else
+        call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
+      end if
+      if (allocated(result%error)) return
       relaxed = scene
       do while (whole .and. .not. (scene%modes%asked .or. result%within))
         relaxed%modes%tolerance = relaxed_tolerance(max(relaxed%modes%tolerance, result%reached))
         if (is_missing(relaxed%modes%tolerance)) exit
-        call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
+        if (is_loaded(scene)) then
+          call simulate_case(relaxed, layout, watch, monitor, cache, result, whole, loaded=relaxed)
+        else
+          call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
+        end if
       end do
     end if
     if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, watch, monitor, cache, result, whole)
@@ -90,7 +100,7 @@ contains
     call watch%lap(stage_response)
   end subroutine answer_force
 
-  subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
+  subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole, planned, loaded)
     !! The way the data goes.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -100,10 +110,12 @@ contains
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
     type(case_motion), allocatable, intent(inout), optional :: planned   !! as that of `run_case`
+    type(scene_type), intent(in), optional :: loaded   !! the scene with its loads and their tolerance; absent: there are none
     type(case_motion), allocatable :: motion
     type(case_histories) :: histories
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
+    type(load_result), allocatable :: loads
     type(string), allocatable :: foremost(:), validity(:)
     type(part_monitor) :: part                       ! for a stage
     type(search_failure), target :: failure
@@ -143,6 +155,12 @@ contains
       if (allocated(scene%hub)) call find_hub_angle(scene, motion, part, cache%motion%sums, histories)
       if (monitor%stop_requested()) return
       call drop_errors(motion, errors)
+      if (present(loaded)) then
+        call add_loads(loaded, motion, part, cache%motion%modes, histories, errors, loads, result%error)
+        whole = allocated(result%error)
+        if (whole) return
+        if (monitor%stop_requested()) return
+      end if
     end if
 
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
@@ -156,13 +174,15 @@ contains
 
     if (allocated(scene%spectrum)) then
       part = stage_part(monitor, share, spectrum_share)
-      call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum)
+      call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum, loads)
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
     end if
     whole = .true.
     result%profile_points = layout%profile
     call compose(scene, foremost, motion, histories, errors, spectrum, result)
+    if (allocated(loads) .and. .not. allocated(scene%impact)) result%mode_count = loads%count
+    call move_alloc(loads, result%loads)
   end subroutine simulate_case
 
   subroutine find_hub_angle(scene, motion, monitor, workspace, histories)
@@ -220,6 +240,8 @@ contains
       call move_alloc(errors%displacement_bound, result%response%displacement_bound)
       call move_alloc(errors%velocity, result%response%velocity_error)
       call move_alloc(errors%bending_moment, result%response%bending_moment_error)
+      call move_alloc(errors%acceleration, result%response%acceleration_error)
+      call move_alloc(errors%shear_force, result%response%shear_force_error)
     end if
     call move_alloc(spectrum%amplitude, result%amplitude)
     call move_alloc(spectrum%measured, result%measured)

@@ -6,7 +6,7 @@ module bw_result_layout
   use bw_line_windows, only: window_start
   use bw_modes_par, only: by_tolerance
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
+  use bw_scene, only: answers_by_modes, is_loaded, scene_type, varies_along_pieces
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
@@ -17,7 +17,7 @@ module bw_result_layout
 
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
     'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', 'body', &
-    'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', 'contact_sample']
+    'force', 'base', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', 'contact_sample']
 
   integer, parameter, public :: contact_samples = 128   !! of the force of a contact
   integer, parameter :: swept_contacts = 16         !! that a sweep keeps of each case
@@ -59,11 +59,15 @@ module bw_result_layout
     integer :: pieces = 0             !! of a beam that has several
     integer :: stations = 0           !! of a beam that tapers
     integer :: bodies = 0
+    integer :: forces = 0
+    integer :: bases = 0
     integer :: unknowns = 0           !! that are identified
     logical :: modelled = .false.     !! a record's lines are held against the modes of its beam
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: bending_moment = .false.   !! and bending moments
     logical :: bending_stress = .false.   !! and stresses follow from them
+    logical :: acceleration = .false.     !! and accelerations
+    logical :: shear_force = .false.      !! and shear forces
     logical :: hub = .false.          !! the hub is free to turn
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
@@ -77,6 +81,7 @@ module bw_result_layout
     integer :: windows = 0            !! parts of a record
     integer :: candidates = 0
     logical :: hammer = .false.       !! the force of the blow is measured
+    character(:), allocatable :: load_checksums  !! of the files of its loads (bw_load_courses); unallocated: none
     integer :: pooled = 0             !! lines that repeats share, at most; 0: there are none, or something else is swept, too
   end type result_layout
 
@@ -91,6 +96,8 @@ contains
     if (layout%pieces == 1) layout%pieces = 0
     if (allocated(scene%beam%outer)) layout%stations = size(scene%beam%outer) + 1
     if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
+    if (allocated(scene%forces)) layout%forces = size(scene%forces)
+    if (allocated(scene%bases)) layout%bases = size(scene%bases)
     if (allocated(scene%unknowns)) layout%unknowns = size(scene%unknowns) + scene%further_unknowns
     if (layout%of_record) then
       layout%peaks = scene%spectrum%max_peaks
@@ -127,8 +134,11 @@ contains
     layout%samples = scene%response%samples
     layout%velocity = scene%response%velocity
     layout%bending_moment = scene%response%bending_moment
+    layout%acceleration = scene%response%acceleration
+    layout%shear_force = scene%response%shear_force
     layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
-    layout%continuum = allocated(scene%capture) .and. .not. allocated(scene%contact)
+    layout%continuum = (allocated(scene%capture) .and. .not. allocated(scene%contact)) .or. &
+      (is_loaded(scene) .and. .not. allocated(scene%impact))
     layout%contacts = allocated(scene%recontact) .or. allocated(scene%contact)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
     layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
@@ -146,6 +156,7 @@ contains
     after = largest(scene, 'modes', 'after', scene%modes%after)
     layout%modes = merge(after, before, allocated(scene%capture))
     if (allocated(scene%contact) .and. by_tolerance(scene%modes)) layout%modes = after
+    if (.not. allocated(scene%impact) .and. by_tolerance(scene%modes)) layout%modes = after
     layout%modes_before = merge(before, 0, allocated(scene%capture))
   end subroutine count_modes
 
@@ -196,6 +207,8 @@ contains
     case ('piece'); length = layout%pieces
     case ('station'); length = layout%stations
     case ('body'); length = layout%bodies
+    case ('force'); length = layout%forces
+    case ('base'); length = layout%bases
     case ('unknown'); length = layout%unknowns
     case ('unknown_too'); length = merge(layout%unknowns, 0, layout%modelled)
     case ('parameter_letter'); length = merge(parameter_letters, 0, layout%modelled .and. layout%unknowns > 0)
@@ -236,6 +249,8 @@ contains
     case (''); there = .true.
     case ('velocity'); there = layout%velocity
     case ('bending_moment'); there = layout%bending_moment
+    case ('acceleration'); there = layout%acceleration
+    case ('shear_force'); there = layout%shear_force
     case ('hub'); there = layout%hub
     case ('bending_stress'); there = layout%bending_stress
     case ('mode_shapes'); there = layout%mode_shapes

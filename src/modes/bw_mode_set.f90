@@ -49,6 +49,7 @@ module bw_mode_set
     procedure :: rigid => rigid_modes
     procedure :: forget_rigid_waves
     procedure :: body_energy => no_body_energy
+    procedure :: find_tip_shears => unknown_tip_shears
     procedure :: turnings => no_turnings
     procedure :: hub_turns => no_turnings                         !! how far a hub that is free turns in each mode, else 0
     procedure :: number_errors => errors_of_set
@@ -301,6 +302,15 @@ contains
     energy = 0.0_dp
     if (self%count + size(q) + size(rate) == 0) return     ! it depends on none of them
   end function no_body_energy
+
+  pure subroutine unknown_tip_shears(self, shear, known)
+    !! Shear forces at a tip that is held, EI/l³ of the root piece, where the modes themselves have them.
+    class(mode_set), intent(in) :: self
+    real(dp), intent(out) :: shear(:)             !! (modes)
+    logical, intent(out) :: known
+    shear = 0.0_dp*self%modal_mass
+    known = .false.
+  end subroutine unknown_tip_shears
 
   pure function no_turnings(self) result(turning)
     !! How far sections turn at ξ₀ in each mode where a body with rotary inertia has been captured; 0 where nothing asks, (modes).

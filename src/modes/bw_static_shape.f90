@@ -15,7 +15,7 @@ module bw_static_shape
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
-  public :: find_residual, static_shape
+  public :: find_residual, gauss_places, static_shape, static_shapes
 
   integer, parameter, public :: deflection = 1, moment = 2, shear = 3    !! columns of a shape
   integer, parameter :: stages = 8                !! of Gauss's collocation, which is exact to the order of twice as many
@@ -63,28 +63,88 @@ contains
   end function sums_of
 
   function static_shape(given, struck, shift, xi) result(shape)
-    !! Deflection, moment and shear force at points, of the inner side where something jumps, (points, 3).
+    !! Deflection, moment and shear force at points under a force of 1, of the inner side where something jumps, (points, 3).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: struck                 !! the joint at which the force acts
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    real(dp) :: shape(size(xi), 3)
+    real(dp) :: shape(size(xi), 3), shapes(size(xi), 3, 1)
+    type(dd) :: place
+    place = joint_position(given%beam, struck)
+    shapes = static_shapes(given, [place%hi], .false., shift, xi)
+    shape = shapes(:, :, 1)
+  end function static_shape
+
+  function static_shapes(given, place, accelerated, shift, xi) result(shape)
+    !! The same under a force of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked for, which
+    !! loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly, and nothing
+    !! but what holds the beam to it feels that: the deflection is that of displaced ends and springs, less c. (points, 3, places)
+    type(varying_beam), intent(in) :: given
+    real(dp), intent(in) :: place(:)              !! ξ of the forces
+    logical, intent(in) :: accelerated            !! the last column is that of the acceleration
+    real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest; λ is not 0 where accelerated
+    real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
+    real(dp) :: shape(size(xi), 3, size(place) + merge(1, 0, accelerated))
     type(beam_part), allocatable :: parts(:)
-    integer :: end_of(size(xi))                   ! the part that ends at each point; 0: the root
+    integer :: end_of(size(xi) + size(place))     ! the part that ends at each point; 0: the root
     real(dp), allocatable :: matrix(:, :), right(:, :)
     integer, allocatable :: pivot(:)
-    integer :: i, info, n, p
-    call cut_parts(given, shift, xi, parts, end_of)
+    real(dp) :: lambda
+    integer :: f, i, info, n, p
+    call cut_parts(given, shift, [xi, place], parts, end_of)
     n = 8*size(parts)                             ! the states at the start and at the end of each part
-    allocate (matrix(3*band + 1, n), right(n, 1), pivot(n))
-    call join_parts(given, struck, shift, parts, matrix, right(:, 1))
-    call dgbsv(n, band, band, 1, matrix, 3*band + 1, pivot, right, n, info)
+    allocate (matrix(3*band + 1, n), right(n, size(shape, 3)), pivot(n))
+    lambda = inertia_of(given, shift)
+    call join_parts(given, shift, parts, matrix)
+    right = 0.0_dp
+    do f = 1, size(place)
+      right(row_of_force(size(parts), end_of(size(xi) + f)), f) = &
+        merge(1.0_dp, -1.0_dp, end_of(size(xi) + f) == size(parts))
+      if (end_of(size(xi) + f) == 0 .and. given%beam%root%holds_deflection) right(:, f) = 0.0_dp
+    end do
+    if (accelerated) call displace_ends(given, parts, 1.0_dp/lambda, right(:, size(shape, 3)))
+    call dgbsv(n, band, band, size(right, 2), matrix, 3*band + 1, pivot, right, n, info)
     if (info /= 0) right = 0.0_dp                 ! no beam that is held by its inertia has such equations
     do p = 1, size(xi)
       i = max(0, 8*end_of(p) - 4)
-      shape(p, :) = right(i + [1, 3, 4], 1)
+      shape(p, :, :) = right(i + [1, 3, 4], :)
     end do
-  end function static_shape
+    if (accelerated) shape(:, deflection, size(shape, 3)) = shape(:, deflection, size(shape, 3)) - 1.0_dp/lambda
+  end function static_shapes
+
+  pure real(dp) function inertia_of(given, shift) result(lambda)
+    !! λ.
+    type(varying_beam), intent(in) :: given
+    real(dp), intent(in) :: shift
+    lambda = -shift
+    if (given%beam%in_plane) lambda = lambda + given%beam%spin_squared%hi
+  end function inertia_of
+
+  pure integer function row_of_force(parts, end) result(row)
+    !! The equation in which a force stands that acts at the end of a part.
+    integer, intent(in) :: parts, end             !! how many; which, 0: the root
+    row = 2
+    if (end > 0) row = 8*end + 2
+    if (end == parts) row = 8*end
+  end function row_of_force
+
+  pure subroutine displace_ends(given, parts, by, right)
+    !! What holds the beam, displaced.
+    type(varying_beam), intent(in) :: given
+    type(beam_part), intent(in) :: parts(:)
+    real(dp), intent(in) :: by
+    real(dp), intent(inout) :: right(:)
+    real(dp) :: spring
+    integer :: e, row
+    right(2) = -given%beam%root%stiffness%hi*by
+    if (given%beam%root%holds_deflection) right(2) = by
+    do e = 1, size(parts)
+      if (.not. parts(e)%ends_piece) cycle
+      spring = given%beam%joint(parts(e)%piece)%stiffness%hi
+      row = row_of_force(size(parts), e)
+      right(row) = right(row) + merge(1.0_dp, -1.0_dp, e == size(parts))*spring*by
+    end do
+  end subroutine displace_ends
 
   pure subroutine cut_parts(given, shift, xi, parts, end_of)
     !! Parts that end where pieces do, and at all points.
@@ -208,19 +268,16 @@ contains
     end do
   end function state_law
 
-  subroutine join_parts(given, struck, shift, parts, matrix, right)
+  subroutine join_parts(given, shift, parts, matrix)
     !! The equations of all states: what the root holds, each part, what joints do, and the free tip.
     type(varying_beam), intent(in) :: given
-    integer, intent(in) :: struck
     real(dp), intent(in) :: shift
     type(beam_part), intent(in) :: parts(:)
-    real(dp), intent(out) :: matrix(:, :), right(:)
+    real(dp), intent(out) :: matrix(:, :)
     real(dp) :: lambda, spring, turning
     integer :: e, i, row
     matrix = 0.0_dp
-    right = 0.0_dp
-    lambda = -shift
-    if (given%beam%in_plane) lambda = lambda + given%beam%spin_squared%hi
+    lambda = inertia_of(given, shift)
     associate (root => given%beam%root)
       if (root%holds_turning) then
         call put(1, 2, 1.0_dp)
@@ -263,8 +320,6 @@ contains
         call put(row + 3, 8*e - 4 + 2, -turning)
         call put(row + 4, 8*e - 4 + 1, -spring)
       end if
-      if (parts(e)%ends_piece .and. parts(e)%piece == struck) &
-        right(merge(row + 2, row + 4, e == size(parts))) = merge(1.0_dp, -1.0_dp, e == size(parts))
       row = row + 4
     end do
   contains
@@ -282,6 +337,14 @@ contains
       end do
     end subroutine put_row
   end subroutine join_parts
+
+  pure subroutine gauss_places(place, weight)
+    !! Gauss's points from 0 to 1 and their weights.
+    real(dp), allocatable, intent(out) :: place(:), weight(:)
+    real(dp) :: a(stages, stages)
+    allocate (place(stages), weight(stages))
+    call gauss_rule(place, weight, a)
+  end subroutine gauss_places
 
   pure subroutine gauss_rule(place, weight, a)
     !! Gauss's points from 0 to 1, their weights, and the integrals of Lagrange's polynomials up to each of them.

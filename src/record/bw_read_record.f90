@@ -19,7 +19,7 @@ module bw_read_record
   use bw_text_source, only: text_source
   implicit none (type, external)
   private
-  public :: read_record, record_path
+  public :: choose_source, path_beside, read_record, record_path
 
   integer, parameter, public :: least_samples = 16     !! as of simulated histories
   real(dp), parameter :: latest = 1.0e11_dp            !! s: 3000 years; what is later counts no seconds
@@ -32,11 +32,19 @@ contains
     type(scene_type), intent(in) :: scene              !! with a record
     integer, intent(in) :: number                      !! of the file, from 1
     character(:), allocatable :: path
-    path = scene%record%files(number)%text
+    path = path_beside(scene, scene%record%files(number)%text)
+  end function record_path
+
+  pure function path_beside(scene, file) result(path)
+    !! Where a file lies that a scene names: beside it.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: file                   !! as the user wrote it
+    character(:), allocatable :: path
+    path = file
     if (path(1:1) == '/' .or. index(scene%file, '/') == 0) return
     if (index(scene%file, '/dev/fd/') == 1) return     ! the scene came through a pipe, beside which nothing lies
     path = directory_of(scene%file)//path
-  end function record_path
+  end function path_beside
 
   subroutine read_record(scene, number, record, error)
     !! Read one file of a scene's record.

@@ -9,7 +9,7 @@ module bw_record_checksum
   use bw_scene, only: scene_type
   implicit none (type, external)
   private
-  public :: record_checksums
+  public :: file_digits, record_checksums
 
   integer, parameter :: at_once = 2**20           !! bytes that are read at a time
 
@@ -21,16 +21,22 @@ contains
     type(scene_type), intent(in) :: scene         !! with a record
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
-    character(16) :: digits
     integer :: f
     text = ''
     do f = 1, size(scene%record%files)
-      write (digits, '(z16.16)') file_checksum(record_path(scene, f), error)
-      if (allocated(error)) return
       if (f > 1) text = text//' '
-      text = text//digits
+      text = text//file_digits(record_path(scene, f), error)
+      if (allocated(error)) return
     end do
   end subroutine record_checksums
+
+  function file_digits(path, error) result(digits)
+    !! The sum of a file in hexadecimal digits.
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(inout) :: error
+    character(16) :: digits
+    write (digits, '(z16.16)') file_checksum(path, error)
+  end function file_digits
 
   integer(i8) function file_checksum(path, error) result(total)
     !! The sum of a file's bytes and of their number; about as quick as reading them.

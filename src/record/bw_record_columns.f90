@@ -13,7 +13,7 @@ module bw_record_columns
   use bw_time_column, only: named_time
   implicit none (type, external)
   private
-  public :: choose_columns, sensors_of
+  public :: choose_columns, listed, sensors_of
 
   integer, parameter :: most_listed = 30               !! columns in a message
 

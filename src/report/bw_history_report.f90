@@ -37,6 +37,10 @@ contains
                                                              response%velocity_error, table, lines)
       if (allocated(response%bending_moment)) call report_quantity('bending moment', 'N m', points, response, &
         response%bending_moment, response%bending_moment_error, table, lines)
+      if (allocated(response%acceleration)) call report_quantity('acceleration', 'm/s2', points, response, response%acceleration, &
+        response%acceleration_error, table, lines)
+      if (allocated(response%shear_force)) call report_quantity('shear force', 'N', points, response, response%shear_force, &
+        response%shear_force_error, table, lines)
       if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
         'where a history is largest, and where its error is the largest part of it.')
       if (allocated(scene%recontact)) call lines%append_line( &

@@ -9,6 +9,7 @@ module bw_report
   use bw_event, only: capture_event, contact_event, event_words, release_event
   use bw_frequency_report, only: report_answer
   use bw_history_report, only: report_histories, report_measured
+  use bw_load_report, only: report_loads
   use bw_missing, only: is_missing, missing, scaled
   use bw_note, only: is_remark, unmarked
   use bw_record_report, only: report_record
@@ -36,6 +37,7 @@ contains
     call report_modes(scene, result, lines)
     if (allocated(result%impact)) call report_impact(scene, result, lines)
     if (allocated(result%contact)) call report_contact(scene, result, lines)
+    if (allocated(result%loads)) call report_loads(scene, result, lines)
     if (allocated(result%response)) call report_histories(scene, result, lines)
     if (allocated(result%answer)) call report_answer(scene%frequency_response, allocated(scene%damping), &
                                                      result%answer, lines)

@@ -13,7 +13,7 @@ module bw_scene_summary
   use bw_result_table, only: most_waiting
   use bw_scene, only: answers_by_modes, by_pieces, count_methods, effect_names, effects_text, scene_type
   use bw_scene_cases, only: case_count
-  use bw_text, only: shortest, text_builder, text_of
+  use bw_text, only: append, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
   public :: scene_heading, scene_summary, unknowns_text, bytes_text, case_numbers, cost_summary, disk_bytes
@@ -113,14 +113,21 @@ contains
     !! The histories, and the spectrum if there is one.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
+    type(string), allocatable :: asked(:)
+    integer :: q
     associate (response => scene%response)
       text = text_of(response%samples)//' samples over '//shortest(response%duration, 6)//' s at '// &
         places_text(response%points)//', displacement'
-      if (response%velocity .and. response%bending_moment) text = text//','
-      if (response%velocity .and. .not. response%bending_moment) text = text//' and'
-      if (response%velocity) text = text//' velocity'
-      if (response%bending_moment) text = text//' and bending moment'
+      allocate (asked(0))
+      if (response%velocity) call append(asked, 'velocity')
+      if (response%acceleration) call append(asked, 'acceleration')
+      if (response%bending_moment) call append(asked, 'bending moment')
+      if (response%shear_force) call append(asked, 'shear force')
     end associate
+    do q = 1, size(asked)
+      if (q < size(asked)) text = text//', '//asked(q)%text
+      if (q == size(asked)) text = text//' and '//asked(q)%text
+    end do
     if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
   end function response_text
 

@@ -35,6 +35,10 @@ module bw_response
     real(dp), allocatable :: velocity_error(:)      !! m/s, (points)
     real(dp), allocatable :: bending_moment(:, :)   !! N m, (samples, points); allocated only if asked for
     real(dp), allocatable :: bending_moment_error(:)  !! N m, (points)
+    real(dp), allocatable :: acceleration(:, :)     !! m/s², (samples, points); allocated only if asked for
+    real(dp), allocatable :: acceleration_error(:)  !! m/s², (points)
+    real(dp), allocatable :: shear_force(:, :)      !! N, (samples, points); allocated only if asked for
+    real(dp), allocatable :: shear_force_error(:)   !! N, (points)
     real(dp), allocatable :: hub_angle(:)           !! rad, of a hub that is free, (samples)
     real(dp), allocatable :: stress_of_moment(:)    !! c/I, m⁻³, (points); allocated where the section tells it
     real(dp) :: mode_seconds = 0.0_dp             !! wall time of finding the modes that were streamed

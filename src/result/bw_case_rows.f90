@@ -2,7 +2,7 @@ module bw_case_rows
   !! What a result holds of a case: a row for each variable, with its values in SI. A case itself has its masses in m_i and its
   !! velocities in the approach velocity V.
   use bw_beam_units, only: beam_units, in_joules, in_newton_seconds
-  use bw_case_result, only: answer_type, case_result, contact_result
+  use bw_case_result, only: answer_type, case_result, contact_result, load_result
   use bw_event, only: event_type, event_words
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -18,7 +18,7 @@ module bw_case_rows
   public :: case_rows, values_of
 
   character(*), parameter :: of_blow = 'Eq. 12, reference [8]', estimate_of = 'estimate of the largest error of the ', &
-    limit_of = '; with a capture or a contact that lasts against infinitely many modes', &
+    limit_of = '; with a capture, a contact that lasts or loads against infinitely many modes', &
     momentum = 'generalised momentum of the first mode that the mass strikes, per unit of displacement there'
 
 contains
@@ -47,6 +47,7 @@ contains
     call impact_rows(table, result, modes, before)
     call event_rows(table, result%events, result%units, result%approach_velocity, result%lever)
     call contact_rows(table, result%contact)
+    call load_rows(table, result%loads)
     call history_rows(table, result%response)
     if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
       call table%put_columns(result%amplitude)
@@ -193,6 +194,18 @@ contains
                        'end of each contact, (1 - cos(pi j/127))/2 of it')) call table%put_columns(contact%force)
   end subroutine contact_rows
 
+  subroutine load_rows(table, loads)
+    !! What loads were applied.
+    class(result_table), intent(inout) :: table
+    type(load_result), intent(in), optional :: loads
+    if (table%real_row('force_largest', 'force', 'N', 'largest magnitude of the force')) call table%put(loads%force_largest)
+    if (table%real_row('force_impulse', 'force', 'N s', 'impulse of the force')) call table%put(loads%force_impulse)
+    if (table%real_row('base_largest', 'base', 'm s-2', 'largest magnitude of the acceleration of the base')) &
+      call table%put(loads%base_largest)
+    if (table%real_row('base_velocity', 'base', 'm s-1', 'velocity that the base has gained in the end')) &
+      call table%put(loads%base_velocity)
+  end subroutine load_rows
+
   subroutine history_rows(table, response)
     !! Histories, their largest values and their errors.
     class(result_table), intent(inout) :: table
@@ -202,12 +215,16 @@ contains
     if (table%real_row('displacement_error', 'point', 'm', estimate_of//'displacement'//limit_of, needs='estimates')) &
       call table%put(response%displacement_error)
     if (table%real_row('displacement_bound', 'point', 'm', 'bound of the error of the displacement against infinitely many '// &
-                       'modes, proved by energy and flexibility', needs='continuum')) &
+                       'modes, proved', needs='continuum')) &
       call table%put(response%displacement_bound)
     if (table%real_row('velocity_error', 'point', 'm s-1', estimate_of//'velocity'//limit_of, needs='estimates velocity')) &
       call table%put(response%velocity_error)
     if (table%real_row('bending_moment_error', 'point', 'N m', estimate_of//'bending moment'//limit_of, &
                        needs='estimates bending_moment')) call table%put(response%bending_moment_error)
+    if (table%real_row('acceleration_error', 'point', 'm s-2', estimate_of//'acceleration'//limit_of, &
+                       needs='estimates acceleration')) call table%put(response%acceleration_error)
+    if (table%real_row('shear_force_error', 'point', 'N', estimate_of//'shear force'//limit_of, &
+                       needs='estimates shear_force')) call table%put(response%shear_force_error)
     if (table%real_row('bending_stress_error', 'point', 'Pa', estimate_of//'bending stress'//limit_of, &
                        needs='estimates bending_stress')) call put_stress_errors(table, response)
     if (table%real_row('hub_angle', 'time', 'rad', 'turn of the hub beyond the even rotation', needs='hub')) &
@@ -216,6 +233,10 @@ contains
                        'Eqs 4, 13 and 29', needs='simulated')) call table%put_columns(response%displacement)
     if (table%real_row('velocity', 'point time', 'm s-1', 'transverse velocity in the rotating frame', needs='velocity')) &
       call table%put_columns(response%velocity)
+    if (table%real_row('acceleration', 'point time', 'm s-2', 'transverse acceleration in the rotating frame', &
+                       needs='acceleration')) call table%put_columns(response%acceleration)
+    if (table%real_row('shear_force', 'point time', 'N', 'transverse force by which what lies beyond pulls, at the root '// &
+                       'what the beam does to its support', needs='shear_force')) call table%put_columns(response%shear_force)
     if (table%real_row('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi''', &
                        needs='bending_moment')) call table%put_columns(response%bending_moment)
     if (table%real_row('bending_stress', 'point time', 'Pa', 'bending stress at the extreme fibre, where a positive moment pulls', &

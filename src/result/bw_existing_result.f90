@@ -29,7 +29,7 @@ module bw_existing_result
 
 contains
 
-  subroutine look_at_existing(path, scene, overwrite, existing, error, study, record)
+  subroutine look_at_existing(path, scene, overwrite, existing, error, study, checksums)
     !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
     !! **Errors**: also where it cannot be read, or is locked.
     character(*), intent(in) :: path
@@ -38,7 +38,7 @@ contains
     type(existing_result), intent(out) :: existing
     type(error_type), allocatable, intent(out) :: error
     character(*), intent(in), optional :: study    !! the study whose result it is; absent: a run's
-    character(*), intent(in), optional :: record   !! checksums of the scene's record; absent: it has none
+    character(*), intent(in), optional :: checksums   !! of the files of its record or of its loads; absent: there are none
     type(path_state) :: state
     integer :: problem, descriptor, ignored
     if (has_backslash(path)) call fail(error, status_bad_input, path//': the NetCDF library takes a backslash for a slash, and '// &
@@ -55,12 +55,12 @@ contains
     else if (is_locked_to_write(descriptor)) then
       call fail(error, status_bad_file, path//': is locked: another program is changing it')
     else
-      call judge(path, descriptor, state%bytes, scene, overwrite, existing, error, study, record)
+      call judge(path, descriptor, state%bytes, scene, overwrite, existing, error, study, checksums)
     end if
     ignored = close_file(descriptor)
   end subroutine look_at_existing
 
-  subroutine judge(path, descriptor, length, scene, overwrite, existing, error, study, record)
+  subroutine judge(path, descriptor, length, scene, overwrite, existing, error, study, checksums)
     !! Find out what a file is.
     !! **Errors**: as above.
     character(*), intent(in) :: path
@@ -70,7 +70,7 @@ contains
     logical, intent(in) :: overwrite
     type(existing_result), intent(inout) :: existing
     type(error_type), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: study, record
+    character(*), intent(in), optional :: study, checksums
     type(classic_reader) :: reader
     character(:), allocatable :: start, statuses   ! integers of four bytes, the most significant first
     integer :: i, problem
@@ -79,7 +79,7 @@ contains
     if (allocated(error)) return
     if (reader%is_sound .and. reader%length <= length) then
       existing%is_there = is_text('scene', resolved_text(scene)) .and. is_text('source', source_text()) .and. &
-        is_text('study', study) .and. is_text('record_checksum', record)
+        is_text('study', study) .and. (is_text('record_checksum', checksums) .or. is_text('load_checksum', checksums))
       existing%report = reader%text_of('report')
       existing%notes = reader%text_of('notes')
       call read_letters(path, descriptor, reader%place, merge(reader%bytes, 0_i8, existing%is_there), statuses, error)

@@ -64,6 +64,8 @@ contains
     call count_row(table, 'piece', 'number of the piece of the beam, from the root')
     call count_row(table, 'station', 'number of the station where pieces of the beam begin and end, from the root')
     call count_row(table, 'body', 'number of the body, in the order of the scene')
+    call count_row(table, 'force', 'number of the force, in the order of the scene')
+    call count_row(table, 'base', 'number of the motion of the base, in the order of the scene')
     call count_row(table, 'unknown', 'number of the unknown, in the order of the scene, then of further scenes')
     call count_row(table, 'unknown_too', 'number of the unknown, as unknown')
     call count_row(table, 'stage', 'stage of the work', stage_words)

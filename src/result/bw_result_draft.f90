@@ -55,6 +55,7 @@ contains
       self%swept = swept_names(scene)
       call put_attributes(self%head, scene)
       if (allocated(layout%record)) call self%head%add_text('record_checksum', layout%record%checksums, of_file=.true.)
+      if (allocated(layout%load_checksums)) call self%head%add_text('load_checksum', layout%load_checksums, of_file=.true.)
       if (present(supplement)) call supplement%attributes(self%head)
       call add_dimensions(self%layout, self%head)
       call self%begin_section(before_cases)

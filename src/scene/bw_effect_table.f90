@@ -56,12 +56,19 @@ module bw_effect_table
                 remark_on='beside a rebound of as many modes as before the capture', about='compared with a rebound'), &
     effect_type('release', 'release', values='time = @', tried=0.5_dp, measure=of_duration, needs='capture response', &
                 remark_off='tried at half of the duration'), &
-    effect_type('recontact', 'recontact', needs='impact response', excludes='capture'), &
+    effect_type('recontact', 'recontact', needs='impact response', excludes='capture force base'), &
     effect_type('contact', 'contact', values='radius = @', tried=1.0_dp, measure=of_sphere_radius, &
-                needs='impact response', excludes='recontact', counted=.true., &
+                needs='impact response', excludes='recontact force base', counted=.true., &
                 remark_off='tried with a sphere of @ m, the mass in the beam''s density', &
                 remark_on='beside an instantaneous blow', &
                 about='compared with an instantaneous blow'), &
+    effect_type('force', 'force', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
+                excludes='contact recontact hub', remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
+                about='all forces'), &
+    effect_type('base', 'base', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
+                excludes='contact recontact hub', &
+                remark_off='tried with a half sine of @ m/s2 over the record, 0.001 EI/(m l^2)', &
+                about='all accelerations of the base'), &
     effect_type('pieces', 'beam', 'length', tried=0.9_dp, &
                 remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
                 remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
@@ -74,7 +81,7 @@ module bw_effect_table
     effect_type('tip_support', 'tip_support', values='stiffness = @, rotational_stiffness = 0', tried=1.0_dp, measure=own_unit, &
                 remark_off='tried with stiffness = @ N/m, EI/l^3, and rotational_stiffness = 0', &
                 about='compared with a free tip'), &
-    effect_type('hub', 'hub', values='rotary_inertia = @', tried=1.0_dp, measure=own_unit, &
+    effect_type('hub', 'hub', values='rotary_inertia = @', tried=1.0_dp, measure=own_unit, excludes='force base', &
                 remark_off='tried with rotary_inertia = @ kg m2, the beam''s mass times l^2', &
                 about='compared with a hub whose motion is prescribed'), &
     effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &

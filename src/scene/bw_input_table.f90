@@ -3,10 +3,12 @@ module bw_input_table
   !! and names that are not in it: the known ones, and the one that was likely meant.
   !! A new group is one file in `groups/`, its line in each of the two lists here, and its lines in `bw_scene`.
   use bw_beam_par, only: beam_group, beam_names
+  use bw_base_par, only: base_group, base_names
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
   use bw_contact_par, only: contact_group, contact_names
   use bw_damping_par, only: damping_group, damping_names
+  use bw_force_par, only: force_group, force_names
   use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
   use bw_hub_par, only: hub_group, hub_names
   use bw_identify_par, only: identify_group, identify_names
@@ -45,6 +47,8 @@ module bw_input_table
     capture_group, &
     release_group, &
     recontact_group, &
+    force_group, &
+    base_group, &
     modes_group, &
     response_group, &
     frequency_response_group, &
@@ -69,6 +73,8 @@ module bw_input_table
     capture_names, &
     release_names, &
     recontact_names, &
+    force_names, &
+    base_names, &
     modes_names, &
     response_names, &
     frequency_response_names, &
@@ -116,12 +122,12 @@ contains
     logical, intent(in), optional :: to_sweep   !! a sweep names it, and accepts fewer names
     character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
-    integer :: i
     names = pack(name_table%name, name_table%group == group)
     if (present(to_sweep)) names = pack(name_table%name, name_table%group == group .and. is_sweepable(name_table))
     text = suggestion(name, names, '')
-    i = findloc(name_table%name, name, dim=1)
-    if (text == '' .and. i > 0) text = ' (it belongs to &'//trim(name_table(i)%group)//')'
+    associate (elsewhere => pack(name_table%group, name_table%name == name))
+      if (text == '' .and. size(elsewhere) > 0) text = ' (it belongs to '//joined(elsewhere, '&')//')'
+    end associate
     if (index(name, '%') > 0) text = ' (write the group as &group and its names alone)'
     if (index(name, '(') > 0) text = ' (write the values of a list without an index, as length = 0.3, 0.7)'
     text = 'is no known name'//text//'; accepted: '//joined(names)

@@ -2,10 +2,12 @@ module bw_scene
   !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent. Here each group's
   !! own file is asked for what it knows: its rules, its values that follow from others, its component, its words in a report.
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
+  use bw_base_par, only: bases_text, build_base
   use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_contact_par, only: build_contact, check_contact, check_contact_place, complete_contact, contact_par, contact_text
   use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
+  use bw_force_par, only: build_force, force_par, forces_text
   use bw_frequency_response_par, only: build_frequency_response, check_frequency_response, complete_frequency_response, &
     frequency_response_par
   use bw_hub_par, only: build_hub, complete_hub, hub_par, hub_text
@@ -15,11 +17,12 @@ module bw_scene
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
+  use bw_load_par, only: check_load, complete_loads, load_par
   use bw_modes_par, only: build_modes, modes_par, complete_modes
   use bw_record_par, only: build_record, check_record, record_par, complete_record
   use bw_recontact_par, only: build_recontact, recontact_par
   use bw_release_par, only: build_release, release_par, release_text
-  use bw_response_par, only: build_response, check_response, response_par
+  use bw_response_par, only: build_response, check_limits, check_response, response_par
   use bw_rotation_par, only: build_rotation, rotation_par, rotation_text
   use bw_scene_messages, only: message_list
   use bw_scene_par, only: build_header, scene_par
@@ -32,7 +35,7 @@ module bw_scene
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
   public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, effects_text, &
-    has_parts, is_built_up, method_name
+    counts_in_its_run, has_parts, is_built_up, is_loaded, method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -53,6 +56,8 @@ module bw_scene
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
     type(release_par), allocatable :: release     !! &release; absent: a captured mass stays
     type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
+    type(force_par), allocatable :: forces(:)     !! &force, in the order of the scene; unallocated: none
+    type(load_par), allocatable :: bases(:)       !! &base, likewise
     type(modes_par) :: modes                      !! &modes, always complete
     type(response_par), allocatable :: response   !! &response; absent: no time history
     type(frequency_response_par), allocatable :: frequency_response   !! &frequency_response; absent: none
@@ -116,6 +121,7 @@ contains
     case ('capture'); scene%capture = build_capture(scene%groups(g))
     case ('release'); scene%release = build_release(scene%groups(g))
     case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
+    case ('force', 'base'); call build_one_load(scene, g)
     case ('modes'); scene%modes = build_modes(scene%groups(g))
     case ('response'); scene%response = build_response(scene%groups(g))
     case ('frequency_response'); scene%frequency_response = build_frequency_response(scene%groups(g))
@@ -136,6 +142,21 @@ contains
     call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
   end subroutine build_one_body
 
+  pure subroutine build_one_load(scene, g)
+    !! Build the component of one of the forces, or of the motions of the base.
+    type(scene_type), intent(inout) :: scene
+    integer, intent(in) :: g                       !! the group's place among `scene%groups`
+    integer, allocatable :: alike(:)
+    alike = positions_of(scene%groups, scene%groups(g)%group)
+    if (scene%groups(g)%group == 'force') then
+      if (.not. allocated(scene%forces)) allocate (scene%forces(size(alike)))
+      scene%forces(findloc(alike, g, dim=1)) = build_force(scene%groups(g))
+    else
+      if (.not. allocated(scene%bases)) allocate (scene%bases(size(alike)))
+      scene%bases(findloc(alike, g, dim=1)) = build_base(scene%groups(g))
+    end if
+  end subroutine build_one_load
+
   pure subroutine check_rules(group, messages)
     !! The rules of a group's own names, those apart that the table of names tells.
     type(group_values), intent(in) :: group
@@ -147,6 +168,7 @@ contains
     case ('damping'); call check_damping(group, messages)
     case ('impact'); call check_impact(group, messages)
     case ('contact'); call check_contact(group, messages)
+    case ('force', 'base'); call check_load(group, messages)
     case ('response'); call check_response(group, messages)
     case ('record'); call check_record(group, messages)
     case ('identify'); call check_identify(group, messages)
@@ -163,13 +185,14 @@ contains
     call check_spectrum(groups, messages)
     call check_frequency_response(groups, messages)
     call check_contact_place(groups, messages)
+    call check_limits(groups, messages)
   end subroutine check_rules_together
 
   pure subroutine complete_groups(groups, messages)
     !! Fill in the values of new groups that follow from others, which may change from case to case.
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
-    logical :: struck, captured, lasting
+    logical :: struck, captured, lasting, loaded
     integer :: g
     do g = 1, size(groups)
       if (.not. groups(g)%changed) cycle
@@ -179,12 +202,15 @@ contains
       case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('contact'); call complete_contact(groups)
       case ('hub', 'stiffening'); call complete_hub(groups)
+      case ('force', 'base'); call complete_loads(groups, messages)
       case ('record'); call complete_record(groups, messages)
       case ('spectrum'); call complete_spectrum(groups(g), has_parts(groups))
       case ('modes')
         struck = position_of(groups, 'impact') > 0
         captured = struck .and. position_of(groups, 'capture') > 0
         lasting = struck .and. position_of(groups, 'contact') > 0
+        loaded = position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0
+        lasting = lasting .or. (loaded .and. .not. struck)
         call complete_modes(groups(g), struck .and. .not. (captured .or. lasting), captured, lasting, &
                             position_of(groups, 'response') > 0, messages)
       case default                                   ! nothing follows from others
@@ -217,6 +243,8 @@ contains
       case ('capture'); text = text//', '//capture_text(scene%groups(g))
       case ('release'); text = text//', '//release_text(scene%groups(g))
       case ('recontact'); text = text//', recontact'
+      case ('force'); text = text//', '//forces_text(scene%groups)
+      case ('base'); text = text//', '//bases_text(scene%groups)
       case default                                   ! no effect
       end select
     end do
@@ -334,6 +362,18 @@ contains
     by_modes = varies_along_pieces(scene)
     if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
   end function answers_by_modes
+
+  pure logical function is_loaded(scene)
+    !! Forces act on the beam, or its frame is accelerated.
+    type(scene_type), intent(in) :: scene
+    is_loaded = allocated(scene%forces) .or. allocated(scene%bases)
+  end function is_loaded
+
+  pure logical function counts_in_its_run(scene)
+    !! How many modes a tolerance takes is found in the run itself, by what more modes change, and not planned beforehand.
+    type(scene_type), intent(in) :: scene
+    counts_in_its_run = allocated(scene%contact) .or. (is_loaded(scene) .and. .not. allocated(scene%impact))
+  end function counts_in_its_run
 
   pure logical function has_parts(groups)
     !! The beam is more than one piece, clamped, with nothing attached to it.

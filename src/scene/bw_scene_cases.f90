@@ -3,7 +3,7 @@ module bw_scene_cases
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
-  use bw_scene, only: build_scene, scene_type, complete_groups
+  use bw_scene, only: build_scene, complete_groups, counts_in_its_run, scene_type
   use bw_scene_checks, only: check_case
   use bw_scene_messages, only: message_list
   use bw_text, only: shortest, text_of
@@ -146,8 +146,8 @@ contains
     if (messages%count > 0) return
     call check_case(scene, messages)
     modes = position_of(scene%groups, 'modes')
-    if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. allocated(scene%contact))) &
-      & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact that lasts
+    if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. counts_in_its_run(scene))) &
+      & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact that lasts, or loads
   end subroutine complete
 
   pure subroutine build(scene, messages)

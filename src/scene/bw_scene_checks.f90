@@ -79,25 +79,42 @@ contains
   end subroutine check_needs
 
   pure subroutine check_need(groups, i, need, messages)
-    !! Group i needs a group, or one of two.
+    !! Group i needs a group, or one of several.
     type(group_values), intent(in) :: groups(:)
     integer, intent(in) :: i
-    character(*), intent(in) :: need              !! `a`, or `a|b`
+    character(*), intent(in) :: need              !! `a`, or `a|b|c`
     type(message_list), intent(inout) :: messages
-    integer :: bar
-    bar = index(need, '|')
-    if (bar == 0) then
+    type(string), allocatable :: either(:)
+    character(:), allocatable :: names
+    integer :: n
+    if (index(need, '|') == 0) then
       if (position_of(groups, need) > 0) return
       call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs &'//need//', which is absent ('// &
                         trim(group_table(group_row(need))%absent)//'); accepted: a scene with &'//need//', or without &'// &
                         trim(groups(i)%group))
     else
-      if (position_of(groups, need(:bar - 1)) > 0 .or. position_of(groups, need(bar + 1:)) > 0) return
-      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs &'//need(:bar - 1)//' or &'//need(bar + 1:)// &
-                        ', which are absent ('//trim(group_table(group_row(need(:bar - 1)))%absent)// &
-                        '); accepted: with one of them, or without &'//trim(groups(i)%group))
+      either = words_of(blanks_for_bars(need))
+      names = ''
+      do n = 1, size(either)
+        if (position_of(groups, either(n)%text) > 0) return
+        if (n > 1) names = names//trim(merge(' or', ',  ', n == size(either)))//' '
+        names = names//'&'//either(n)%text
+      end do
+      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs '//names//', which are absent ('// &
+                        trim(group_table(group_row(either(1)%text))%absent)//'); accepted: with one of them, or without &'// &
+                        trim(groups(i)%group))
     end if
   end subroutine check_need
+
+  pure function blanks_for_bars(need) result(words)
+    character(*), intent(in) :: need
+    character(len(need)) :: words
+    integer :: i
+    words = need
+    do i = 1, len(words)
+      if (words(i:i) == '|') words(i:i) = ' '
+    end do
+  end function blanks_for_bars
 
   pure subroutine check_group(group, messages)
     !! Names that are required or stand instead of each other, then the group's own rules.

@@ -75,6 +75,8 @@ contains
       call file%begin_section(before_cases)
       if (allocated(scene%beam%pieces)) call file%put_axis('piece', size(scene%beam%pieces), 'piece, from the root')
       if (allocated(scene%beam%outer)) call file%put_axis('station', size(scene%beam%outer) + 1, 'station, from the root')
+      if (allocated(scene%forces)) call file%put_axis('force', size(scene%forces), 'force, in the order of the scene')
+      if (allocated(scene%bases)) call file%put_axis('base', size(scene%bases), 'motion of the base, in the order of the scene')
       if (allocated(scene%bodies)) call file%put_axis('body', size(scene%bodies), 'body, in the order of the scene')
       call input_rows(file, scene)
       call values%put(file)

@@ -6,6 +6,7 @@ module bw_run_scene
   use bw_error, only: error_type, fail, status_bad_file
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: dp, i1, i4, i8
+  use bw_load_courses, only: check_load_files
   use bw_modes_par, only: is_relaxed
   use bw_monitor, only: monitor_type, progress_type
   use bw_notes, only: notes_type
@@ -19,7 +20,7 @@ module bw_run_scene
   use bw_result_layout, only: layout_of
   use bw_result_supplement, only: result_supplement
   use bw_run_sweep, only: finish_draft, run_sweep
-  use bw_scene, only: scene_type
+  use bw_scene, only: is_loaded, scene_type
   use bw_scene_summary, only: bytes_text, working_bytes
   use bw_stage_report, only: stage_report
   use bw_stopwatch, only: stage_write, stopwatch
@@ -58,6 +59,11 @@ contains
     outcome%notes = ''
     if (allocated(scene%record)) then
       call plan_record(scene, work%layout, extents, record, error)
+      if (is_sweep) call group%collect(nothing, error)
+      if (allocated(error)) return
+    end if
+    if (is_loaded(scene)) then
+      call check_load_files(scene, work%layout%load_checksums, error)
       if (is_sweep) call group%collect(nothing, error)
       if (allocated(error)) return
     end if
@@ -119,8 +125,9 @@ contains
     subroutine look()
       character(:), allocatable :: checksums
       checksums = ''
+      if (allocated(work%layout%load_checksums)) checksums = work%layout%load_checksums
       if (allocated(work%layout%record)) checksums = work%layout%record%checksums
-      call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error, record=checksums)
+      call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error, checksums=checksums)
       if (existing%is_there) call outcome%set_found(work%scene, work%layout, existing)
     end subroutine look
   end subroutine look_first

@@ -24,6 +24,7 @@ ABSENT = {
         *("bw_lasting_contact", "bw_contact_bodies", "bw_contact_law"),
         *("bw_force_step", "bw_force_response", "bw_loaded_sum", "bw_static_shape"),
     ],
+    "loads": ["bw_case_loads", "bw_load_courses", "bw_load_course", "bw_load_step", "bw_load_modes", "bw_load_sum"],
     "pieces": [
         *("bw_piece_beam", "bw_scene_pieces", "bw_piece_source", "bw_piece_set"),
         *("bw_mode_search", "bw_mode_probe", "bw_tip_phase"),
@@ -66,7 +67,7 @@ def callers_outside(profile, module):
 def test_the_modules_of_effects_are_all_known_here():
     known = {name for names in ABSENT.values() for name in names}
     assert modules_of("beam") <= known | set(COMMON)
-    assert known <= modules_of("beam") | modules_of("modes") | modules_of("motion") | modules_of("response")
+    assert known <= modules_of("beam") | modules_of("modes") | modules_of("motion") | modules_of("response") | modules_of("case")
 
 
 def test_a_run_is_seen_procedure_by_procedure(profile):

@@ -22,7 +22,7 @@ SAMPLES = {  # each effect group's variants; of one that is not here that of a s
     "body": [{"position": 0.6, "mass_ratio": 0.1, "rotary_inertia": 1e-3}],
 }
 TOGETHER = ("support", "body", "tip_support")
-EVERY = 11  # of the scenes with a support, a body and a held tip, which stand together here, one in so many is run
+EVERY = 11  # of the scenes with a support, a body and a held tip, which stand together here, or with loads, one in so many is run
 
 
 def known_groups(here):
@@ -41,7 +41,7 @@ def reason(described, groups):
 
 def is_walked(scene, number):
     """Left out: most of those with what stands together, and what a hub that is free refuses for more than a group."""
-    if len({group in scene for group in TOGETHER}) > 1 or ("body" in scene and number % EVERY):
+    if len({group in scene for group in TOGETHER}) > 1 or (scene.keys() & {"body", "force", "base"} and number % EVERY):
         return False
     if "hub" not in scene or "recontact" in scene:
         return True

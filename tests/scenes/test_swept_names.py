@@ -18,6 +18,17 @@ STRUCK = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=R
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
 RECOIL = captured_beam(rotation=None, hub={"rotary_inertia": 2.0}, modes={"before": 8, "after": 8}, response=RESPONSE)
 SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
+AT_REST = {"beam": dict(PAPER_BEAM), "modes": {"before": 8}, "response": RESPONSE}
+PULSE = {"amplitude": 10.0, "duration": 0.004}
+LOADS = {
+    "amplitude": (PULSE, [0.0, 5.0]),
+    "start": (PULSE, [0.0, 0.003]),
+    "duration": (PULSE, [0.001, 0.005]),
+    "frequency": ({**PULSE, "shape": "sine", "frequency": 100.0}, [100.0, 200.0]),
+    "scale": ({"shape": "file", "file": "pulse.csv", "scale": 1.0}, [1.0, 2.0]),
+    "time_scale": ({"shape": "file", "file": "pulse.csv", "time_scale": 1.0}, [1.0, 0.5]),
+    "sample_rate": ({"shape": "file", "file": "pulse.csv", "sample_rate": 1e3}, [1e3, 2e3]),
+}
 SCENES = {  # a scene in which the name means something, and two values; of a name that is not here a scene of input/ and its value
     "beam%length": (CAPTURE, [0.9, 1.1]),
     "beam%density": (CAPTURE, [7000.0, 8000.0]),
@@ -69,6 +80,8 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "body%stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e3]),
     "body%rotational_stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e2]),
     "impact%position": (CAPTURE, [0.7, 1.0]),
+    **{f"{group}%{name}": ({**AT_REST, group: values}, swept) for group in ("force", "base") for name, (values, swept) in LOADS.items()},
+    "force%position": ({**AT_REST, "force": PULSE}, [0.5, 1.0]),
     "frequency_response%position": ({**CAPTURE, "frequency_response": {"first": 10.0, "last": 99.0, "count": 5}}, [0.7, 1.0]),
 }
 
@@ -95,8 +108,8 @@ def with_value(scene, name, value):
 
 
 def coordinate_of(name):
-    """The variable with a swept name's values, one for each case: of a body it has the body's number."""
-    return name.replace("%", "_") + ("_1" if name.startswith("body%") else "")
+    """The variable with a swept name's values, one for each case: of a body or a load it has its number."""
+    return name.replace("%", "_") + ("_1" if name.startswith(("body%", "force%", "base%")) else "")
 
 
 def scene_of(name):
@@ -111,6 +124,7 @@ def scene_of(name):
 def test_a_sweep_over_any_name_is_its_cases(described, shared):
     here = shared("names")
     scenes = {name: scene_of(name) for name, kind in described.items() if is_swept(name, kind)}
+    here.write("all/pulse.csv", "time,load\n0,0\n0.001,5\n0.002,0\n")
     for number, (name, (scene, values)) in enumerate(scenes.items()):
         here.write(f"all/n{number}.nml", namelist(scene, {"parameter": name, "values": values}))
         for case, value in enumerate(values):

@@ -31,6 +31,7 @@ module bw_piece_set
     procedure :: elastic => piece_elastic
     procedure :: coupling
     procedure :: body_energy => energy_of_body
+    procedure :: find_tip_shears
     procedure :: turnings
     procedure :: number_errors => errors_of_pieces
   end type piece_set
@@ -116,6 +117,16 @@ contains
       end associate
     end do
   end function piece_curvatures
+
+  pure subroutine find_tip_shears(self, shear, known)
+    class(piece_set), intent(in) :: self
+    real(dp), intent(out) :: shear(:)
+    logical, intent(out) :: known
+    real(dp) :: state(4, self%count, 1)
+    state = self%states(1, self%count, [1.0_dp])
+    shear = state(4, :, 1)
+    known = .true.
+  end subroutine find_tip_shears
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     class(piece_set), intent(in) :: self

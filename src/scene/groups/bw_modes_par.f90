@@ -31,11 +31,12 @@ module bw_modes_par
 
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., &
-    absent='20 modes without `&response`; with it and `&capture` or `&contact`, tolerance 1e-6, or what can be had', &
+    absent='20 modes without `&response`; with it tolerance 1e-6, or what can be had; counts where a mass rebounds at once', &
     rules='Give counts, or a tolerance. With `&capture` there are two sets of modes; a count that is not given is that of '// &
-    'the other. Without it there is one set, whose count is `before`; `after` may only repeat it. Without `&capture` '// &
-    'and `&contact` a `&response` needs a count: the impulse of a rebound goes to 0 as modes are added, so that the '// &
-    'motion depends on their number. A tolerance that is out of reach is refused; the default relaxes to one that is not.')
+    'the other. Without it there is one set, whose count is `before`; `after` may only repeat it. With `&impact` and '// &
+    'without `&capture` and `&contact` a `&response` needs a count: the impulse of a rebound goes '// &
+    'to 0 as modes are added, so that the motion depends on their number. A tolerance that is out of '// &
+    'reach is refused; the default relaxes to one that is not.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -52,13 +53,14 @@ contains
     type(group_values), intent(inout) :: modes
     logical, intent(in) :: rebound    !! an instantaneous impact without capture
     logical, intent(in) :: captured
-    logical, intent(in) :: lasting    !! the impact lasts: its motion has a limit, with a capture and without
+    logical, intent(in) :: lasting    !! the impact lasts, or only loads act: the motion has a limit, with a capture and without
     logical, intent(in) :: response   !! a history is asked for
     type(message_list), intent(inout) :: messages
     if (any(modes%values%given .and. .not. modes%values%known)) return
     if (modes%given('tolerance')) then
       if (.not. ((captured .or. lasting) .and. response)) call messages%add(modes%line_of('tolerance'), 'modes%tolerance', &
-        'needs &capture and &response, or &contact: it is an error of their history; accepted: counts, as before and after')
+        'needs &response with &capture, &contact, &force or &base: it is an error of their history; '// &
+        'accepted: counts, as before and after')
       return
     end if
     if (.not. (modes%given('before') .or. modes%given('after'))) then

@@ -9,7 +9,7 @@ module bw_record_par
   use bw_text, only: string, text_of
   implicit none (type, external)
   private
-  public :: build_record, check_record, complete_record
+  public :: build_record, check_record, complete_record, one_choice
 
   integer, parameter, public :: most_columns = 4096    !! of the sensors
   integer, parameter :: most_files = 10000

@@ -2,13 +2,14 @@ module bw_response_par
   !! `&response`: time histories at points of the beam.
   use bw_input_name, only: input_group, input_name, integer_input, logical_input, number_range, positive, real_input, &
                            reals_input, unit_interval
-  use bw_input_values, only: group_values
+  use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
+  use bw_load_par, only: begins_or_ends_at_once
   use bw_scene_messages, only: message_list
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: build_response, check_response
+  public :: build_response, check_limits, check_response
 
   type, public :: response_par
     real(dp) :: duration = 0.0_dp        !! T [s], > 0
@@ -16,21 +17,27 @@ module bw_response_par
     real(dp), allocatable :: points(:)   !! ξ in [0, 1], in the user's order, no two the same, (n_points)
     logical :: velocity = .false.        !! velocities are asked for too
     logical :: bending_moment = .false.  !! and bending moments
+    logical :: acceleration = .false.    !! and accelerations
+    logical :: shear_force = .false.     !! and shear forces
   end type response_par
 
   type(input_group), parameter, public :: response_group = input_group( &
-    'response', needs='impact', absent='no time history', &
-    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1.')
+    'response', needs='impact|force|base', absent='no time history', &
+    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. An acceleration or a '// &
+    'shear force has a limit as modes are added where forces act or the frame moves, and none after an ideal blow.')
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
-               meaning='length of the histories, from the impact on'), &
+               meaning='length of the histories, from t = 0 on'), &
     input_name('response', 'samples', integer_input, '1', number_range(1.0_dp, 1e9_dp), required=.true., &
                meaning='samples of each history'), &
     input_name('response', 'points', reals_input, '1', unit_interval, '0.5, 1.0', most=1000, &
                meaning='places of the histories: x/l, 0 at the root, 1 at the tip'), &
     input_name('response', 'velocity', logical_input, default='.false.', meaning='histories of the velocity too'), &
-    input_name('response', 'bending_moment', logical_input, default='.false.', meaning='histories of the bending moment too')]
+    input_name('response', 'acceleration', logical_input, default='.false.', meaning='histories of the acceleration too'), &
+    input_name('response', 'bending_moment', logical_input, default='.false.', meaning='histories of the bending moment too'), &
+    input_name('response', 'shear_force', logical_input, default='.false.', &
+               meaning='histories of the shear force too')]
 
 contains
 
@@ -50,6 +57,46 @@ contains
     end associate
   end subroutine check_response
 
+  pure subroutine check_limits(groups, messages)
+    !! What has no limit as modes are added is refused: accelerations and shear forces after an ideal blow, accelerations after a load
+    !! that jumps.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: g, r
+    r = position_of(groups, 'response')
+    if (r == 0) return
+    if (position_of(groups, 'impact') > 0) then
+      call refuse('acceleration', messages)
+      call refuse('shear_force', messages)
+      return
+    end if
+    if (.not. asked('acceleration')) return
+    do g = 1, size(groups)
+      if (groups(g)%group /= 'force') cycle
+      if (begins_or_ends_at_once(groups(g))) call messages%add(groups(r)%line_of('acceleration'), 'response%acceleration', &
+        'has no limit as modes are added where a force begins or ends at once, as that of line '//text_of(groups(g)%line)// &
+        '; accepted: another shape, a sine of whole half turns, or no acceleration')
+    end do
+  contains
+    pure logical function asked(name)
+      character(*), intent(in) :: name
+      asked = groups(r)%known(name)
+      if (asked) asked = groups(r)%values(groups(r)%at(name))%flag
+    end function asked
+
+    pure subroutine refuse(name, messages)
+      character(*), intent(in) :: name
+      type(message_list), intent(inout) :: messages
+      if (.not. asked(name)) return
+      if (position_of(groups, 'contact') > 0) then
+        call messages%add(groups(r)%line_of(name), 'response%'//name, 'is not known with &contact yet; accepted: .false.')
+      else
+        call messages%add(groups(r)%line_of(name), 'response%'//name, 'has no limit as modes are added after an ideal blow, '// &
+          'which takes no time; accepted: &force in place of &impact, or .false.; &contact makes the blow last')
+      end if
+    end subroutine refuse
+  end subroutine check_limits
+
   pure type(response_par) function build_response(values) result(response)
     !! From checked values.
     type(group_values), intent(in) :: values
@@ -58,6 +105,8 @@ contains
     response%points = values%values(values%at('points'))%numbers
     response%velocity = values%values(values%at('velocity'))%flag
     response%bending_moment = values%values(values%at('bending_moment'))%flag
+    response%acceleration = values%values(values%at('acceleration'))%flag
+    response%shear_force = values%values(values%at('shear_force'))%flag
   end function build_response
 
 end module bw_response_par

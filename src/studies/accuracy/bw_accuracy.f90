@@ -12,7 +12,7 @@ module bw_accuracy
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_type
   use bw_price_report, only: price_report
-  use bw_scene, only: scene_type
+  use bw_scene, only: is_loaded, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
   use bw_timed_runs, only: repeat_runs, run_once, timed_run
@@ -72,6 +72,9 @@ contains
     else if (allocated(scene%contact)) then
       call fail(error, status_bad_input, scene%file//': &contact: has no converged run to measure errors against; its own '// &
                 'result has them, by runs with fewer modes and shorter steps; accepted: a scene without &contact')
+    else if (is_loaded(scene)) then
+      call fail(error, status_bad_input, scene%file//': &force and &base have no converged run to measure errors against; the '// &
+                'result of a run has them, by as many modes more; accepted: a scene without them')
     else if (.not. allocated(scene%capture)) then
       call fail(error, status_bad_input, scene%file//': &capture: is absent: the motion after a rebound depends on '// &
                 'the number of modes (its impulse goes to 0 as modes are added), so that there is no converged answer'// &

@@ -1,0 +1,241 @@
+module bw_load_modes
+  !! What loads ask of modes and of the beam that they are of: how each load drives each mode, what each mode shows at points, and what
+  !! modes that are not summed add at once, their residual flexibility.
+  !!
+  !! Shear forces and the participation in a motion of the frame follow from integrals of mass times shape over what lies beyond a place,
+  !! by Gauss's rule over half waves of the highest mode: the part of a mode's inertia that the section carries, less what springs beyond
+  !! it take. Without dimensions, as modes.
+  use bw_constants, only: pi
+  use bw_double_double, only: dd
+  use bw_kinds, only: dp
+  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_piece_beam, only: holds_tip, joint_position
+  use bw_static_shape, only: gauss_places, static_shapes
+  use bw_varying_beam, only: value_of, varying_beam
+  implicit none (type, external)
+  private
+  public :: carried_mass, find_residuals, find_shears, total_mass
+
+  integer, parameter, public :: frame_motion = -1 !! in the place of a position: the frame is accelerated
+
+contains
+
+  pure subroutine find_shears(given, modes, xi, shear, participation)
+    !! The shear force of each mode at points, of the inner side where a body is, positive where what lies beyond pulls as displacement
+    !! is positive; and the mass that each mode moves as the frame does, ∫ρAΦ dx + Σm_bΦ(ξ_b).
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: xi(:)                  !! (points)
+    real(dp), intent(out) :: shear(:, :)           !! (modes, points)
+    real(dp), intent(out) :: participation(:)      !! (modes)
+    real(dp) :: inertia(modes%count), reaction(modes%count), beyond(modes%count), ends(0:size(given%beam%piece))
+    real(dp) :: edges(size(xi) + 2)
+    type(dd) :: place
+    logical :: held(2), known
+    integer :: e, i, many, n, p
+    n = size(given%beam%piece)
+    do i = 0, n
+      place = joint_position(given%beam, i)
+      ends(i) = place%hi
+    end do
+    ends(n) = 1.0_dp
+    inertia = modes%beta_squared%hi
+    if (given%beam%in_plane) inertia = inertia + given%beam%spin_squared%hi
+    held = holds_tip(given%beam)
+    reaction = 0.0_dp                              ! of all springs beyond
+    if (held(1)) then
+      call modes%find_tip_shears(reaction, known)
+      if (.not. known) reaction = tip_shears(given, modes, inertia)
+      reaction = -reaction
+    end if
+    beyond = 0.0_dp                                ! mass times shape there
+    do i = n, 1, -1
+      if (i < n .or. .not. held(1)) then
+        associate (joint => given%beam%joint(i), there => modes%some_shapes(1, modes%count, [ends(i)]))
+          beyond = beyond + joint%mass%hi*there(:, 1)
+          reaction = reaction + joint%stiffness%hi*there(:, 1)
+        end associate
+      end if
+      call find_edges(ends(i - 1), ends(i), xi, edges, many)
+      do e = many, 1, -1
+        do p = 1, size(xi)
+          if (xi(p) == edges(e)) shear(:, p) = inertia*beyond - reaction
+        end do
+        if (e > 1) beyond = beyond + mass_times_shape(given, modes, i, ends(i - 1:i), edges(e - 1:e))
+      end do
+    end do
+    participation = beyond
+  end subroutine find_shears
+
+  pure subroutine find_edges(first, last, xi, edges, count)
+    !! The ends of a piece and the points inside it, ascending.
+    real(dp), intent(in) :: first, last, xi(:)
+    real(dp), intent(out) :: edges(:)              !! (points + 2)
+    integer, intent(out) :: count
+    edges = first
+    count = 1
+    do while (edges(count) < last)
+      edges(count + 1) = min(last, minval(xi, mask=xi > edges(count)))
+      count = count + 1
+    end do
+  end subroutine find_edges
+
+  pure function mass_times_shape(given, modes, i, ends, part) result(integral)
+    !! Over a part of a piece, (modes).
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: i                       !! the piece
+    real(dp), intent(in) :: ends(2), part(2)       !! of the piece, and of the part
+    real(dp) :: integral(modes%count)
+    integer, parameter :: at_once = 32             ! half waves whose shapes are in memory
+    real(dp), allocatable :: place(:), weight(:), rule(:), rule_weight(:)
+    real(dp) :: width
+    integer :: halves, j, first, last
+    call gauss_places(rule, rule_weight)
+    halves = 1 + int((part(2) - part(1))*wave_number(given, modes, i)/pi)
+    width = (part(2) - part(1))/halves
+    integral = 0.0_dp
+    do first = 0, halves - 1, at_once
+      last = min(first + at_once, halves) - 1
+      place = [(part(1) + width*(j + rule), j=first, last)]
+      weight = [(width*rule_weight, j=first, last)]
+      weight = weight*given%beam%piece(i)%mass%hi*value_of(given%law(i)%mass, (place - ends(1))/(ends(2) - ends(1)))
+      integral = integral + matmul(modes%some_shapes(1, modes%count, place), weight)
+    end do
+  end function mass_times_shape
+
+  pure real(dp) function wave_number(given, modes, i) result(largest)
+    !! A bound of how fast the shape of the highest mode varies along a piece.
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: i
+    real(dp), parameter :: places(3) = [0.0_dp, 0.5_dp, 1.0_dp]
+    real(dp) :: law, softest, heaviest
+    associate (piece => given%beam%piece(i), laws => given%law(i))
+      law = maxval(abs(modes%beta_squared%hi)) + given%beam%spin_squared%hi
+      softest = piece%stiffness%hi*max(minval(value_of(laws%stiffness, places)), 1.0e-6_dp)
+      heaviest = piece%mass%hi*maxval(value_of(laws%mass, places))
+      largest = sqrt(sqrt(heaviest*law/softest) + piece%rotary%hi*law/softest &
+                     + heaviest*law*piece%compliance%hi/max(minval(value_of(laws%shear, places)), 1.0e-6_dp))
+    end associate
+  end function wave_number
+
+  pure function tip_shears(given, modes, inertia) result(shear)
+    !! The shear force at a tip that is held, where no spring tells it: of the moment and of the deflection beside it, differentiated
+    !! through Chebyshev's points over a quarter of a wave. From M' = Tv' − Q − Rψ and v' = (ψ + sQ)/(1 + sT).
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: inertia(:)             !! λ, (modes)
+    real(dp) :: shear(modes%count)
+    integer, parameter :: degree = 12
+    real(dp), dimension(0:degree) :: node, slope, place
+    real(dp) :: rotary, compliance, pull, rho, width, wave, one(1)
+    integer :: j, k, n
+    n = size(given%beam%piece)
+    associate (piece => given%beam%piece(n), laws => given%law(n))
+      one = value_of(laws%rotary, [1.0_dp])
+      rotary = piece%rotary%hi*one(1)
+      one = value_of(laws%shear, [1.0_dp])
+      compliance = piece%compliance%hi/one(1)
+      pull = 0.0_dp
+      if (given%is_pulled) then
+        one = value_of(given%tension(n), [1.0_dp])
+        pull = given%beam%spin_squared%hi*one(1)
+      end if
+      node = [(cos(pi*j/degree), j=0, degree)]     ! from 1 down to −1
+      slope = end_slopes(node)
+      do k = 1, modes%count
+        wave = sqrt(sqrt(piece%mass%hi*abs(inertia(k))/piece%stiffness%hi) + 1.0_dp)
+        width = min(piece%length%hi, 0.5_dp*pi/wave)
+        place = 1.0_dp - 0.5_dp*width*(1.0_dp - node)
+        rho = modes%beta_squared(k)%hi
+        if (.not. given%beam%in_plane) rho = rho + given%beam%spin_squared%hi
+        rho = rotary*rho
+        associate (moments => given%beam%piece(1)%stiffness%hi*values_at(modes, curvatures, k, k, place), &
+                   shapes => values_at(modes, deflections, k, k, place))
+          shear(k) = sum(slope*(-moments(1, :) + (pull - rho*(1.0_dp + compliance*pull))*shapes(1, :)))*2.0_dp/width &
+            /(1.0_dp - compliance*rho)
+        end associate
+      end do
+    end associate
+  end function tip_shears
+
+  pure function end_slopes(node) result(slope)
+    !! The derivative at 1 of a polynomial through Chebyshev's points, from its values there.
+    real(dp), intent(in) :: node(0:)
+    real(dp) :: slope(0:size(node) - 1)
+    integer :: j, n
+    n = size(node) - 1
+    do j = 1, n
+      slope(j) = (-1)**j*merge(1.0_dp, 2.0_dp, j == n)/(1.0_dp - node(j))
+    end do
+    slope(0) = -sum(slope(1:))
+  end function end_slopes
+
+  subroutine find_residuals(given, modes, summed, place, accelerated, drive, weights, xi, residual, flexibility)
+    !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
+    !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²).
+    !!
+    !! Modes that grow, or that nothing holds, are taken out of both: β² is raised by s², 2s², 3s² and 4s², and what holds without that
+    !! is extrapolated, with an error of 24(s/β)⁸ of what each missing mode adds.
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: summed                  !! how many of them are
+    real(dp), intent(in) :: place(:)               !! ξ of the forces
+    logical, intent(in) :: accelerated             !! the last load is an acceleration of the frame by −1
+    real(dp), intent(in) :: drive(:, :)            !! Φ_k at the places of forces, and the participation, (modes, loads)
+    real(dp), intent(in) :: weights(:, :, :)       !! deflection, curvature and shear force of modes at points, (modes, points, 3)
+    real(dp), intent(in) :: xi(:)                  !! (points)
+    real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, 3)
+    real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + forces)
+    integer, parameter :: signs(4) = [4, -6, 4, -1]
+    real(dp) :: shift, soft(summed)
+    real(dp), allocatable :: whole(:, :, :), own(:, :)
+    integer :: f, i, l, p, q
+    shift = 0.25_dp
+    if (given%beam%in_plane) shift = 2.0_dp*given%beam%spin_squared%hi + 0.25_dp
+    own = modes%some_shapes(1, summed, [xi, place])
+    residual = 0.0_dp
+    flexibility = 0.0_dp
+    do i = 1, size(signs)
+      whole = static_shapes(given, [place, xi], accelerated, i*shift, [xi, place])
+      soft = 1.0_dp/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + i*shift))
+      do l = 1, size(drive, 2)
+        f = l                                      ! its column
+        if (l > size(place)) f = size(whole, 3)
+        do q = 1, 3
+          residual(l, :, q) = residual(l, :, q) + signs(i)*(whole(:size(xi), q, f) &
+                                                            - matmul(soft*drive(:summed, l), weights(:summed, :, q)))
+        end do
+      end do
+      do p = 1, size(flexibility)
+        f = size(place) + p
+        if (p > size(xi)) f = p - size(xi)
+        flexibility(p) = flexibility(p) + signs(i)*(whole(p, 1, f) - sum(soft*own(:, p)**2))
+      end do
+    end do
+    flexibility = max(0.0_dp, flexibility)
+  end subroutine find_residuals
+
+  pure real(dp) function total_mass(given) result(mass)
+    !! Of beam and bodies.
+    type(varying_beam), intent(in) :: given
+    real(dp), allocatable :: place(:), weight(:)
+    integer :: i
+    call gauss_places(place, weight)
+    mass = sum(given%beam%joint%mass%hi)
+    do i = 1, size(given%beam%piece)
+      associate (piece => given%beam%piece(i))
+        mass = mass + piece%length%hi*piece%mass%hi*sum(weight*value_of(given%law(i)%mass, place))
+      end associate
+    end do
+  end function total_mass
+
+  pure real(dp) function carried_mass(modes, participation) result(mass)
+    !! How much of the beam's mass these modes move as the frame does: Σp²/M.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: participation(:)       !! of the first of them
+    mass = sum(participation**2/modes%modal_mass(:size(participation)))
+  end function carried_mass
+
+end module bw_load_modes

@@ -1,0 +1,137 @@
+module bw_load_step
+  !! A step in which modes are driven by loads that are linear or harmonic in time, exactly: q̈ + cq̇ + β²q = 1, s or e^(iΩs) from rest,
+  !! and the free flow of what they start from. The operators depend on the length of the step alone, and steps of one length share them.
+  use bw_double_double, only: dd
+  use bw_force_response, only: find_force_response, force_degree
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: flow
+  implicit none (type, external)
+  private
+  public :: load_step_of, tone_response
+
+  type, public :: load_step
+    real(dp) :: length = -1.0_dp                   !! of the step, l²/h; below 0: not found yet
+    real(dp), allocatable :: moved(:, :)           !! end state of each: q by q, q by v, v by q, v by v, (modes, 4)
+    real(dp), allocatable :: linear(:, :)          !! q and v by a load of 1, and by one that grows as s, (modes, 4)
+    complex(dp), allocatable :: tone(:, :, :)      !! q and v by e^(iΩs) of each load, (modes, 2, loads)
+  contains
+    procedure :: advance
+  end type load_step
+
+contains
+
+  pure type(load_step) function load_step_of(beta_squared, c, time, frequency) result(step)
+    !! The operators of a step.
+    type(dd), intent(in) :: beta_squared(:)        !! (modes)
+    real(dp), intent(in) :: c(:)
+    type(dd), intent(in) :: time                   !! its length > 0
+    real(dp), intent(in) :: frequency(:)           !! Ω of each load, 0 where it has no tone
+    real(dp) :: unit(2, 2)
+    real(dp), dimension(0:force_degree) :: displacement, velocity
+    integer :: j, k
+    step%length = time%hi
+    allocate (step%moved(size(c), 4), step%linear(size(c), 4), step%tone(size(c), 2, size(frequency)))
+    do k = 1, size(c)
+      unit = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+      call flow(beta_squared(k), c(k), time, unit(1, :), unit(2, :))
+      step%moved(k, :) = [unit(1, :), unit(2, :)]
+      call find_force_response(beta_squared(k)%hi, c(k), time%hi, displacement, velocity)
+      step%linear(k, :) = [displacement(0), velocity(0), time%hi*displacement(1), time%hi*velocity(1)]
+      step%tone(k, :, :) = 0.0_dp
+      do j = 1, size(frequency)
+        if (frequency(j) > 0.0_dp) step%tone(k, :, j) = &
+          tone_response(beta_squared(k)%hi, c(k), time%hi, frequency(j), step%moved(k, :))
+      end do
+    end do
+  end function load_step_of
+
+  pure function tone_response(beta_squared, c, h, frequency, moved) result(state)
+    !! Displacement and velocity after a time h under e^(iΩs) from rest. Far from resonance they are the steady motion less the free one
+    !! that it starts from. Near it they follow from the roots s₁, s₂ of s² + cs + β²: (E(s₁) − E(s₂))/(s₁ − s₂), E(s) =
+    !! ∫₀ʰ e^(s(h−w)) e^(iΩw) dw. Where all turn little in the step they are a power series;
+    !! so the roots are never nearly the same where they are divided by.
+    real(dp), intent(in) :: beta_squared, c, h, frequency
+    real(dp), intent(in) :: moved(4)               !! the free flow, as that of a step
+    complex(dp) :: state(2)
+    complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
+    complex(dp) :: s(2), e(2), apart, steady
+    real(dp) :: turn, beta_turn
+    turn = frequency*h
+    beta_turn = sqrt(abs(beta_squared))*h
+    if (max(beta_turn, 0.5_dp*c*h, turn) < 1.0_dp) then
+      state = tone_series(beta_squared*h**2, c*h, turn)*[h**2, h]
+      return
+    end if
+    apart = cmplx(beta_squared - frequency**2, c*frequency, dp)
+    if (abs(apart)*h**2 >= 0.5_dp*max(1.0_dp, beta_turn + turn)) then
+      steady = 1.0_dp/apart
+      state(1) = steady*(exp(i*turn) - moved(1) - moved(2)*i*frequency)
+      state(2) = steady*(i*frequency*exp(i*turn) - moved(3) - moved(4)*i*frequency)
+    else                                           ! the mode turns, and damping is small
+      s = -0.5_dp*c + [i, -i]*sqrt(cmplx(beta_squared - 0.25_dp*c**2, 0.0_dp, dp))
+      e = h*exp(0.5_dp*(s + i*frequency)*h)*mean_exponential(0.5_dp*(i*frequency - s)*h)
+      state(1) = (e(1) - e(2))/(s(1) - s(2))
+      state(2) = (s(1)*e(1) - s(2)*e(2))/(s(1) - s(2))
+    end if
+  end function tone_response
+
+  elemental complex(dp) function mean_exponential(z) result(mean)
+    !! sinh z/z.
+    complex(dp), intent(in) :: z
+    if (abs(z) < 1.0e-2_dp) then
+      mean = 1.0_dp + z**2/6.0_dp*(1.0_dp + z**2/20.0_dp*(1.0_dp + z**2/42.0_dp*(1.0_dp + z**2/72.0_dp)))
+    else
+      mean = 0.5_dp*(exp(z) - exp(-z))/z
+    end if
+  end function mean_exponential
+
+  pure function tone_series(square, damping, turn) result(state)
+    !! y″ + Cy′ + By = e^(iΘu) at u = 1, from rest at u = 0.
+    real(dp), intent(in) :: square, damping, turn  !! B ≤ 1, C ≤ 2 and Θ ≤ 1
+    complex(dp) :: state(2)
+    integer, parameter :: terms = 26
+    complex(dp) :: before, coefficient, drive, next
+    integer :: m
+    before = 0.0_dp
+    coefficient = 0.5_dp
+    drive = 1.0_dp                                 ! (iΘ)^(m − 2)/(m − 2)!
+    state = [cmplx(0.5_dp, 0.0_dp, dp), cmplx(1.0_dp, 0.0_dp, dp)]
+    do m = 3, terms
+      drive = drive*cmplx(0.0_dp, turn, dp)/(m - 2)
+      next = (drive - damping*(m - 1)*coefficient - square*before)/(m*(m - 1))
+      before = coefficient
+      coefficient = next
+      state = state + [coefficient, m*coefficient]
+    end do
+  end function tone_series
+
+  pure subroutine advance(self, drive, level, slope, tone, q, v)
+    !! The state at the end of the step.
+    class(load_step), intent(in) :: self
+    real(dp), intent(in) :: drive(:, :)            !! acceleration of each mode under a load of 1, (modes, loads)
+    real(dp), intent(in) :: level(:), slope(:)     !! of each load at the start of the step, (loads)
+    complex(dp), intent(in) :: tone(:)             !! (loads)
+    real(dp), intent(inout) :: q(:), v(:)          !! (modes)
+    real(dp) :: start, accelerated(size(q)), growing(size(q))
+    integer :: j, k
+    accelerated = 0.0_dp
+    growing = 0.0_dp
+    do j = 1, size(level)
+      if (level(j) /= 0.0_dp) accelerated = accelerated + drive(:, j)*level(j)
+      if (slope(j) /= 0.0_dp) growing = growing + drive(:, j)*slope(j)
+    end do
+    do k = 1, size(q)
+      start = q(k)
+      q(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k) + self%linear(k, 1)*accelerated(k) + self%linear(k, 3)*growing(k)
+      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + self%linear(k, 2)*accelerated(k) + self%linear(k, 4)*growing(k)
+    end do
+    do j = 1, size(tone)
+      if (abs(tone(j)) == 0.0_dp) cycle
+      do k = 1, size(q)
+        q(k) = q(k) + drive(k, j)*real(self%tone(k, 1, j)*tone(j))
+        v(k) = v(k) + drive(k, j)*real(self%tone(k, 2, j)*tone(j))
+      end do
+    end do
+  end subroutine advance
+
+end module bw_load_step

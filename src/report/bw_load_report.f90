@@ -1,0 +1,69 @@
+module bw_load_report
+  !! The printed report of loads: what was applied, and where and when the beam moved most.
+  use bw_case_result, only: case_result
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing
+  use bw_scene, only: scene_type
+  use bw_text, only: shortest, text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: report_loads
+
+  integer, parameter :: shown_loads = 10
+
+contains
+
+  subroutine report_loads(scene, result, lines)
+    !! A line for each load, and one for each quantity that says its largest value.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    integer :: l
+    call lines%append_line('')
+    if (allocated(scene%forces)) then
+      do l = 1, min(shown_loads, size(scene%forces))
+        call lines%append_line('  Force '//text_of(l)//' at xi = '//shortest(scene%forces(l)%position, 4)//': '// &
+          in_words(scene%forces(l)%shape)//', up to '//shortest(result%loads%force_largest(l), 6)//' N; impulse '// &
+          shortest(result%loads%force_impulse(l), 6)//' N s')
+      end do
+      if (size(scene%forces) > shown_loads) call lines%append_line('  ... '//text_of(size(scene%forces))//' in the file')
+    end if
+    if (allocated(scene%bases)) then
+      do l = 1, min(shown_loads, size(scene%bases))
+        call lines%append_line('  Acceleration '//text_of(l)//' of the base: '//in_words(scene%bases(l)%shape)//', up to '// &
+          shortest(result%loads%base_largest(l), 6)//' m/s2; the base gains '//shortest(result%loads%base_velocity(l), 6)//' m/s')
+      end do
+      if (size(scene%bases) > shown_loads) call lines%append_line('  ... '//text_of(size(scene%bases))//' in the file')
+    end if
+    associate (response => result%response)
+      call report_largest('displacement', 'm', response%displacement)
+      if (allocated(response%bending_moment)) call report_largest('bending moment', 'N m', response%bending_moment)
+      if (allocated(response%shear_force)) call report_largest('shear force', 'N', response%shear_force)
+    end associate
+  contains
+    subroutine report_largest(name, unit, histories)
+      !! Where and when.
+      character(*), intent(in) :: name, unit
+      real(dp), intent(in) :: histories(:, :)        !! (samples, points)
+      integer :: place(2)
+      place = maxloc(abs(histories), mask=.not. is_missing(histories))
+      if (any(place == 0)) return
+      call lines%append_line('  Largest '//name//': '//shortest(histories(place(1), place(2)), 6)//' '//unit//' at xi = '// &
+        shortest(scene%response%points(place(2)), 4)//', '// &
+        shortest((place(1) - 1)*(scene%response%duration/scene%response%samples), 5)//' s')
+    end subroutine report_largest
+  end subroutine report_loads
+
+  pure function in_words(shape) result(words)
+    !! `half sine`.
+    character(*), intent(in) :: shape
+    character(:), allocatable :: words
+    integer :: i
+    words = shape
+    if (words == 'file') words = 'measured'
+    do i = 1, len(words)
+      if (words(i:i) == '_') words(i:i) = ' '
+    end do
+  end function in_words
+
+end module bw_load_report

@@ -1,0 +1,273 @@
+module bw_load_sum
+  !! Histories of modes that loads drive, and of their free motion afterwards. From sample to sample and from knot to knot of the loads all
+  !! modes move exactly; what modes that are not summed add at once is added. Sixty-four samples without a knot are one step once more, so
+  !! that rounding does not add up over the samples of a record.
+  !!
+  !! Twice as many modes are followed as are summed, if there are so many: what the others would add, beyond what follows the loads at
+  !! once, is missing, and what is missing beyond them continues the octaves of modes.
+  use bw_double_double, only: dd, to_dd, operator(*), operator(-)
+  use bw_kinds, only: dp
+  use bw_load_course, only: interval_at, load_course, rates_of
+  use bw_load_step, only: load_step, load_step_of
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
+  use bw_time_grid, only: time_grid
+  implicit none (type, external)
+  private
+  public :: rounding_of, sum_loaded_modes, tail_error
+
+  integer, parameter :: at_once = 64                !! samples
+  integer, parameter :: orders = 2                  !! derivatives in time, the most
+
+  type, public :: load_view
+    !! What loads drive and what is looked at: a column for each quantity at each point.
+    integer :: summed = 0                           !! modes whose sum the histories are
+    type(load_course), allocatable :: course(:)     !! (loads)
+    real(dp), allocatable :: drive(:, :)            !! acceleration of each mode under a load of 1, (modes, loads)
+    real(dp), allocatable :: weight(:, :)           !! what each mode shows, (modes, columns)
+    real(dp), allocatable :: residual(:, :)         !! what modes that are not summed add under a load of 1, (loads, columns)
+    integer, allocatable :: order(:)                !! derivatives in time of what is shown, (columns)
+  end type load_view
+
+  type, public :: load_tail
+    !! Of two octaves of modes, (columns, 2), and of all modes.
+    real(dp), allocatable :: largest(:, :)          !! largest magnitude at a sample
+    real(dp), allocatable :: squares(:, :)          !! sum of squares over the samples
+    real(dp), allocatable :: amplitude(:, :)        !! largest magnitude of each mode, (modes, 0:orders)
+    integer :: steps = 0                            !! roundings that may have added up
+  end type load_tail
+
+contains
+
+  subroutine sum_loaded_modes(modes, view, grid, samples, start, until, monitor, q, v, history, tail)
+    !! The samples of a segment, and the state at its end.
+    class(mode_set), intent(in) :: modes
+    type(load_view), intent(in) :: view
+    type(time_grid), intent(in) :: grid             !! of the whole record
+    integer, intent(in) :: samples(2)               !! the first and the last, from 1
+    type(dd), intent(in) :: start, until            !! of the segment
+    class(monitor_type), intent(inout) :: monitor   !! the histories mean nothing where it asks to stop
+    real(dp), intent(inout) :: q(:), v(:)           !! state at the start, then at the end, (modes)
+    real(dp), intent(inout) :: history(:, :)        !! of the whole record, (samples, columns)
+    type(load_tail), intent(inout) :: tail          !! of the segments before it, too
+    type(load_step) :: fine, coarse
+    real(dp), allocatable :: c(:)
+    real(dp) :: knot                                ! the next of any load
+    real(dp), dimension(modes%count) :: q_before, v_before
+    real(dp) :: state(modes%count, at_once, 0:orders), load(size(view%course), at_once, 0:orders)
+    real(dp), dimension(size(view%course)) :: level, slope
+    complex(dp) :: tone(size(view%course))
+    type(dd) :: now, next
+    integer :: first, held, j, m                    ! `first` of the samples that are held
+    c = spread(0.0_dp, 1, modes%count)
+    if (allocated(modes%damping)) c = modes%damping
+    if (.not. allocated(tail%largest)) then
+      allocate (tail%largest(size(view%order), 2), tail%squares(size(view%order), 2), source=0.0_dp)
+      allocate (tail%amplitude(modes%count, 0:orders), source=0.0_dp)
+    end if
+    now = start
+    knot = next_knot(view%course, now%hi)
+    first = samples(1)
+    held = 0                                        ! samples that are not yet in the histories
+    j = samples(1)
+    do
+      if (monitor%stop_requested()) return
+      next = grid%step*real(j - 1, dp)
+      if (j <= samples(2) .and. next%hi < knot) then
+        call step_to(next)
+        call keep_sample(j)
+        j = j + 1
+        m = samples_to_knot()
+        if (m < at_once) cycle
+        call flush()
+        q_before = q
+        v_before = v
+        if (coarse%length < 0.0_dp) coarse = load_step_of(modes%beta_squared, c, grid%step*real(at_once, dp), view%course%frequency)
+        call loads_at(now)
+        call coarse%advance(view%drive, level, slope, tone, q_before, v_before)
+        do m = 1, at_once
+          call step_to(grid%step*real(j - 1, dp))
+          if (m == at_once) then
+            q = q_before
+            v = v_before
+          end if
+          call keep_sample(j)
+          j = j + 1
+        end do
+        tail%steps = tail%steps + 1
+        call monitor%advance(real(j - samples(1), dp)/(samples(2) - samples(1) + 1))
+      else if (knot < until%hi) then
+        call step_to(to_dd(knot))
+      else
+        exit
+      end if
+    end do
+    call flush()
+    tail%steps = tail%steps + at_once
+    next = until - now
+    if (next%hi > 0.0_dp) call step_to(until)
+  contains
+    integer function samples_to_knot() result(many)
+      !! From the next sample on.
+      many = samples(2) - j + 1
+      if (knot - now%hi < many*grid%step%hi) many = int((knot - now%hi)/grid%step%hi)
+    end function samples_to_knot
+
+    subroutine loads_at(time)
+      type(dd), intent(in) :: time
+      integer :: l
+      do l = 1, size(view%course)
+        call rates_of(view%course(l), interval_at(view%course(l), time%hi), time%hi, level(l), slope(l), tone(l))
+      end do
+    end subroutine loads_at
+
+    subroutine step_to(time)
+      !! Steps of a sampling interval share their operators.
+      type(dd), intent(in) :: time
+      type(load_step) :: odd
+      type(dd) :: length
+      real(dp), parameter :: same = 8.0_dp*epsilon(1.0_dp)
+      length = time - now
+      if (length%hi > same*time%hi) then
+        call loads_at(now)
+        if (abs(length%hi - grid%step%hi) <= same*time%hi) then
+          if (fine%length < 0.0_dp) fine = load_step_of(modes%beta_squared, c, grid%step, view%course%frequency)
+          call fine%advance(view%drive, level, slope, tone, q, v)
+        else
+          odd = load_step_of(modes%beta_squared, c, length, view%course%frequency)
+          call odd%advance(view%drive, level, slope, tone, q, v)
+          tail%steps = tail%steps + 1
+        end if
+      end if
+      now = time
+      knot = next_knot(view%course, now%hi)
+      if (knot - now%hi > same*now%hi) return
+      now = to_dd(knot)                             ! at once, which rounding has made two instants
+      knot = next_knot(view%course, now%hi)
+    end subroutine step_to
+
+    subroutine keep_sample(sample)
+      !! The state at a sample: of displacements, velocities and accelerations, and of the loads.
+      integer, intent(in) :: sample
+      integer :: l
+      if (held == 0) first = sample
+      held = held + 1
+      call loads_at(now)
+      do l = 1, size(level)
+        associate (w => view%course(l)%frequency)
+          load(l, held, :) = [level(l) + real(tone(l)), slope(l) - w*aimag(tone(l)), -w**2*real(tone(l))]
+        end associate
+      end do
+      state(:, held, 0) = q
+      state(:, held, 1) = v
+      if (any(view%order == 2)) state(:, held, 2) = matmul(view%drive, load(:, held, 0)) - c*v - modes%beta_squared%hi*q
+      if (held == at_once) call flush()
+    end subroutine keep_sample
+
+    subroutine flush()
+      !! Put the samples that are held into the histories, and their last octaves into the tail.
+      if (held == 0) return
+      call put_samples(modes, view, state(:, :held, :), load(:, :held, :), history(first:first + held - 1, :), tail)
+      held = 0
+    end subroutine flush
+  end subroutine sum_loaded_modes
+
+  pure subroutine put_samples(modes, view, state, load, history, tail)
+    !! Sums of some samples.
+    class(mode_set), intent(in) :: modes
+    type(load_view), intent(in) :: view
+    real(dp), intent(in) :: state(:, :, 0:), load(:, :, 0:)   !! (modes or loads, samples, orders)
+    real(dp), intent(inout) :: history(:, :)
+    type(load_tail), intent(inout) :: tail
+    real(dp) :: lag(size(state, 1), size(state, 2)), soft(size(state, 1), size(view%course))
+    real(dp), allocatable :: octave(:, :)
+    integer, allocatable :: columns(:)
+    integer :: b, ends(3), i, k, n, o
+    n = view%summed
+    ends = octave_ends(n, modes%count)
+    soft = view%drive                               ! what loads move at once
+    do k = 1, size(soft, 1)
+      associate (square => modes%beta_squared(k)%hi)
+        soft(k, :) = soft(k, :)/merge(square, huge(square), square > 1.0_dp)
+      end associate
+    end do
+    do o = 0, orders
+      columns = pack([(i, i=1, size(view%order))], view%order == o)
+      if (size(columns) == 0) cycle
+      history(:, columns) = history(:, columns) + matmul(transpose(state(:n, :, o)), view%weight(:n, columns)) &
+        + matmul(transpose(load(:, :, o)), view%residual(:, columns))
+      tail%amplitude(:, o) = max(tail%amplitude(:, o), maxval(abs(state(:, :, o)), 2))
+      lag = state(:, :, o) - matmul(soft, load(:, :, o))
+      do b = 1, 2
+        associate (first => ends(b) + 1, last => ends(b + 1))
+          octave = matmul(transpose(lag(first:last, :)), view%weight(first:last, columns))
+          tail%largest(columns, b) = max(tail%largest(columns, b), maxval(abs(octave), 1))
+          tail%squares(columns, b) = tail%squares(columns, b) + sum(octave**2, 1)
+        end associate
+      end do
+    end do
+  end subroutine put_samples
+
+  pure function octave_ends(summed, count) result(ends)
+    !! The octaves of modes are those after the first and after the second of these: the last that is summed and that after it, or the
+    !! last two that are summed where hardly more are known.
+    integer, intent(in) :: summed, count
+    integer :: ends(3)
+    ends = [summed/2, summed, count]
+    if (.not. sees_beyond(summed, count)) ends = [summed/4, summed/2, summed]
+  end function octave_ends
+
+  pure logical function sees_beyond(summed, count)
+    !! So many more modes are known as are summed.
+    integer, intent(in) :: summed, count
+    sees_beyond = 2*count >= 3*summed
+  end function sees_beyond
+
+  pure real(dp) function next_knot(course, time) result(knot)
+    !! The first knot of any load after a time.
+    type(load_course), intent(in) :: course(:)
+    real(dp), intent(in) :: time
+    integer :: i, l
+    knot = huge(knot)
+    do l = 1, size(course)
+      i = interval_at(course(l), time) + 1
+      if (i <= size(course(l)%knot)) knot = min(knot, course(l)%knot(i))
+    end do
+  end function next_knot
+
+  pure function tail_error(view, tail, columns) result(error)
+    !! An estimate of what is missing of infinitely many modes in columns of one quantity. With ρ the ratio of two octaves the octave that
+    !! is missing is the first term of a geometric series; where it is not known, it is ρ times that before it.
+    type(load_view), intent(in) :: view
+    type(load_tail), intent(in) :: tail
+    integer, intent(in) :: columns(:)
+    real(dp) :: error(size(columns))
+    real(dp), parameter :: least = 0.02_dp, most = 0.9_dp, margin = 2.0_dp   ! tuned
+    real(dp) :: ratio
+    ratio = most
+    associate (squares => sum(tail%squares(columns, :), 1))
+      if (squares(1) > 0.0_dp) ratio = min(most, max(least, sqrt(squares(2)/squares(1))))
+    end associate
+    error = margin/(1.0_dp - ratio)*max(tail%largest(columns, 2), ratio*tail%largest(columns, 1))
+    if (.not. sees_beyond(view%summed, size(view%drive, 1))) error = 2.0_dp*max(ratio, 0.1_dp)*error
+  end function tail_error
+
+  pure function rounding_of(modes, view, tail, duration, largest) result(error)
+    !! What rounding of steps, of the modes' frequencies and of their masses leaves, and of what is added at once, (columns).
+    class(mode_set), intent(in) :: modes
+    type(load_view), intent(in) :: view
+    type(load_tail), intent(in) :: tail
+    real(dp), intent(in) :: duration                !! of the record, l²/h
+    real(dp), intent(in) :: largest(:)              !! of the quantity of each column at any point
+    real(dp) :: error(size(view%order))
+    real(dp), parameter :: static_rounding = 32.0_dp*epsilon(1.0_dp)   ! of a difference between what all modes add and these
+    real(dp), dimension(modes%count) :: square_error, mass_error, part
+    integer :: i
+    call modes%number_errors(square_error, mass_error)
+    part = epsilon(1.0_dp)*tail%steps + mass_error + 0.5_dp*duration*square_error/sqrt(max(abs(modes%beta_squared%hi), 1.0_dp))
+    do i = 1, size(error)
+      error(i) = static_rounding*largest(i) + sum(abs(view%weight(:, i))*tail%amplitude(:, view%order(i))*part)
+    end do
+  end function rounding_of
+
+end module bw_load_sum

@@ -1,0 +1,77 @@
+module bw_force_par
+  !! `&force`: a force that acts at a place of the beam for some time.
+  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, positive, real_input, text_input, &
+    unit_interval
+  use bw_input_values, only: group_values, positions_of
+  use bw_kinds, only: dp
+  use bw_load_par, only: build_load, load_par, load_text, shape_words
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: build_force, forces_text
+
+  type, extends(load_par), public :: force_par
+    real(dp) :: position = 1.0_dp                 !! ξ where it acts
+  end type force_par
+
+  type(input_group), parameter, public :: force_group = input_group( &
+    'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact contact hub', &
+    absent='no force acts', &
+    rules='One group for each force. The beam is at rest until it acts, unless something strikes it. A half sine, a haversine '// &
+    '(1 - cos)/2 and a triangle begin and end at 0 and are `amplitude` in the middle; a rectangle is `amplitude` all the '// &
+    'time; a sine begins at 0 with the `frequency`. With shape = ''file'' the force is read as `&record` reads histories, '// &
+    'linear between its samples, 0 before and after them. Motions are exact at any time, with what all modes that are not '// &
+    'summed add at once. A sweep names a force by its number in the scene, as `force(2)%amplitude`.')
+
+  type(input_name), parameter, public :: force_names(*) = [ &
+    input_name('force', 'position', real_input, '1', unit_interval, '1', swept=.true., &
+               meaning='place of the force: x/l'), &
+    input_name('force', 'shape', text_input, default="'half_sine'", words=shape_words, &
+               meaning='how the force varies in time; file: as measured'), &
+    input_name('force', 'amplitude', real_input, 'N', any_number, swept=.true., &
+               meaning='largest value, positive as displacement is'), &
+    input_name('force', 'start', real_input, 's', any_number, '0', swept=.true., &
+               meaning='when it begins; added to a file''s times'), &
+    input_name('force', 'duration', real_input, 's', positive, swept=.true., &
+               meaning='of pulse or tone; absent: to the end'), &
+    input_name('force', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='of a sine'), &
+    input_name('force', 'file', text_input, '', meaning='that holds what was measured'), &
+    input_name('force', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
+               meaning='column of the times'), &
+    input_name('force', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
+               meaning='seconds in a unit of times; else by the file'), &
+    input_name('force', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
+               meaning='samples in a second, the first at time 0'), &
+    input_name('force', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
+               meaning='its column; absent: the only one beside time'), &
+    input_name('force', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to N; else by the file''s unit')]
+
+contains
+
+  pure type(force_par) function build_force(values) result(force)
+    !! From checked values.
+    type(group_values), intent(in) :: values
+    force%load_par = build_load(values)
+    force%position = values%number('position')
+  end function build_force
+
+  pure function forces_text(groups) result(text)
+    !! What a report calls them: `force at xi = 1 (half sine of 100 N for 0.001 s)`, or of many how many there are.
+    type(group_values), intent(in) :: groups(:)   !! of a scene with at least one
+    character(:), allocatable :: text
+    integer, parameter :: most = 3
+    integer, allocatable :: forces(:)
+    integer :: f
+    forces = positions_of(groups, 'force')
+    text = text_of(size(forces))//' forces'
+    if (size(forces) > most) return
+    text = ''
+    do f = 1, size(forces)
+      associate (values => groups(forces(f)))
+        text = text//', force at xi = '//values%number_or_swept('position', '')//' ('//load_text(values, ' N')//')'
+      end associate
+    end do
+    text = text(3:)
+  end function forces_text
+
+end module bw_force_par

@@ -1,0 +1,274 @@
+"""Forces and motions of the base: closed sums, published figures, limits, balances and each other."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from workplace import PAPER_BEAM, example
+
+from conftest import PROJECT
+
+QUANTITIES = ("displacement", "velocity", "acceleration", "bending_moment", "shear_force")
+EVERYTHING = dict.fromkeys(QUANTITIES[1:], True)
+HALF_SINE = {"amplitude": 100.0, "duration": 1e-3}
+PLACES = {"duration": 0.05, "samples": 4096, "points": [0.0, 0.5, 1.0], **EVERYTHING}
+BENDING = 2e11 * np.pi * 0.037**4 / 64
+MASS = 7870 * np.pi * 0.037**2 / 4
+DEEP = {  # NAFEMS, Selected benchmarks for forced vibration (1989), test 5: a deep beam between pins, 1e6 N/m along it
+    "beam": {"length": 10.0, "density": 8000.0, "youngs_modulus": 2e11, "width": 2.0, "height": 2.0},
+    "support": {"rotational_stiffness": 0.0},
+    "tip_support": {"rotational_stiffness": 0.0},
+    "shear": {"poisson_ratio": 0.3, "shear_coefficient": 0.8497},
+    "damping": {"ratio": 0.02},
+}
+ALONG = -1e6 / (8000 * 4)  # m/s²
+
+
+def run(here, name, groups, status=0, **response):
+    """A scene of the paper's beam, or of its own."""
+    here.scene(name, {"beam": dict(PAPER_BEAM), "response": {**PLACES, **response}, **groups})
+    ended = here.beamwave("run", f"{name}.nml")
+    assert ended.returncode == status, ended.stderr
+    with xr.open_dataset(here.directory / f"output/{name}.nc") as ds:
+        return ds.load()
+
+
+def part_between(one, other, quantity):
+    """The largest difference of two histories over the peak."""
+    return float(np.abs(one[quantity] - other[quantity]).max() / np.abs(other[quantity]).max())
+
+
+def test_a_half_sine_moves_the_paper_beam_as_its_closed_sum(here):
+    reference = np.genfromtxt(PROJECT / "tests/reference/half_sine_responses.txt", skip_header=2, names=True)
+    ds = run(here, "half_sine", {"force": HALF_SINE, "modes": {"before": 40}})
+    at = {"point": xr.DataArray((2 * reference["xi"]).astype(int)), "time": xr.DataArray(reference["sample"].astype(int))}
+    for name in QUANTITIES:
+        history = ds[name]
+        assert np.abs(history.isel(at) - reference[name]).max() <= 1e-12 * np.abs(history).max(), name
+    assert float(ds["force_impulse"][0]) == pytest.approx(100 * 1e-3 * 2 / np.pi, rel=1e-14)
+    assert float(ds["force_largest"][0]) == 100.0
+
+
+def test_a_deep_beam_between_pins_gives_the_published_figures(here):
+    step = {"base": {"shape": "rectangle", "amplitude": ALONG}, "modes": {"before": 64}}
+    ds = run(here, "step", {**DEEP, **step}, duration=0.5, samples=8192, points=[0.5], acceleration=False, shear_force=False)
+    middle = ds["displacement"].isel(point=0)
+    assert float(middle.max()) == pytest.approx(1.043e-3, rel=0.01)
+    assert float(middle.idxmax()) == pytest.approx(0.0117, rel=0.01)
+    tone = {"base": {"shape": "sine", "frequency": 42.65, "amplitude": ALONG}, "modes": {"before": 64}}
+    ds = run(here, "tone", {**DEEP, **tone}, duration=2.0, samples=16384, points=[0.5])
+    assert float(np.abs(ds["displacement"]).isel(time=slice(-1024, None)).max()) == pytest.approx(13.45e-3, rel=0.01)
+    assert float(ds["angular_frequency"][0]) / (2 * np.pi) == pytest.approx(42.65, rel=0.01)
+
+
+def test_a_tolerance_is_kept_and_few_modes_differ_from_many_by_no_more_than_is_said(here):
+    asked = {"acceleration": False, "shear_force": False}
+    fine = run(here, "fine", {"force": HALF_SINE, "modes": {"tolerance": 1e-7}}, **asked)
+    many = run(here, "many", {"force": HALF_SINE, "modes": {"before": 2048}})
+    for name in ("displacement", "velocity", "bending_moment"):
+        assert part_between(fine, many, name) <= 1e-7, name
+        assert float(fine[f"{name}_error"].max()) <= 1e-7 * float(np.abs(many[name]).max()), name
+    few = run(here, "few", {"force": HALF_SINE, "modes": {"before": 16}})
+    for name in QUANTITIES:
+        error = np.abs(few[name] - many[name]).max("time")
+        assert (error <= few[f"{name}_error"] + many[f"{name}_error"]).all(), name
+    assert (np.abs(few["displacement"] - many["displacement"]).max("time") <= few["displacement_bound"]).all()
+
+
+@pytest.mark.parametrize(
+    "groups",
+    [
+        {"rotation": {"angular_velocity": 1e-6}, "stiffening": {}},
+        {"beam": {**PAPER_BEAM, "length": [0.3, 0.7]}},
+        {"support": {"stiffness": 1e13, "rotational_stiffness": 1e11}},
+    ],
+    ids=["galerkin", "pieces", "support"],
+)
+@pytest.mark.parametrize("load", [{"force": {**HALF_SINE, "position": 0.8}}, {"base": {"shape": "triangle", "amplitude": 9.0, "duration": 3e-3}}])
+def test_other_ways_to_the_same_modes_give_the_same_motion(here, groups, load):
+    # such a root lowers frequencies by some 2e-7, and mode 12 turns 3000 times a radian
+    one = run(here, "one", {**load, "modes": {"before": 12}})
+    other = run(here, "other", {**load, **groups, "modes": {"before": 12}})
+    for name in QUANTITIES:
+        assert part_between(other, one, name) <= (1e-3 if "support" in groups else 1e-8), name
+
+
+def test_what_moves_slowly_follows_its_load_statically(here):
+    """A haversine of 20 s: deflection, moment and shear force of a cantilever, as formulas have them, with a body's weight."""
+    slow = {"shape": "haversine", "duration": 20.0}
+    asked = {"duration": 20.0, "samples": 3, "points": [0.0, 0.4, 1.0]}
+    xi = np.array(asked["points"])
+    modes = {"modes": {"before": 10}}
+    sample = 1  # 6.67 s, where it is 3/4
+    ds = run(here, "force", {"force": {**slow, "amplitude": 40.0, "position": 1.0}, **modes}, **asked).isel(time=sample)
+    assert ds["displacement"].values == pytest.approx(30 * xi**2 * (3 - xi) / (6 * BENDING), rel=1e-5)
+    assert ds["bending_moment"].values == pytest.approx(30 * (1 - xi), rel=1e-5, abs=1e-6)
+    assert ds["shear_force"].values == pytest.approx([30.0, 30.0, 30.0], rel=1e-5)
+    body = {"body": {"position": 1.0, "mass": 2.0}}
+    ds = run(here, "base", {"base": {**slow, "amplitude": -4.0}, **body, **modes}, **asked).isel(time=sample)
+    assert ds["shear_force"].values == pytest.approx(3 * (MASS * (1 - xi) + 2.0), rel=1e-5)
+    assert ds["bending_moment"].values == pytest.approx(3 * (MASS * (1 - xi) ** 2 / 2 + 2 * (1 - xi)), rel=1e-5, abs=1e-5)
+    assert ds["displacement"].values == pytest.approx(
+        3 * (MASS * xi**2 * (6 - 4 * xi + xi**2) / (24 * BENDING) + 2 * xi**2 * (3 - xi) / (6 * BENDING)), rel=1e-5
+    )
+
+
+def test_the_root_holds_what_the_beam_does_not_take(here):
+    """Momentum: the impulses of the base's and the root's forces are what beam and body move with, here at many points."""
+    points = np.linspace(0, 1, 401)
+    groups = {"base": {"shape": "half_sine", "amplitude": 50.0, "duration": 2e-3}, "body": {"position": 1.0, "mass": 3.0}}
+    ds = run(here, "momentum", {**groups, "modes": {"before": 60}}, duration=4e-3, samples=4096, points=points.tolist())
+    velocity = ds["velocity"].values
+    weights = np.full(401, 1 / 400.0)
+    weights[[0, -1]] /= 2
+    momentum = MASS * weights @ velocity + 3.0 * velocity[-1]
+    times = ds["time"].values
+    base = np.where(times < 2e-3, 50 * np.sin(np.pi * times / 2e-3), 0)
+    force = -(MASS + 3.0) * base - ds["shear_force"].isel(point=0).values
+    impulse = np.concatenate([[0], np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(times))])
+    assert np.abs(momentum - impulse).max() <= 1e-4 * np.abs(momentum).max()  # of the trapezoids
+
+
+def test_loads_add_up_with_each_other_and_with_a_blow(here):
+    modes = {"modes": {"before": 16, "after": 16}}
+    force = {"shape": "triangle", "amplitude": 80.0, "duration": 2e-3, "position": 0.6}
+    base = {"shape": "sine", "amplitude": 5.0, "frequency": 300.0, "start": 1e-3}
+    blow = {"impact": {"mass_ratio": 0.1}, "capture": {}}
+    plain = {"acceleration": False, "shear_force": False}
+    body = {"body": {"position": 1.0, "mass_ratio": 0.1}}
+    alone = [run(here, f"alone{i}", {**groups, **modes}, **plain) for i, groups in enumerate([{"force": force, **body}, {"base": base, **body}, blow])]
+    together = run(here, "together", {"force": force, "base": base, **blow, **modes}, **plain)
+    for name in ("displacement", "velocity", "bending_moment"):
+        total = sum(ds[name] for ds in alone)
+        assert float(np.abs(together[name] - total).max()) <= 1e-11 * float(np.abs(total).max()), name
+    assert "force_impulse" in together and list(together["event_kind"].values) == [1, 2]
+
+
+def test_a_force_from_a_file_is_read_in_its_own_units_and_times(here):
+    """A triangle, as a logger has it in kN and ms, with a pretrigger, and as bare numbers; neither fits the samples of the histories."""
+    times = np.arange(-40, 200) * 2e-5
+    triangle = np.clip(1 - np.abs(times / 1e-3 - 1), 0, None) * 70
+    rows = "\n".join(f"{1e3 * t:.6f};{f / 1e3:.12g};{i}" for i, (t, f) in enumerate(zip(times, triangle)))
+    here.write("hammer.csv", f"time [ms];force [kN];count\n{rows}\n")
+    here.write("bare.txt", "\n".join(f"{f:.12g}" for f in triangle) + "\n")
+    modes = {"modes": {"before": 12}}
+    shape = run(here, "shape", {"force": {"shape": "triangle", "amplitude": 70.0, "duration": 2e-3, "position": 0.5}, **modes})
+    measured = {"shape": "file", "position": 0.5}
+    named = run(here, "named", {"force": {**measured, "file": "hammer.csv", "column": "force"}, **modes})
+    bare = run(here, "bare", {"force": {**measured, "file": "bare.txt", "sample_rate": 5e4, "start": -8e-4}, **modes})
+    for name in QUANTITIES:
+        assert part_between(named, shape, name) <= 1e-10 and part_between(bare, shape, name) <= 1e-10, name
+    assert float(named["force_impulse"][0]) == pytest.approx(0.07, rel=1e-9)
+
+
+def test_a_force_from_a_result_of_beamwave_is_read(here):
+    """The acceleration of one beam's tip shakes another beam: a NetCDF file, a column by its name."""
+    run(here, "shaker", {"force": HALF_SINE, "modes": {"before": 8}}, samples=512)
+    groups = {"base": {"shape": "file", "file": "output/shaker.nc", "column": "acceleration(3)"}, "modes": {"before": 8}}
+    here.scene("shaken", {"beam": dict(PAPER_BEAM), "response": {"duration": 0.05, "samples": 256}, **groups})
+    ended = here.beamwave("run", "shaken.nml")
+    assert ended.returncode == 0, ended.stderr
+    with xr.open_dataset(here.directory / "output/shaker.nc") as shaker, xr.open_dataset(here.directory / "output/shaken.nc") as shaken:
+        assert float(shaken["base_largest"][0]) == float(np.abs(shaker["acceleration"][2]).max())
+
+
+def test_a_file_that_has_changed_is_another_scene(here):
+    here.write("pulse.csv", "time,force\n0,0\n0.001,5\n0.002,0\n")
+    here.scene("pulse", {"beam": dict(PAPER_BEAM), "force": {"shape": "file", "file": "pulse.csv"}, "response": {"duration": 0.01, "samples": 64}})
+    assert here.beamwave("run", "pulse.nml").returncode == 0
+    assert "nothing to do" in here.beamwave("run", "pulse.nml").stdout
+    here.write("pulse.csv", "time,force\n0,0\n0.001,6\n0.002,0\n")
+    again = here.beamwave("run", "pulse.nml")
+    assert again.returncode == 3 and "--overwrite" in again.stderr
+
+
+def test_waves_are_measured_after_the_load(here):
+    ds = run(here, "hammer", example("force"))
+    free = ds["angular_frequency"].values[:6]
+    for beta in free:
+        peak = int(np.abs(ds["measured_angular_frequency"] - beta).argmin("peak"))
+        assert abs(float(ds["measured_angular_frequency"][peak]) - beta) <= float(ds["measured_angular_frequency_error"][peak])
+    driven = run(here, "driven", {"force": {"shape": "sine", "frequency": 30.0, "amplitude": 1.0}, "spectrum": {}}, samples=512)
+    assert int(driven["peak_count"]) == 0 and "no sample comes after" in driven.attrs["notes"]
+
+
+def test_a_rectangle_has_no_acceleration_and_a_slow_tolerance_for_shear(here):
+    step = {"force": {"shape": "rectangle", "amplitude": 10.0, "position": 0.5}}
+    ds = run(here, "step", {**step, "modes": {"before": 64}}, acceleration=False)
+    wide = run(here, "wide", {**step, "modes": {"before": 512}}, acceleration=False)
+    for name in ("displacement", "velocity", "bending_moment"):
+        assert (np.abs(ds[name] - wide[name]).max("time") <= ds[f"{name}_error"] + wide[f"{name}_error"]).all(), name
+
+
+def test_a_growing_mode_is_driven_too(here):
+    """Above the critical speed: until numbers run out, and as the closed form of one mode grows."""
+    groups = {"rotation": {"angular_velocity": 400.0}, "force": {"shape": "rectangle", "amplitude": 1.0, "duration": 0.01}}
+    ds = run(here, "grows", {**groups, "modes": {"before": 8}}, acceleration=False, duration=0.05)
+    beta, tip, mass = float(ds["growth_rate"][0]), 2.0, float(ds["modal_mass"][0])
+    late = ds.isel(time=-1)
+    grown = tip**2 / mass / beta**2 * (np.cosh(beta * float(late["time"])) - np.cosh(beta * (float(late["time"]) - 0.01)))
+    assert float(late["displacement"].isel(point=2)) == pytest.approx(grown, rel=1e-3)
+    long = run(here, "overflows", {**groups, "modes": {"before": 8}}, status=4, acceleration=False, duration=5.0, samples=128)
+    assert int(long["case_status"]) == 1 and "overflow" in long.attrs["notes"]
+
+
+@pytest.mark.parametrize(
+    "groups, words",
+    [
+        ({"force": {"duration": 1e-3}}, "force%amplitude: is missing"),
+        ({"force": {"shape": "sine", "amplitude": 1.0}}, "force%frequency: is missing"),
+        ({"force": {"amplitude": 1.0, "frequency": 3.0}}, "force%frequency: has no meaning"),
+        ({"force": {"shape": "file", "amplitude": 1.0, "file": "a.csv"}}, "force%amplitude: has no meaning"),
+        ({"force": {"shape": "square", "amplitude": 1.0}}, "force%shape"),
+        ({"force": {"amplitude": 1.0, "start": 1.0}}, "when the histories have ended"),
+        ({"force": {"amplitude": 1.0, "position": 1.5}}, "force%position"),
+        ({"force": {"shape": "rectangle", "amplitude": 1.0}}, "response%acceleration: has no limit"),
+        ({"force": {"shape": "sine", "amplitude": 1.0, "frequency": 100.0, "duration": 0.0123}}, "response%acceleration: has no limit"),
+        ({"impact": {"mass_ratio": 0.1}, "modes": {"before": 5}}, "&contact makes the blow last"),
+        ({"base": HALF_SINE, "hub": {"rotary_inertia": 1.0}}, "&base: excludes &hub"),
+        ({"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}}, "&force: excludes &contact"),
+        ({}, "needs &impact, &force or &base"),
+    ],
+)
+def test_what_has_no_meaning_is_refused_with_its_place(here, groups, words):
+    here.scene("bad", {"beam": dict(PAPER_BEAM), **groups, "response": dict(PLACES)})
+    ended = here.beamwave("run", "bad.nml")
+    assert ended.returncode == 2 and words in ended.stderr, ended.stderr
+    assert all(line.startswith("bad.nml:") for line in ended.stderr.splitlines())
+
+
+@pytest.mark.parametrize(
+    "text, names, status, words",
+    [
+        ("time,force\n0,1\n0.001,0\n", {}, 2, "begins or ends at once, with 1 N"),
+        ("time,force,second\n0,0,0\n0.001,0,0\n", {}, 2, "a.csv has 2 columns"),
+        ("time,force\n0,0\n0.001,0\n", {"column": "Force"}, 2, "force%column"),
+        ("1\n2\n", {}, 2, "force%time: no such column"),
+        ("time,force\n0,0\n", {}, 2, "fewer than two samples"),
+        ("time,force\n0,0\n0.002,1\n0.001,0\n", {}, 3, "does not rise"),
+        ("time [s],force [K]\n0,0\n0.002,1\n0.003,0\n", {}, 2, "force%scale: is missing"),
+        (None, {}, 3, "a.csv: cannot be read"),
+    ],
+)
+def test_a_file_without_a_force_is_refused_before_any_work(here, text, names, status, words):
+    if text is not None:
+        here.write("a.csv", text)
+    here.scene("bad", {"beam": dict(PAPER_BEAM), "force": {"shape": "file", "file": "a.csv", **names}, "response": dict(PLACES)})
+    for command in ("check", "run"):
+        ended = here.beamwave(command, "bad.nml")
+        assert ended.returncode == status and words in ended.stderr, ended.stderr
+    assert not list(here.directory.glob("output/bad*"))
+
+
+def test_cases_of_a_sweep_are_its_scenes(here):
+    here.write("pulse.csv", "time,force\n0,0\n0.001,5\n0.002,0\n")
+    for name, force, parameter, values in [
+        ("scale", {"shape": "file", "file": "pulse.csv", "scale": 2.0}, "force%scale", [1.0, 2.0]),
+        ("length", {"amplitude": 3.0, "duration": 1e-3}, "force%duration", [1e-3, 4e-3]),
+    ]:
+        here.scene(name, {"beam": dict(PAPER_BEAM), "force": force, "response": {"duration": 0.01, "samples": 64}}, {"parameter": parameter, "values": values})
+        ended = here.beamwave("run", f"{name}.nml")
+        assert ended.returncode == 0, ended.stderr
+        with xr.open_dataset(here.directory / f"output/{name}.nc") as swept:
+            for case, value in enumerate(values):
+                one = run(here, f"{name}{case}", {"force": {**force, parameter.split("%")[1]: value}, "response": {"duration": 0.01, "samples": 64}})
+                assert np.array_equal(swept["displacement"][case], one["displacement"])
