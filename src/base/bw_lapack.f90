@@ -5,7 +5,7 @@ module bw_lapack
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: ddot, dgbsv, dgemm, dgesv, dtrsm
+  public :: ddot, dgbsvx, dgemm, dgesv, dtrsm
   public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgbsv, zgeev, zgesv, &
     & zgesvd
 
@@ -105,14 +105,19 @@ module bw_lapack
       integer, intent(out) :: ipiv(*), info
     end subroutine dgesv
 
-    pure subroutine dgbsv(n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
-      !! The same of a band matrix with kl diagonals below the main one and ku above it: A(i, j) is ab(kl + ku + 1 + i − j, j).
+    pure subroutine dgbsvx(fact, trans, n, kl, ku, nrhs, ab, ldab, afb, ldafb, ipiv, equed, r, c, b, ldb, x, ldx, rcond, &
+                           ferr, berr, work, iwork, info)
+      !! Solve a banded system, equilibrated, with iterative refinement.
       import :: dp
       implicit none (type, external)
-      integer, intent(in) :: n, kl, ku, nrhs, ldab, ldb
-      real(dp), intent(inout) :: ab(ldab, *), b(ldb, *)
-      integer, intent(out) :: ipiv(*), info
-    end subroutine dgbsv
+      character, intent(in) :: fact, trans
+      integer, intent(in) :: n, kl, ku, nrhs, ldab, ldafb, ldb, ldx
+      real(dp), intent(inout) :: ab(ldab, *), afb(ldafb, *), r(*), c(*), b(ldb, *)
+      real(dp), intent(out) :: x(ldx, *), rcond, ferr(*), berr(*), work(*)
+      integer, intent(inout) :: ipiv(*)
+      character, intent(inout) :: equed
+      integer, intent(out) :: iwork(*), info
+    end subroutine dgbsvx
 
     subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
       !! A = QR by Householder reflections.

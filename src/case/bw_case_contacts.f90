@@ -8,6 +8,7 @@ module bw_case_contacts
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
   use bw_constants, only: pi
+  use bw_contact_rates, only: add_rates
   use bw_event, only: capture_event, event_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
@@ -76,6 +77,7 @@ contains
     run%status = max(histories%status, none%status)
     call move_alloc(histories%response, run%response)
     call move_alloc(histories%notes, run%notes)
+    call add_rates(scene, motion, demand%modes, monitor, run%response)
   end subroutine follow_run
 
   subroutine find_contacts(scene, motion, demand, monitor, contacts)

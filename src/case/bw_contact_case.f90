@@ -244,6 +244,8 @@ contains
       call move_alloc(errors%displacement, result%response%displacement_error)
       call move_alloc(errors%velocity, result%response%velocity_error)
       call move_alloc(errors%bending_moment, result%response%bending_moment_error)
+      call move_alloc(errors%acceleration, result%response%acceleration_error)
+      call move_alloc(errors%shear_force, result%response%shear_force_error)
     end if
     call move_alloc(spectrum%amplitude, result%amplitude)
     call move_alloc(spectrum%measured, result%measured)

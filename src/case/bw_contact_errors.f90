@@ -29,6 +29,10 @@ contains
       if (allocated(response%velocity)) errors%velocity = error_of(response%velocity, beside%velocity, further%velocity, left)
       if (allocated(response%bending_moment)) errors%bending_moment = &
         error_of(response%bending_moment, beside%bending_moment, further%bending_moment, left)
+      if (allocated(response%acceleration)) errors%acceleration = &
+        error_of(response%acceleration, beside%acceleration, further%acceleration, left)
+      if (allocated(response%shear_force)) errors%shear_force = &
+        error_of(response%shear_force, beside%shear_force, further%shear_force, left)
     end associate
   end subroutine find_history_errors
 
@@ -114,6 +118,8 @@ contains
     end associate
     if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
       + drift_errors(scene, motion, deflections, .true.)
+    if (allocated(errors%acceleration)) errors%acceleration = errors%acceleration + response%acceleration_error
+    if (allocated(errors%shear_force)) errors%shear_force = errors%shear_force + response%shear_force_error
   end subroutine add_rounding
 
   pure real(dp) function part_of_peak(response, errors) result(part)
@@ -127,6 +133,8 @@ contains
     call look(response%displacement, errors%displacement)
     if (allocated(response%velocity)) call look(response%velocity, errors%velocity)
     if (allocated(response%bending_moment)) call look(response%bending_moment, errors%bending_moment)
+    if (allocated(response%acceleration)) call look(response%acceleration, errors%acceleration)
+    if (allocated(response%shear_force)) call look(response%shear_force, errors%shear_force)
   contains
     pure subroutine look(history, error)
       real(dp), intent(in) :: history(:, :), error(:)

@@ -9,7 +9,7 @@ module bw_static_shape
   use bw_double_double, only: dd
   use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_lapack, only: dgbsv, dgesv
+  use bw_lapack, only: dgbsvx, dgesv
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
   use bw_piece_beam, only: joint_position
   use bw_varying_beam, only: value_of, varying_beam
@@ -88,12 +88,11 @@ contains
     type(beam_part), allocatable :: parts(:)
     integer :: end_of(size(xi) + size(place))     ! the part that ends at each point; 0: the root
     real(dp), allocatable :: matrix(:, :), right(:, :)
-    integer, allocatable :: pivot(:)
     real(dp) :: lambda
-    integer :: f, i, info, n, p
+    integer :: f, i, n, p
     call cut_parts(given, shift, [xi, place], parts, end_of)
     n = 8*size(parts)                             ! the states at the start and at the end of each part
-    allocate (matrix(3*band + 1, n), right(n, size(shape, 3)), pivot(n))
+    allocate (matrix(2*band + 1, n), right(n, size(shape, 3)))
     lambda = inertia_of(given, shift)
     call join_parts(given, shift, parts, matrix)
     right = 0.0_dp
@@ -103,14 +102,30 @@ contains
       if (end_of(size(xi) + f) == 0 .and. given%beam%root%holds_deflection) right(:, f) = 0.0_dp
     end do
     if (accelerated) call displace_ends(given, parts, 1.0_dp/lambda, right(:, size(shape, 3)))
-    call dgbsv(n, band, band, size(right, 2), matrix, 3*band + 1, pivot, right, n, info)
-    if (info /= 0) right = 0.0_dp                 ! no beam that is held by its inertia has such equations
+    call solve(matrix, right)
     do p = 1, size(xi)
       i = max(0, 8*end_of(p) - 4)
       shape(p, :, :) = right(i + [1, 3, 4], :)
     end do
     if (accelerated) shape(:, deflection, size(shape, 3)) = shape(:, deflection, size(shape, 3)) - 1.0_dp/lambda
   end function static_shapes
+
+  pure subroutine solve(matrix, right)
+    !! Solve the equations of all states, whose unknowns and rows are of very different sizes where s is large.
+    real(dp), intent(inout) :: matrix(:, :), right(:, :)    !! then the states
+    real(dp), allocatable :: factors(:, :), states(:, :)
+    real(dp), dimension(size(right, 1)) :: by_row, by_column
+    real(dp) :: work(3*size(right, 1)), forward(size(right, 2)), backward(size(right, 2)), condition
+    integer :: info, pivot(size(right, 1)), more(size(right, 1))
+    character :: scaled
+    associate (n => size(right, 1), m => size(right, 2))
+      allocate (factors(3*band + 1, n), states(n, m))
+      call dgbsvx('E', 'N', n, band, band, m, matrix, 2*band + 1, factors, 3*band + 1, pivot, scaled, by_row, by_column, right, n, &
+                  states, n, condition, forward, backward, work, more, info)
+      right(:, :) = states
+      if (info > 0 .and. info <= n) right = 0.0_dp   ! no beam that is held by its inertia has such equations
+    end associate
+  end subroutine solve
 
   pure real(dp) function inertia_of(given, shift) result(lambda)
     !! λ.
@@ -326,7 +341,7 @@ contains
     subroutine put(row, column, value)
       integer, intent(in) :: row, column
       real(dp), intent(in) :: value
-      matrix(2*band + 1 + row - column, column) = value
+      matrix(band + 1 + row - column, column) = value
     end subroutine put
     subroutine put_row(row, before, values)
       integer, intent(in) :: row, before          !! columns before the first

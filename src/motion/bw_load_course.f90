@@ -1,18 +1,19 @@
 module bw_load_course
-  !! How a load varies in time. Between two knots it is a + bτ + Re(c e^(iΩτ)), τ the time since the first of them; before the first knot
-  !! and from the last one on it is 0. Pulses and tones are exponentials, what is measured is linear between its samples.
+  !! How a load varies in time. Between two knots it is Σb_jx^j + Re(c e^(iΩτ)), x going from −1 to 1 and τ the time since the first of
+  !! them; before the first knot and from the last one on it is 0. Pulses and tones are exponentials, what is measured is linear between its
+  !! samples, and the force of a contact a polynomial in each step.
   !!
-  !! Times in l²/h, the load in N or m/s².
+  !! Times in l²/h, the load in N.
   use bw_constants, only: pi, two_pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: course_of_samples, course_of_shape, end_jump, impulse_of, interval_at, lag_bound, largest_load, rates_of, scaled_course
+  public :: course_of_samples, course_of_shape, degree_of, end_jump, impulse_of, interval_at, lag_bound, largest_load
+  public :: part_of_course, rates_of, scaled_course
 
   type, public :: load_course
-    real(dp), allocatable :: knot(:)               !! ascending, (0:intervals)
-    real(dp), allocatable :: constant(:)           !! a, (intervals)
-    real(dp), allocatable :: slope(:)              !! b, (intervals)
+    real(dp), allocatable :: knot(:)               !! ascending, (intervals + 1)
+    real(dp), allocatable :: power(:, :)           !! b_j, (0:degree, intervals), degree ≥ 1
     complex(dp), allocatable :: tone(:)            !! c, (intervals)
     real(dp) :: frequency = 0.0_dp                 !! Ω; 0: there is no tone
   end type load_course
@@ -26,30 +27,30 @@ contains
     real(dp), intent(in) :: start, duration        !! duration > 0
     real(dp), intent(in) :: frequency              !! of a sine, turns in a unit of time
     complex(dp), parameter :: sine = (0.0_dp, -1.0_dp)
+    real(dp) :: constant
+    constant = 0.0_dp
     course%knot = start + [0.0_dp, duration]
-    course%constant = [0.0_dp]
-    course%slope = [0.0_dp]
     course%tone = [(0.0_dp, 0.0_dp)]
     select case (shape)
     case ('half_sine')
       course%tone = amplitude*sine
       course%frequency = pi/duration
     case ('haversine')
-      course%constant = 0.5_dp*amplitude
+      constant = 0.5_dp*amplitude
       course%tone = -0.5_dp*amplitude
       course%frequency = two_pi/duration
     case ('triangle')
-      course%knot = start + duration*[0.0_dp, 0.5_dp, 1.0_dp]
-      course%constant = [0.0_dp, amplitude]
-      course%slope = [1.0_dp, -1.0_dp]*(2.0_dp*amplitude/duration)
-      course%tone = [(0.0_dp, 0.0_dp), (0.0_dp, 0.0_dp)]
+      course = course_of_samples(start + duration*[0.0_dp, 0.5_dp, 1.0_dp], amplitude*[0.0_dp, 1.0_dp, 0.0_dp])
+      return
     case ('sine')
       course%tone = amplitude*sine
       course%frequency = two_pi*frequency
     case default
-      course%constant = amplitude
+      constant = amplitude
     end select
-    call begin_rotation(course)
+    allocate (course%power(0:1, 1), source=0.0_dp)
+    course%power(0, 1) = constant
+    call begin_at_rest(course)
   end function course_of_shape
 
   pure type(load_course) function course_of_samples(times, values) result(course)
@@ -58,35 +59,43 @@ contains
     integer :: n
     n = size(times)
     course%knot = times
-    course%constant = values(:n - 1)
-    course%slope = (values(2:) - values(:n - 1))/(times(2:) - times(:n - 1))
+    allocate (course%power(0:1, n - 1))
+    course%power(0, :) = 0.5_dp*(values(2:) + values(:n - 1))
+    course%power(1, :) = 0.5_dp*(values(2:) - values(:n - 1))
     course%tone = spread((0.0_dp, 0.0_dp), 1, n - 1)
-    call begin_rotation(course)
+    call begin_at_rest(course)
   end function course_of_samples
 
-  pure subroutine begin_rotation(course)
-    !! Bounds of the knots from 0, and the part of a load that acts from t = 0 on: the beam is at rest until then.
+  pure subroutine begin_at_rest(course)
+    !! Leave out what lies before t = 0, until when the beam is at rest.
     type(load_course), intent(inout) :: course
-    real(dp) :: late
+    type(load_course) :: whole
     integer :: first, n
-    n = size(course%constant)
-    first = max(1, count(course%knot(:n) <= 0.0_dp))
-    late = max(0.0_dp, -course%knot(first))
-    course%knot = course%knot(first:)
-    course%constant = course%constant(first:)
-    course%slope = course%slope(first:)
-    course%tone = course%tone(first:)
-    course%knot(1) = max(0.0_dp, course%knot(1))
+    n = size(course%tone)
+    if (course%knot(1) >= 0.0_dp) return
+    whole = course
+    first = count(whole%knot(:n) <= 0.0_dp)
+    deallocate (course%power)
+    allocate (course%power(0:1, n - first + 1))
+    course%knot = whole%knot(first:)
+    course%tone = whole%tone(first:)
+    course%power(:, :) = whole%power(:, first:)
+    course%knot(1) = 0.0_dp
     if (course%knot(2) <= 0.0_dp) then             ! it is over by then
-      course%constant = 0.0_dp
-      course%slope = 0.0_dp
+      course%power = 0.0_dp
       course%tone = 0.0_dp
       course%knot(2) = 1.0_dp
     else
-      course%constant(1) = course%constant(1) + course%slope(1)*late
-      course%tone(1) = course%tone(1)*exp(cmplx(0.0_dp, course%frequency*late, dp))
+      call part_of_course(whole, first, 0.0_dp, course%knot(2), course%power(:, 1), course%tone(1))
     end if
-  end subroutine begin_rotation
+  end subroutine begin_at_rest
+
+  pure integer function degree_of(course) result(degree)
+    !! The largest of some loads.
+    type(load_course), intent(in) :: course(:)
+    integer :: l
+    degree = maxval([1, (ubound(course(l)%power, 1), l=1, size(course))])
+  end function degree_of
 
   pure integer function interval_at(course, time) result(i)
     !! Which interval a time is in, its start included; 0 before the first, one more than there are after the last.
@@ -105,31 +114,59 @@ contains
     end do
   end function interval_at
 
-  pure subroutine rates_of(course, i, time, level, slope, tone)
-    !! The load in an interval from a time on: a + bs + Re(c e^(iΩs)).
+  pure subroutine rates_of(course, i, time, power, tone)
+    !! The load in an interval from a time on: Σb_js^j + Re(c e^(iΩs)), s the time since then.
     type(load_course), intent(in) :: course
     integer, intent(in) :: i                       !! the interval
     real(dp), intent(in) :: time
-    real(dp), intent(out) :: level, slope
+    real(dp), intent(out) :: power(0:)             !! as many as the load has, or more
     complex(dp), intent(out) :: tone
-    level = 0.0_dp
-    slope = 0.0_dp
-    tone = 0.0_dp
-    if (i < 1 .or. i > size(course%constant)) return
-    associate (since => time - course%knot(i))
-      level = course%constant(i) + course%slope(i)*since
-      slope = course%slope(i)
-      if (course%frequency > 0.0_dp) tone = course%tone(i)*exp(cmplx(0.0_dp, course%frequency*since, dp))
-    end associate
+    call look_at(course, i, time, time, 1.0_dp, power, tone)
   end subroutine rates_of
+
+  pure subroutine part_of_course(course, i, from, to, power, tone)
+    !! The load in a part of an interval: Σb_jx^j + Re(c e^(iΩs)), x going from −1 to 1 in it, s the time since its start.
+    type(load_course), intent(in) :: course
+    integer, intent(in) :: i                       !! the interval
+    real(dp), intent(in) :: from, to
+    real(dp), intent(out) :: power(0:)             !! as many as the load has, or more
+    complex(dp), intent(out) :: tone
+    call look_at(course, i, from, 0.5_dp*(from + to), 0.5_dp*(to - from), power, tone)
+  end subroutine part_of_course
+
+  pure subroutine look_at(course, i, from, middle, unit, power, tone)
+    !! The polynomial in time since `middle`, in units of `unit`, and the tone from a time on.
+    type(load_course), intent(in) :: course
+    integer, intent(in) :: i
+    real(dp), intent(in) :: from, middle, unit
+    real(dp), intent(out) :: power(0:)
+    complex(dp), intent(out) :: tone
+    real(dp) :: half, away
+    integer :: degree, j, m
+    power = 0.0_dp
+    tone = 0.0_dp
+    if (i < 1 .or. i > size(course%tone)) return
+    degree = ubound(course%power, 1)
+    half = 0.5_dp*(course%knot(i + 1) - course%knot(i))
+    away = (middle - 0.5_dp*(course%knot(i + 1) + course%knot(i)))/half
+    power(:degree) = course%power(:, i)
+    do j = 0, degree - 1                           ! Horner's scheme, again and again
+      do m = degree - 1, j, -1
+        power(m) = power(m) + away*power(m + 1)
+      end do
+    end do
+    do j = 1, degree
+      power(j) = power(j)*(unit/half)**j
+    end do
+    if (course%frequency > 0.0_dp) tone = course%tone(i)*exp(cmplx(0.0_dp, course%frequency*(from - course%knot(i)), dp))
+  end subroutine look_at
 
   elemental type(load_course) function scaled_course(course, factor) result(scaled)
     !! So many times the load.
     type(load_course), intent(in) :: course
     real(dp), intent(in) :: factor
     scaled = course
-    scaled%constant = factor*course%constant
-    scaled%slope = factor*course%slope
+    scaled%power = factor*course%power
     scaled%tone = factor*course%tone
   end function scaled_course
 
@@ -137,11 +174,11 @@ contains
     !! The load's integral over time.
     type(load_course), intent(in) :: course
     complex(dp), parameter :: unit = (0.0_dp, 1.0_dp)
-    integer :: i
+    integer :: i, j
     impulse = 0.0_dp
-    do i = 1, size(course%constant)
+    do i = 1, size(course%tone)
       associate (length => course%knot(i + 1) - course%knot(i), w => course%frequency)
-        impulse = impulse + length*(course%constant(i) + 0.5_dp*length*course%slope(i))
+        impulse = impulse + length*sum([(course%power(j, i)/(j + 1), j=0, ubound(course%power, 1), 2)])
         if (w > 0.0_dp) impulse = impulse + real(course%tone(i)*(exp(unit*w*length) - 1.0_dp)/(unit*w))
       end associate
     end do
@@ -152,22 +189,19 @@ contains
     type(load_course), intent(in) :: course
     real(dp), intent(in) :: until                  !! the end of the record: what comes later is not seen
     integer :: n
-    n = size(course%constant)
+    n = size(course%tone)
     jump = 0.0_dp
-    if (course%knot(1) < until) jump = abs(course%constant(1))
-    if (course%knot(n + 1) < until) &
-      jump = max(jump, abs(course%constant(n) + course%slope(n)*(course%knot(n + 1) - course%knot(n))))
+    if (course%knot(1) < until) jump = abs(course%power(0, 1) - course%power(1, 1))
+    if (course%knot(n + 1) < until) jump = max(jump, abs(course%power(0, n) + course%power(1, n)))
   end function end_jump
 
   elemental real(dp) function largest_load(course) result(largest)
-    !! The largest magnitude, of a tone beside something else a bound of it.
+    !! The largest magnitude of a load that is linear between its knots, of a tone beside something else a bound of it.
     type(load_course), intent(in) :: course
     integer :: i
     largest = 0.0_dp
-    do i = 1, size(course%constant)
-      associate (last => course%constant(i) + course%slope(i)*(course%knot(i + 1) - course%knot(i)))
-        largest = max(largest, abs(course%constant(i)) + abs(course%tone(i)), abs(last) + abs(course%tone(i)))
-      end associate
+    do i = 1, size(course%tone)
+      largest = max(largest, abs(course%power(0, i)) + abs(course%power(1, i)) + abs(course%tone(i)))
     end do
   end function largest_load
 
@@ -175,7 +209,7 @@ contains
     !! By how much a mode's β²q may at most differ from the load f that drives it, −∫y(t − s) df(s), y its free motion from 1 at rest.
     !! With the integrals G_1(u) = ∫_u^∞ y, G_(j+1) = ∫_u^∞ G_j, none of which exceeds e^j, e = 1/β + c/β², and G_1(0) = c/β², it is for
     !! every m at most Σ_(j≤m) J_j e^j + Σ_(1≤j≤m) |G_j(0)| S_j + C_m e^m: J the jumps of the load's derivatives, S their largest
-    !! magnitudes, C the variation of the last between jumps.
+    !! magnitudes, C the variation of the last between jumps. Of a load that is linear between its knots.
     type(load_course), intent(in) :: course
     real(dp), intent(in) :: until                  !! the end of the record
     real(dp), intent(in) :: lag, drift             !! e, c/β²
@@ -186,13 +220,13 @@ contains
     variation = 0.0_dp
     largest = 0.0_dp
     before = 0.0_dp
-    do i = 1, size(course%constant)
+    do i = 1, size(course%tone)
       if (course%knot(i) >= until) exit
       jump = jump + abs(derivatives(course, i, course%knot(i)) - before)
       associate (length => course%knot(i + 1) - course%knot(i), w => course%frequency, tone => abs(course%tone(i)))
-        variation(0) = variation(0) + length*abs(course%slope(i))
+        variation(0) = variation(0) + 2.0_dp*abs(course%power(1, i))
         variation = variation + length*tone*w**[(m + 1, m=0, most)]
-        largest(1:) = max(largest(1:), tone*w**[(m, m=1, most)] + [abs(course%slope(i)), (0.0_dp, m=2, most)])
+        largest(1:) = max(largest(1:), tone*w**[(m, m=1, most)] + [2.0_dp*abs(course%power(1, i))/length, (0.0_dp, m=2, most)])
       end associate
       before = derivatives(course, i, course%knot(i + 1))
     end do
@@ -208,8 +242,7 @@ contains
       real(dp) :: values(0:most)
       complex(dp) :: tone
       integer :: j
-      call rates_of(course, i, time, values(0), values(1), tone)
-      values(2:) = 0.0_dp
+      call rates_of(course, i, time, values, tone)
       do j = 0, most
         values(j) = values(j) + real(tone*cmplx(0.0_dp, course%frequency, dp)**j)
       end do

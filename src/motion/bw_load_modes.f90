@@ -172,12 +172,13 @@ contains
     slope(0) = -sum(slope(1:))
   end function end_slopes
 
-  subroutine find_residuals(given, modes, summed, place, accelerated, drive, weights, xi, residual, flexibility)
+  subroutine find_residuals(given, modes, summed, place, accelerated, drive, weights, xi, residual, terms, flexibility)
     !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
     !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²).
     !!
     !! Modes that grow, or that nothing holds, are taken out of both: β² is raised by s², 2s², 3s² and 4s², and what holds without that
-    !! is extrapolated, with an error of 24(s/β)⁸ of what each missing mode adds.
+    !! is extrapolated, with an error of 24(s/β)⁸ of what each missing mode adds. The larger s is, the smaller are the terms whose
+    !! difference is taken: it is as large as lets that error be one of rounding.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed                  !! how many of them are
@@ -187,15 +188,19 @@ contains
     real(dp), intent(in) :: weights(:, :, :)       !! deflection, curvature and shear force of modes at points, (modes, points, 3)
     real(dp), intent(in) :: xi(:)                  !! (points)
     real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, 3)
+    real(dp), intent(out) :: terms(:, :, :)        !! the size of what it is a difference of, (loads, points, 3)
     real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + forces)
     integer, parameter :: signs(4) = [4, -6, 4, -1]
+    real(dp), parameter :: far_below = sqrt(sqrt(epsilon(1.0_dp)/24.0_dp))   ! (s/β)²
     real(dp) :: shift, soft(summed)
-    real(dp), allocatable :: whole(:, :, :), own(:, :)
+    real(dp), allocatable :: whole(:, :, :), own(:, :), of_modes(:)
     integer :: f, i, l, p, q
     shift = 0.25_dp
     if (given%beam%in_plane) shift = 2.0_dp*given%beam%spin_squared%hi + 0.25_dp
+    shift = max(shift, far_below*modes%beta_squared(summed)%hi)
     own = modes%some_shapes(1, summed, [xi, place])
     residual = 0.0_dp
+    terms = 0.0_dp
     flexibility = 0.0_dp
     do i = 1, size(signs)
       whole = static_shapes(given, [place, xi], accelerated, i*shift, [xi, place])
@@ -204,8 +209,10 @@ contains
         f = l                                      ! its column
         if (l > size(place)) f = size(whole, 3)
         do q = 1, 3
-          residual(l, :, q) = residual(l, :, q) + signs(i)*(whole(:size(xi), q, f) &
-                                                            - matmul(soft*drive(:summed, l), weights(:summed, :, q)))
+          of_modes = matmul(soft*drive(:summed, l), weights(:summed, :, q))
+          residual(l, :, q) = residual(l, :, q) + signs(i)*(whole(:size(xi), q, f) - of_modes)
+          terms(l, :, q) = terms(l, :, q) + abs(signs(i))*(abs(whole(:size(xi), q, f)) + abs(of_modes))
+          if (l > size(place)) terms(l, :, q) = terms(l, :, q) + abs(signs(i))*2.0_dp/(i*shift)   ! by which the frame is displaced
         end do
       end do
       do p = 1, size(flexibility)
@@ -215,6 +222,11 @@ contains
       end do
     end do
     flexibility = max(0.0_dp, flexibility)
+    do p = 1, size(xi)
+      if (any(weights(:, p, 1) /= 0.0_dp)) cycle     ! else nothing moves there
+      residual(:, p, 1) = 0.0_dp
+      terms(:, p, 1) = 0.0_dp
+    end do
   end subroutine find_residuals
 
   pure real(dp) function total_mass(given) result(mass)

@@ -1,8 +1,8 @@
 module bw_load_step
-  !! A step in which modes are driven by loads that are linear or harmonic in time, exactly: q̈ + cq̇ + β²q = 1, s or e^(iΩs) from rest,
-  !! and the free flow of what they start from. The operators depend on the length of the step alone, and steps of one length share them.
+  !! A step in which modes are driven by loads that are polynomials or harmonic in time, exactly: q̈ + cq̇ + β²q = x^j or e^(iΩs) from
+  !! rest, x going from −1 to 1 in the step, and the free flow of what they start from. The operators depend on the length of the step alone, and steps of one length share them.
   use bw_double_double, only: dd
-  use bw_force_response, only: find_force_response, force_degree
+  use bw_force_response, only: find_force_response, force_degree, highest_power, powers_of
   use bw_kinds, only: dp
   use bw_modal_flow, only: flow
   implicit none (type, external)
@@ -12,7 +12,7 @@ module bw_load_step
   type, public :: load_step
     real(dp) :: length = -1.0_dp                   !! of the step, l²/h; below 0: not found yet
     real(dp), allocatable :: moved(:, :)           !! end state of each: q by q, q by v, v by q, v by v, (modes, 4)
-    real(dp), allocatable :: linear(:, :)          !! q and v by a load of 1, and by one that grows as s, (modes, 4)
+    real(dp), allocatable :: pushed(:, :, :)       !! q and v by loads x^j, (modes, 2, 0:degree)
     complex(dp), allocatable :: tone(:, :, :)      !! q and v by e^(iΩs) of each load, (modes, 2, loads)
   contains
     procedure :: advance
@@ -20,23 +20,27 @@ module bw_load_step
 
 contains
 
-  pure type(load_step) function load_step_of(beta_squared, c, time, frequency) result(step)
+  pure type(load_step) function load_step_of(beta_squared, c, time, frequency, degree) result(step)
     !! The operators of a step.
     type(dd), intent(in) :: beta_squared(:)        !! (modes)
     real(dp), intent(in) :: c(:)
     type(dd), intent(in) :: time                   !! its length > 0
     real(dp), intent(in) :: frequency(:)           !! Ω of each load, 0 where it has no tone
+    integer, intent(in) :: degree                  !! of the loads
     real(dp) :: unit(2, 2)
-    real(dp), dimension(0:force_degree) :: displacement, velocity
+    real(dp), dimension(1, 0:force_degree) :: displacement, velocity
+    real(dp) :: ends(1, 0:highest_power)
     integer :: j, k
+    ends = powers_of([1.0_dp])
     step%length = time%hi
-    allocate (step%moved(size(c), 4), step%linear(size(c), 4), step%tone(size(c), 2, size(frequency)))
+    allocate (step%moved(size(c), 4), step%pushed(size(c), 2, 0:degree), step%tone(size(c), 2, size(frequency)))
     do k = 1, size(c)
       unit = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
       call flow(beta_squared(k), c(k), time, unit(1, :), unit(2, :))
       step%moved(k, :) = [unit(1, :), unit(2, :)]
-      call find_force_response(beta_squared(k)%hi, c(k), time%hi, displacement, velocity)
-      step%linear(k, :) = [displacement(0), velocity(0), time%hi*displacement(1), time%hi*velocity(1)]
+      call find_force_response(beta_squared(k)%hi, c(k), time%hi, ends, unit(1:1, 2), unit(2:2, 2), displacement, velocity)
+      step%pushed(k, 1, :) = displacement(1, :degree)
+      step%pushed(k, 2, :) = velocity(1, :degree)
       step%tone(k, :, :) = 0.0_dp
       do j = 1, size(frequency)
         if (frequency(j) > 0.0_dp) step%tone(k, :, j) = &
@@ -105,25 +109,26 @@ contains
     end do
   end function tone_series
 
-  pure subroutine advance(self, drive, level, slope, tone, q, v)
+  pure subroutine advance(self, drive, power, tone, q, v)
     !! The state at the end of the step.
     class(load_step), intent(in) :: self
     real(dp), intent(in) :: drive(:, :)            !! acceleration of each mode under a load of 1, (modes, loads)
-    real(dp), intent(in) :: level(:), slope(:)     !! of each load at the start of the step, (loads)
+    real(dp), intent(in) :: power(0:, :)           !! of the loads in the step, (0:degree, loads)
     complex(dp), intent(in) :: tone(:)             !! (loads)
     real(dp), intent(inout) :: q(:), v(:)          !! (modes)
-    real(dp) :: start, accelerated(size(q)), growing(size(q))
-    integer :: j, k
-    accelerated = 0.0_dp
-    growing = 0.0_dp
-    do j = 1, size(level)
-      if (level(j) /= 0.0_dp) accelerated = accelerated + drive(:, j)*level(j)
-      if (slope(j) /= 0.0_dp) growing = growing + drive(:, j)*slope(j)
-    end do
+    real(dp) :: start
+    integer :: j, k, l
     do k = 1, size(q)
       start = q(k)
-      q(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k) + self%linear(k, 1)*accelerated(k) + self%linear(k, 3)*growing(k)
-      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + self%linear(k, 2)*accelerated(k) + self%linear(k, 4)*growing(k)
+      q(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k)
+      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k)
+    end do
+    do l = 1, size(tone)
+      do j = 0, ubound(power, 1)
+        if (power(j, l) == 0.0_dp) cycle
+        q = q + (power(j, l)*drive(:, l))*self%pushed(:, 1, j)
+        v = v + (power(j, l)*drive(:, l))*self%pushed(:, 2, j)
+      end do
     end do
     do j = 1, size(tone)
       if (abs(tone(j)) == 0.0_dp) cycle

@@ -75,6 +75,29 @@ def test_many_modes_and_few_differ_by_no_more_than_the_error_that_is_given(here)
         assert float(np.abs(few["contact_force"][0] - many["contact_force"][0]).max()) <= float(few["contact_force_error"][0]) + 1e-9 * peak
 
 
+def test_accelerations_and_shear_forces_are_those_of_the_motion(here):
+    """Newton's law of the whole beam, by trapezoids, and velocities that accelerations integrate to."""
+    points = np.linspace(0, 1, 401)
+    asked = {"velocity": True, "acceleration": True, "shear_force": True}
+    ds = run(here, "rates", struck(modes={"before": 80}, response={"duration": 1e-3, "samples": 2048, "points": points.tolist(), **asked}))
+    weights = np.full(401, 7870 * math.pi * 0.037**2 / 4 / 400)
+    weights[[0, -1]] /= 2
+    acceleration, shear = ds["acceleration"].values, ds["shear_force"].values
+    assert np.abs(weights @ acceleration - (shear[-1] - shear[0])).max() <= 1e-3 * np.abs(shear).max()
+    force = ds["contact_force"][0].values  # at the tip the shear force is that of the contact
+    assert np.abs(shear[-1]).max() == pytest.approx(force.max(), rel=1e-3)
+    step = float(ds["time"][1])
+    middle = slice(32, None)  # where velocities are smooth between samples
+    change = (acceleration[:, 1:] + acceleration[:, :-1])[:, middle] * step / 2
+    assert np.abs(np.diff(ds["velocity"].values)[:, middle] - change).max() <= 1e-3 * np.abs(change).max()
+    few = run(here, "few_rates", struck(modes={"before": 30}, response={"duration": 1e-3, "samples": 512, "points": [0.5, 1.0], **asked}))
+    many = run(here, "many_rates", struck(modes={"before": 240}, response={"duration": 1e-3, "samples": 512, "points": [0.5, 1.0], **asked}))
+    for name in ("acceleration", "shear_force"):
+        error = np.abs(few[name] - many[name]).max("time")
+        estimate = few[f"{name}_error"]
+        assert (error <= estimate).all() and float(estimate.max()) <= 30 * float(error.max()), name
+
+
 def test_the_force_integrates_to_the_impulse_and_its_largest_value_is_given(here):
     ds = run(here, "force", struck(modes={"before": 60}))
     force = ds["contact_force"][0].values
@@ -172,6 +195,8 @@ def test_hertz_takes_the_material_of_the_piece_that_is_struck(here):
         ({"contact": {"stiffness": 1e9, "radius": 0.02}}, "excludes"),
         ({"contact": {"stiffness": 1e9, "exponent": 0.5}}, "1 to 10"),
         ({"recontact": {}}, "excludes &recontact"),
+        ({"capture": {}, "response": {**PLACES, "acceleration": True}}, "response%acceleration: has no limit as modes are added after a capture"),
+        ({"capture": {}, "response": {**PLACES, "shear_force": True}}, "response%shear_force: has no limit"),
         ({"beam": LUMPED, "contact": {"radius": 0.02}}, "contact%radius: needs the material of the beam"),
         ({"response": None}, "needs &response"),
     ],

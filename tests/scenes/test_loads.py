@@ -1,5 +1,8 @@
 """Forces and motions of the base: closed sums, published figures, limits, balances and each other."""
 
+import itertools
+
+import load_scenes
 import numpy as np
 import pytest
 import xarray as xr
@@ -272,3 +275,17 @@ def test_cases_of_a_sweep_are_its_scenes(here):
             for case, value in enumerate(values):
                 one = run(here, f"{name}{case}", {"force": {**force, parameter.split("%")[1]: value}, "response": {"duration": 0.01, "samples": 64}})
                 assert np.array_equal(swept["displacement"][case], one["displacement"])
+
+
+@pytest.mark.parametrize("kind", ["force", "base"])
+def test_estimates_and_bounds_hold_in_random_scenes(here, kind):
+    rng = np.random.default_rng(2026)
+
+    def run_scene(scene):
+        return run(here, f"scene{next(number)}", scene)
+
+    number = itertools.count()
+    judged = [j for _ in range(12) for j in load_scenes.judge(run_scene, load_scenes.draw(rng, kind), int(rng.choice(load_scenes.COUNTS)))]
+    assert len(judged) > 50 and min(j.bound for j in judged) >= 1
+    ratios = np.array([j.estimate for j in judged])
+    assert ratios.min() >= 1 and np.median(ratios) <= 8

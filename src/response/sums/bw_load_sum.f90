@@ -7,7 +7,7 @@ module bw_load_sum
   !! once, is missing, and what is missing beyond them continues the octaves of modes.
   use bw_double_double, only: dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_load_course, only: interval_at, load_course, rates_of
+  use bw_load_course, only: degree_of, interval_at, load_course, part_of_course, rates_of
   use bw_load_step, only: load_step, load_step_of
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
@@ -26,6 +26,7 @@ module bw_load_sum
     real(dp), allocatable :: drive(:, :)            !! acceleration of each mode under a load of 1, (modes, loads)
     real(dp), allocatable :: weight(:, :)           !! what each mode shows, (modes, columns)
     real(dp), allocatable :: residual(:, :)         !! what modes that are not summed add under a load of 1, (loads, columns)
+    real(dp), allocatable :: terms(:, :)            !! the size of what that is a difference of
     integer, allocatable :: order(:)                !! derivatives in time of what is shown, (columns)
   end type load_view
 
@@ -34,6 +35,8 @@ module bw_load_sum
     real(dp), allocatable :: largest(:, :)          !! largest magnitude at a sample
     real(dp), allocatable :: squares(:, :)          !! sum of squares over the samples
     real(dp), allocatable :: amplitude(:, :)        !! largest magnitude of each mode, (modes, 0:orders)
+    real(dp), allocatable :: lag(:, :)              !! and of how much it lags behind what moves it at once
+    real(dp), allocatable :: load(:, :)             !! and of each load, (loads, 0:orders)
     integer :: steps = 0                            !! roundings that may have added up
   end type load_tail
 
@@ -55,7 +58,7 @@ contains
     real(dp) :: knot                                ! the next of any load
     real(dp), dimension(modes%count) :: q_before, v_before
     real(dp) :: state(modes%count, at_once, 0:orders), load(size(view%course), at_once, 0:orders)
-    real(dp), dimension(size(view%course)) :: level, slope
+    real(dp), allocatable :: power(:, :)            ! of the loads from now on, (0:degree, loads)
     complex(dp) :: tone(size(view%course))
     type(dd) :: now, next
     integer :: first, held, j, m                    ! `first` of the samples that are held
@@ -63,8 +66,10 @@ contains
     if (allocated(modes%damping)) c = modes%damping
     if (.not. allocated(tail%largest)) then
       allocate (tail%largest(size(view%order), 2), tail%squares(size(view%order), 2), source=0.0_dp)
-      allocate (tail%amplitude(modes%count, 0:orders), source=0.0_dp)
+      allocate (tail%amplitude(modes%count, 0:orders), tail%lag(modes%count, 0:orders), source=0.0_dp)
+      allocate (tail%load(size(view%course), 0:orders), source=0.0_dp)
     end if
+    allocate (power(0:degree_of(view%course), size(view%course)))
     now = start
     knot = next_knot(view%course, now%hi)
     first = samples(1)
@@ -82,9 +87,10 @@ contains
         call flush()
         q_before = q
         v_before = v
-        if (coarse%length < 0.0_dp) coarse = load_step_of(modes%beta_squared, c, grid%step*real(at_once, dp), view%course%frequency)
-        call loads_at(now)
-        call coarse%advance(view%drive, level, slope, tone, q_before, v_before)
+        if (coarse%length < 0.0_dp) coarse = step_of(grid%step*real(at_once, dp))
+        next = grid%step*real(j - 2 + at_once, dp)
+        call loads_until(next%hi)
+        call coarse%advance(view%drive, power, tone, q_before, v_before)
         do m = 1, at_once
           call step_to(grid%step*real(j - 1, dp))
           if (m == at_once) then
@@ -113,13 +119,19 @@ contains
       if (knot - now%hi < many*grid%step%hi) many = int((knot - now%hi)/grid%step%hi)
     end function samples_to_knot
 
-    subroutine loads_at(time)
-      type(dd), intent(in) :: time
+    type(load_step) function step_of(length) result(step)
+      type(dd), intent(in) :: length
+      step = load_step_of(modes%beta_squared, c, length, view%course%frequency, ubound(power, 1))
+    end function step_of
+
+    subroutine loads_until(time)
+      !! All of them in the step from now on.
+      real(dp), intent(in) :: time
       integer :: l
       do l = 1, size(view%course)
-        call rates_of(view%course(l), interval_at(view%course(l), time%hi), time%hi, level(l), slope(l), tone(l))
+        call part_of_course(view%course(l), interval_at(view%course(l), now%hi), now%hi, time, power(:, l), tone(l))
       end do
-    end subroutine loads_at
+    end subroutine loads_until
 
     subroutine step_to(time)
       !! Steps of a sampling interval share their operators.
@@ -129,13 +141,13 @@ contains
       real(dp), parameter :: same = 8.0_dp*epsilon(1.0_dp)
       length = time - now
       if (length%hi > same*time%hi) then
-        call loads_at(now)
+        call loads_until(time%hi)
         if (abs(length%hi - grid%step%hi) <= same*time%hi) then
-          if (fine%length < 0.0_dp) fine = load_step_of(modes%beta_squared, c, grid%step, view%course%frequency)
-          call fine%advance(view%drive, level, slope, tone, q, v)
+          if (fine%length < 0.0_dp) fine = step_of(grid%step)
+          call fine%advance(view%drive, power, tone, q, v)
         else
-          odd = load_step_of(modes%beta_squared, c, length, view%course%frequency)
-          call odd%advance(view%drive, level, slope, tone, q, v)
+          odd = step_of(length)
+          call odd%advance(view%drive, power, tone, q, v)
           tail%steps = tail%steps + 1
         end if
       end if
@@ -152,17 +164,34 @@ contains
       integer :: l
       if (held == 0) first = sample
       held = held + 1
-      call loads_at(now)
-      do l = 1, size(level)
+      do l = 1, size(tone)
+        call rates_of(view%course(l), interval_at(view%course(l), now%hi), now%hi, power(:, l), tone(l))
         associate (w => view%course(l)%frequency)
-          load(l, held, :) = [level(l) + real(tone(l)), slope(l) - w*aimag(tone(l)), -w**2*real(tone(l))]
+          load(l, held, :) = [power(0, l) + real(tone(l)), power(1, l) - w*aimag(tone(l)), -w**2*real(tone(l))]
         end associate
+        if (ubound(power, 1) > 1) load(l, held, 2) = load(l, held, 2) + mean_bend(view%course(l))
       end do
       state(:, held, 0) = q
       state(:, held, 1) = v
       if (any(view%order == 2)) state(:, held, 2) = matmul(view%drive, load(:, held, 0)) - c*v - modes%beta_squared%hi*q
       if (held == at_once) call flush()
     end subroutine keep_sample
+
+    real(dp) function mean_bend(course) result(bend)
+      !! The second derivative of a polynomial, averaged over a radian of the last mode that is summed: the force of a contact begins as
+      !! t^(3/2), and no mode follows that faster.
+      type(load_course), intent(in) :: course
+      real(dp) :: beside(0:ubound(power, 1), 2), radian
+      complex(dp) :: ignored
+      integer :: i
+      radian = 1.0_dp/sqrt(max(modes%beta_squared(view%summed)%hi, 1.0_dp))
+      do i = 1, 2
+        associate (time => now%hi + (i - 1.5_dp)*radian)
+          call rates_of(course, interval_at(course, time), time, beside(:, i), ignored)
+        end associate
+      end do
+      bend = (beside(1, 2) - beside(1, 1))/radian
+    end function mean_bend
 
     subroutine flush()
       !! Put the samples that are held into the histories, and their last octaves into the tail.
@@ -196,8 +225,10 @@ contains
       if (size(columns) == 0) cycle
       history(:, columns) = history(:, columns) + matmul(transpose(state(:n, :, o)), view%weight(:n, columns)) &
         + matmul(transpose(load(:, :, o)), view%residual(:, columns))
+      tail%load(:, o) = max(tail%load(:, o), maxval(abs(load(:, :, o)), 2))
       tail%amplitude(:, o) = max(tail%amplitude(:, o), maxval(abs(state(:, :, o)), 2))
       lag = state(:, :, o) - matmul(soft, load(:, :, o))
+      tail%lag(:, o) = max(tail%lag(:, o), maxval(abs(lag), 2))
       do b = 1, 2
         associate (first => ends(b) + 1, last => ends(b + 1))
           octave = matmul(transpose(lag(first:last, :)), view%weight(first:last, columns))
@@ -237,36 +268,48 @@ contains
 
   pure function tail_error(view, tail, columns) result(error)
     !! An estimate of what is missing of infinitely many modes in columns of one quantity. With ρ the ratio of two octaves the octave that
-    !! is missing is the first term of a geometric series; where it is not known, it is ρ times that before it.
+    !! is missing is the first term of a geometric series; where it is not known, it is ρ times that before it. As waves that have
+    !! not reached a point yet may do so in modes beyond, it is taken to be as large a part of the root sum of squares
+    !! of its modes' amplitudes at every point as it is where that part is largest.
     type(load_view), intent(in) :: view
     type(load_tail), intent(in) :: tail
     integer, intent(in) :: columns(:)
     real(dp) :: error(size(columns))
     real(dp), parameter :: least = 0.02_dp, most = 0.9_dp, margin = 2.0_dp   ! tuned
-    real(dp) :: ratio
+    real(dp) :: part, ratio, scale(size(columns), 2)
+    integer :: b, ends(3), i
+    ends = octave_ends(view%summed, size(view%drive, 1))
+    do b = 1, 2
+      do i = 1, size(columns)
+        associate (k => [ends(b) + 1, ends(b + 1)], o => view%order(columns(i)))
+          scale(i, b) = norm2(view%weight(k(1):k(2), columns(i))*tail%lag(k(1):k(2), o))
+        end associate
+      end do
+    end do
     ratio = most
     associate (squares => sum(tail%squares(columns, :), 1))
       if (squares(1) > 0.0_dp) ratio = min(most, max(least, sqrt(squares(2)/squares(1))))
     end associate
-    error = margin/(1.0_dp - ratio)*max(tail%largest(columns, 2), ratio*tail%largest(columns, 1))
+    part = maxval(tail%largest(columns, :)/max(scale, tiny(1.0_dp)))
+    error = margin/(1.0_dp - ratio)*part*max(scale(:, 2), ratio*scale(:, 1))
     if (.not. sees_beyond(view%summed, size(view%drive, 1))) error = 2.0_dp*max(ratio, 0.1_dp)*error
   end function tail_error
 
-  pure function rounding_of(modes, view, tail, duration, largest) result(error)
+  pure function rounding_of(modes, view, tail, duration) result(error)
     !! What rounding of steps, of the modes' frequencies and of their masses leaves, and of what is added at once, (columns).
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
     type(load_tail), intent(in) :: tail
     real(dp), intent(in) :: duration                !! of the record, l²/h
-    real(dp), intent(in) :: largest(:)              !! of the quantity of each column at any point
     real(dp) :: error(size(view%order))
-    real(dp), parameter :: static_rounding = 32.0_dp*epsilon(1.0_dp)   ! of a difference between what all modes add and these
+    real(dp), parameter :: static_rounding = 4.0_dp*epsilon(1.0_dp)   ! of each term of a residual
     real(dp), dimension(modes%count) :: square_error, mass_error, part
     integer :: i
     call modes%number_errors(square_error, mass_error)
     part = epsilon(1.0_dp)*tail%steps + mass_error + 0.5_dp*duration*square_error/sqrt(max(abs(modes%beta_squared%hi), 1.0_dp))
     do i = 1, size(error)
-      error(i) = static_rounding*largest(i) + sum(abs(view%weight(:, i))*tail%amplitude(:, view%order(i))*part)
+      error(i) = static_rounding*sum(view%terms(:, i)*tail%load(:, view%order(i))) &
+        + sum(abs(view%weight(:, i))*tail%amplitude(:, view%order(i))*part)
     end do
   end function rounding_of
 

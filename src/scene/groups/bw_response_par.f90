@@ -24,7 +24,8 @@ module bw_response_par
   type(input_group), parameter, public :: response_group = input_group( &
     'response', needs='impact|force|base', absent='no time history', &
     rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. An acceleration or a '// &
-    'shear force has a limit as modes are added where forces act or the frame moves, and none after an ideal blow.')
+    'shear force has a limit as modes are added where forces act, the frame moves or a contact lasts, and none after an '// &
+    'ideal blow or a capture.')
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
@@ -62,12 +63,22 @@ contains
     !! that jumps.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
+    character(:), allocatable :: why
     integer :: g, r
     r = position_of(groups, 'response')
     if (r == 0) return
     if (position_of(groups, 'impact') > 0) then
-      call refuse('acceleration', messages)
-      call refuse('shear_force', messages)
+      why = ''
+      if (position_of(groups, 'contact') == 0) then
+        why = 'has no limit as modes are added after an ideal blow, which takes no time; accepted: .false.; &contact makes the '// &
+              'blow last'
+      else if (position_of(groups, 'capture') > 0) then
+        why = 'has no limit as modes are added after a capture, when the force of the contact ends at once; accepted: .false., '// &
+              'or no &capture'
+      end if
+      if (why == '') return
+      if (asked('acceleration')) call messages%add(groups(r)%line_of('acceleration'), 'response%acceleration', why)
+      if (asked('shear_force')) call messages%add(groups(r)%line_of('shear_force'), 'response%shear_force', why)
       return
     end if
     if (.not. asked('acceleration')) return
@@ -83,18 +94,6 @@ contains
       asked = groups(r)%known(name)
       if (asked) asked = groups(r)%values(groups(r)%at(name))%flag
     end function asked
-
-    pure subroutine refuse(name, messages)
-      character(*), intent(in) :: name
-      type(message_list), intent(inout) :: messages
-      if (.not. asked(name)) return
-      if (position_of(groups, 'contact') > 0) then
-        call messages%add(groups(r)%line_of(name), 'response%'//name, 'is not known with &contact yet; accepted: .false.')
-      else
-        call messages%add(groups(r)%line_of(name), 'response%'//name, 'has no limit as modes are added after an ideal blow, '// &
-          'which takes no time; accepted: &force in place of &impact, or .false.; &contact makes the blow last')
-      end if
-    end subroutine refuse
   end subroutine check_limits
 
   pure type(response_par) function build_response(values) result(response)

@@ -62,10 +62,13 @@ contains
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
     character(:), allocatable :: reason
+    type(string), allocatable :: excluded(:)
+    integer :: i
     reason = ''
-    if (effect%excludes /= '') then
-      if (any_group(text, effect%excludes, is_there=.true.)) reason = 'excludes &'//trim(effect%excludes)
-    end if
+    excluded = words_of(effect%excludes)
+    do i = size(excluded), 1, -1
+      if (has_group(text, excluded(i)%text)) reason = 'excludes &'//excluded(i)%text
+    end do
     if (reason == '' .and. any_group(text, effect%needs, is_there=.false.)) reason = 'needs &'// &
       replaced(trim(effect%needs), ' ', ' and &')
     if (effect%name == 'pieces' .and. allocated(scene%beam%outer)) reason = 'the beam tapers: see taper'

@@ -1,0 +1,58 @@
+"""Random scenes of forces and motions of the base: estimates and bounds of errors beside the errors, against far more modes.
+
+`PYTHONPATH=bench:tests/scenes python -m errors.loads [--scenes 300]` takes five minutes. BEAMWAVE_SEED sets the seed, BEAMWAVE
+another program.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+from pathlib import Path
+
+import load_scenes
+import numpy as np
+import xarray as xr
+from workplace import Workplace
+
+PROGRAM = Path(os.environ.get("BEAMWAVE", Path(__file__).parents[2] / "build/bin/beamwave"))
+SEED = int(os.environ.get("BEAMWAVE_SEED", "1"))
+
+
+def run_in(here: Workplace):
+    def run(scene):
+        here.scene("scene", scene)
+        ended = here.beamwave("run", "scene.nml", "--quiet")
+        if ended.returncode != 0:
+            raise RuntimeError(ended.stderr)
+        with xr.open_dataset(here.directory / "output/scene.nc") as ds:
+            found = ds.load()
+        (here.directory / "output/scene.nc").unlink()
+        return found
+
+    return run
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=300, help="of each kind")
+    scenes = parser.parse_args().scenes
+    for kind in ("force", "base"):
+        rng = np.random.default_rng(SEED)
+        with tempfile.TemporaryDirectory() as folder:
+            run = run_in(Workplace(PROGRAM, Path(folder)))
+            judged = [j for _ in range(scenes) for j in load_scenes.judge(run, load_scenes.draw(rng, kind), int(rng.choice(load_scenes.COUNTS)))]
+        print(f"{kind}: {scenes} scenes")
+        for quantity in load_scenes.QUANTITIES:
+            ratios = np.array([j.estimate for j in judged if j.quantity == quantity])
+            print(f"  {quantity:15} {len(ratios):5} histories, estimate over error: least {ratios.min():.2g}, median {np.median(ratios):.2g}, "
+                  f"nine tenths {np.quantile(ratios, 0.9):.2g}; below 1: {(ratios < 1).sum()}")  # fmt: skip
+        bounds = np.array([j.bound for j in judged if j.quantity == "displacement"])
+        print(f"  bound over error: least {bounds.min():.2g}, median {np.median(bounds):.2g}")
+        for j in sorted((j for j in judged if j.estimate < 1), key=lambda j: j.estimate)[:10]:
+            print(f"  below: {j}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+module bw_load_columns
+  !! Which quantities are looked at where beams move under loads, what of the modes shows them, and where the loads act.
+  use bw_beam_units, only: beam_units
+  use bw_case_moments, only: scale_of_moments
+  use bw_kinds, only: dp
+  use bw_load_course, only: load_course
+  use bw_load_modes, only: carried_mass, find_residuals, find_shears, total_mass
+  use bw_load_sum, only: load_view
+  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_response_par, only: response_par
+  use bw_scene, only: scene_type
+  use bw_varying_beam, only: varying_beam
+  implicit none (type, external)
+  private
+  public :: factor_of_quantity, find_drive, list_columns, make_view
+
+  integer, parameter, public :: quantities = 5       !! displacement, velocity, acceleration, bending moment, shear force
+  integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3], order_of(quantities) = [0, 1, 2, 0, 0]
+
+  type, public :: placed_loads
+    !! Loads, and where they act.
+    type(load_course), allocatable :: course(:)
+    real(dp), allocatable :: place(:)                !! ξ of forces, each a kind of load
+    logical :: accelerated = .false.                 !! the acceleration of the frame is the last kind
+    integer, allocatable :: kind(:)                  !! of each course
+  end type placed_loads
+
+contains
+
+  pure subroutine list_columns(response, asked, quantity, point)
+    !! Quantities at all points of the histories.
+    type(response_par), intent(in) :: response
+    logical, intent(in) :: asked(quantities)
+    integer, allocatable, intent(out) :: quantity(:), point(:)   !! (columns)
+    integer :: p, q
+    allocate (quantity(0), point(0))
+    do q = 1, quantities
+      if (.not. asked(q)) cycle
+      quantity = [quantity, spread(q, 1, size(response%points))]
+      point = [point, [(p, p=1, size(response%points))]]
+    end do
+  end subroutine list_columns
+
+  pure real(dp) function factor_of_quantity(scene, units, quantity) result(factor)
+    !! SI over what the modes show where displacements are in m.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    integer, intent(in) :: quantity
+    factor = 1.0_dp/units%time%hi**order_of(quantity)
+    if (weight_of(quantity) > 1) factor = factor*scale_of_moments(scene)
+    if (weight_of(quantity) > 2) factor = factor/units%length
+  end function factor_of_quantity
+
+  subroutine make_view(given, modes, summed, loads, points, quantity, point, view, flexibility)
+    !! What the loads drive and what is looked at.
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: summed
+    type(placed_loads), intent(in) :: loads
+    real(dp), intent(in) :: points(:)                    !! ξ
+    integer, intent(in) :: quantity(:), point(:)         !! (columns)
+    type(load_view), intent(out) :: view
+    real(dp), allocatable, intent(out) :: flexibility(:) !! of what is missing: at the points, and as each load sees it, (points + loads)
+    real(dp), allocatable :: drive(:, :), residual(:, :, :), terms(:, :, :), soft(:)
+    real(dp) :: weights(modes%count, size(points), 3)
+    integer :: c, l, sheared
+    sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points whose shear forces are asked for
+    weights = 0.0_dp
+    call find_drive(given, modes, loads%place, loads%accelerated, drive, points(:sheared), weights(:, :sheared, 3))
+    weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
+    weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
+    allocate (residual(size(drive, 2), size(points), 3), soft(size(points) + size(loads%place)))
+    allocate (terms, mold=residual)
+    view%summed = min(summed, modes%count)
+    call find_residuals(given, modes, view%summed, loads%place, loads%accelerated, drive, weights, points, residual, terms, soft)
+    associate (kind => loads%kind)
+      flexibility = [soft(:size(points)), spread(0.0_dp, 1, size(kind))]
+      allocate (view%drive(modes%count, size(kind)), view%weight(modes%count, size(quantity)), &
+                view%residual(size(kind), size(quantity)), view%terms(size(kind), size(quantity)))
+      view%course = loads%course
+      view%order = order_of(quantity)
+      do l = 1, size(kind)
+        view%drive(:, l) = drive(:, kind(l))/modes%modal_mass
+        if (kind(l) <= size(loads%place)) then
+          flexibility(size(points) + l) = soft(size(points) + kind(l))
+        else
+          flexibility(size(points) + l) = max(0.0_dp, total_mass(given) - carried_mass(modes, drive(:view%summed, kind(l)))) &
+            /max(modes%beta_squared(view%summed)%hi, 1.0_dp)
+        end if
+      end do
+      do c = 1, size(quantity)
+        view%weight(:, c) = weights(:, point(c), weight_of(quantity(c)))
+        view%residual(:, c) = residual(kind, point(c), weight_of(quantity(c)))
+        view%terms(:, c) = terms(kind, point(c), weight_of(quantity(c)))
+      end do
+    end associate
+  end subroutine make_view
+
+  subroutine find_drive(given, modes, places, accelerated, drive, points, shear)
+    !! How each kind of load drives the modes: forces at their places, and the acceleration of the frame by −1 behind them.
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: places(:)                    !! of forces
+    logical, intent(in) :: accelerated                   !! the frame is
+    real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
+    real(dp), intent(in) :: points(:)                    !! none: no shear forces are asked for
+    real(dp), intent(out) :: shear(:, :)                 !! shear forces of the modes at the points, (modes, points)
+    real(dp) :: participation(modes%count)
+    if (accelerated .or. size(points) > 0) call find_shears(given, modes, points, shear, participation)
+    drive = modes%shapes(places)
+    if (accelerated) drive = reshape([drive, participation], [modes%count, size(places) + 1])
+  end subroutine find_drive
+
+end module bw_load_columns

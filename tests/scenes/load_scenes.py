@@ -1,0 +1,81 @@
+"""Random scenes of forces and motions of the base, and how their errors compare with what is said of them."""
+
+from typing import Iterator, NamedTuple
+
+import numpy as np
+from workplace import PAPER_BEAM
+
+QUANTITIES = ("displacement", "velocity", "acceleration", "bending_moment", "shear_force")
+SLOWEST = 2 * np.pi / 163.9533  # s, period of the first mode of the paper's beam
+COUNTS = (8, 12, 16, 32, 64)
+NOISE = 1e-13  # of a peak; errors below it are those of rounding
+TOLD = 0.1  # of a peak; errors above it are no errors that an estimate is made for
+
+
+class Judged(NamedTuple):
+    """A history of few modes beside that of many."""
+
+    quantity: str
+    modes: int
+    part: float  # error over the peak
+    estimate: float  # over the error
+    bound: float  # over the error; of displacements
+
+
+def float_in(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number that a namelist takes."""
+    return float(rng.uniform(low, high))
+
+
+def draw(rng: np.random.Generator, kind: str) -> dict:
+    """A scene without its count of modes; `kind` is force or base."""
+    duration = 10 ** float_in(rng, -2.5, 0.5) * SLOWEST * 3
+    scene = {"beam": dict(PAPER_BEAM)}
+    if rng.random() < 0.5:
+        place = 1.0 if rng.random() < 0.5 else round(float_in(rng, 0.1, 1), 4)
+        turning = 0.0 if rng.random() < 0.5 else 10 ** float_in(rng, -3, 0)
+        scene["body"] = {"position": place, "mass_ratio": 10 ** float_in(rng, -2, 1), "rotary_inertia": turning}
+    if rng.random() < 0.2:
+        scene["support"] = {"rotational_stiffness": 10 ** float_in(rng, 3, 6)}
+    if rng.random() < 0.2:
+        scene["tip_support"] = {"rotational_stiffness": 0.0}
+    if rng.random() < 0.2:
+        scene["shear"] = {}
+    if rng.random() < 0.3:
+        scene["damping"] = {"ratio": 10 ** float_in(rng, -3, -1)}
+    load = draw_load(rng, duration)
+    if kind == "force":
+        load["position"] = 1.0 if "tip_support" not in scene and rng.random() < 0.5 else round(float_in(rng, 0.2, 0.95), 4)
+    scene[kind] = load
+    points = sorted({0.0, 1.0, *(round(float(x), 3) for x in rng.uniform(0.05, 1, 3))})
+    asked = dict.fromkeys(QUANTITIES[1:], True)
+    asked["acceleration"] = not (kind == "force" and load["shape"] == "rectangle")
+    scene["response"] = {"duration": duration, "samples": int(rng.choice([300, 1000])), "points": points, **asked}
+    return scene
+
+
+def draw_load(rng: np.random.Generator, duration: float) -> dict:
+    """Any shape; a sine that ends does so after whole half turns, as its acceleration needs."""
+    shape = str(rng.choice(["half_sine", "haversine", "triangle", "rectangle", "sine"]))
+    load = {"shape": shape, "amplitude": float_in(rng, -100, 100), "start": float(rng.choice([0.0, float_in(rng, 0, 0.3 * duration)]))}
+    length = duration * 10 ** float_in(rng, -2.5, 0)
+    if shape not in ("sine", "rectangle") or rng.random() < 0.5:
+        load["duration"] = length
+    if shape == "sine":
+        load["frequency"] = int(rng.integers(1, 12)) / (2 * length) if "duration" in load else 10 ** float_in(rng, 1, 4)
+    return load
+
+
+def judge(run, scene: dict, modes: int) -> Iterator[Judged]:
+    """Compare the run of so many modes with one of far more; `run` makes a dataset of a scene."""
+    few = run({**scene, "modes": {"before": modes}})
+    many = run({**scene, "modes": {"before": max(512, 8 * modes)}})
+    for quantity in (q for q in QUANTITIES if q in few):
+        peak = float(np.abs(many[quantity]).max())
+        errors = np.abs(few[quantity] - many[quantity]).max("time").values
+        for p, error in enumerate(errors):
+            known = float(many[f"{quantity}_error"][p]) <= 0.3 * error  # the many are near enough to the truth
+            if not (NOISE * peak < error < TOLD * peak and known):
+                continue
+            bound = float(few["displacement_bound"][p]) / error if quantity == "displacement" else np.inf
+            yield Judged(quantity, modes, error / peak, float(few[f"{quantity}_error"][p]) / error, bound)
