@@ -4,7 +4,7 @@ from .compare import compare
 from .draw.campbell import campbell, crossings
 from .draw.effect_table import changes
 from .draw.frequency_response import frequency_response
-from .draw.history import bending_moment, displacement, velocity
+from .draw.history import acceleration, bending_moment, displacement, shear_force, velocity
 from .draw.impulses import impulses
 from .draw.jump import velocity_jump
 from .draw.lines import lines
@@ -41,6 +41,7 @@ __all__ = [
     "ProgramWarning",
     "RunFailed",
     "Untrusted",
+    "acceleration",
     "bending_moment",
     "campbell",
     "changes",
@@ -71,6 +72,7 @@ __all__ = [
     "record_windows",
     "run",
     "save_film",
+    "shear_force",
     "space_time",
     "spectrogram",
     "spectrum",

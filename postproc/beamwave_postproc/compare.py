@@ -228,6 +228,9 @@ def _labels(pair: Pair, names: tuple[str, str]) -> list[str]:
 COMPARED: dict[str, Callable[[xr.Dataset, xr.Dataset], Figure]] = {
     "frequencies": frequencies,
     "velocity_jump": jumps,
-    **{name: partial(histories, name=name) for name in ("displacement", "velocity", "bending_moment")},
+    **{
+        name: partial(histories, name=name)
+        for name in ("displacement", "velocity", "acceleration", "bending_moment", "shear_force")
+    },
     "spectrum": spectra,
 }

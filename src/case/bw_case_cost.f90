@@ -46,7 +46,7 @@ module bw_case_cost
     term_type(later_share, 4.3e-9_dp), &             !! a pair before and after a release in closed form
     term_type(later_share, 1.2e-6_dp), &             !! such a pair without closed form where a tolerance is planned
     term_type(later_share, 1.6e-5_dp), &             !! a mode in a contact
-    term_type(histories_share, 2.5e-9_dp), &         !! a mode under loads in a sample, and each history of it
+    term_type(histories_share, 1.4e-9_dp), &         !! a mode under loads in a sample, and each history of it
     term_type(histories_share, 0.90_dp), &           !! a second of the sums' own model
     term_type(histories_share, 3.3_dp), &            !! the same of damped modes
     term_type(histories_share, 6.6e-8_dp), &         !! a mode at a point, where its error is estimated
@@ -60,6 +60,8 @@ module bw_case_cost
     term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
   integer, parameter, public :: term_count = size(term)
   real(dp), parameter :: times_over = 2.0_dp         !! what all numbers of modes up to the last take, over that one
+  integer, parameter :: most_loaded = 1024           !! modes that a default tolerance takes where accelerations are asked for
+  real(dp), parameter :: gauss_stages = 8.0_dp       !! places in a half wave
   real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: four runs of some contacts
 
 contains
@@ -92,7 +94,7 @@ contains
     type(scene_type), intent(in) :: scene          !! without sweeps
     integer, intent(in) :: planned                 !! modes that a tolerance takes
     real(dp) :: counts(term_count)
-    real(dp) :: before, after, moving, pieces, found
+    real(dp) :: before, after, moving, pieces, found, followed
     logical :: closed, planning
     planning = by_tolerance(scene%modes)
     closed = .not. changes_shapes(scene)
@@ -133,8 +135,17 @@ contains
     associate (response => scene%response, points => size(scene%response%points))
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
       counts(error_estimates) = moving*points
-      if (is_loaded(scene)) counts(loaded_steps) = merge(4.0_dp*first_modes*times_over, 2.0_dp*moving, planning)*response%samples &
-        *(4.0_dp + points*count([.true., response%velocity, response%acceleration, response%bending_moment, response%shear_force]))
+      if (is_loaded(scene)) then
+        followed = 2.0_dp*moving                      ! as many more as are summed tell the error
+        if (planning) followed = times_over*merge(2*most_loaded, 4*first_modes, response%acceleration)
+        counts(loaded_steps) = followed*response%samples*(4.0_dp + points*count([.true., response%velocity, response%acceleration, &
+                                                                               response%bending_moment, response%shear_force]))
+        if (response%shear_force .or. allocated(scene%bases)) then
+          associate (places => counts(merge(closed_places, other_places, closed)))
+            places = places + gauss_stages*followed**2   ! over half waves of the last mode
+          end associate
+        end if
+      end if
       if (.not. allocated(scene%spectrum)) return
       if (.not. (any(response%points == 0.5_dp) .and. any(response%points == 1.0_dp))) return   ! waves are measured there
       counts(search_transforms) = response%samples*(log(real(response%samples, dp))/log(2.0_dp))*points

@@ -122,10 +122,10 @@ contains
     integer, intent(in) :: forces                  !! how many of them are; the others are what accelerations do to the beam
     integer :: l
     associate (largest => largest_load(courses), impulse => impulse_of(courses)*units%time%hi)
-      loads%force_largest = largest(:forces)
-      loads%force_impulse = impulse(:forces)
-      loads%base_largest = largest(forces + 1:)/units%mass
-      loads%base_velocity = -impulse(forces + 1:)/units%mass
+      loads%applied_force = largest(:forces)
+      loads%applied_impulse = impulse(:forces)
+      loads%applied_acceleration = largest(forces + 1:)/units%mass
+      loads%applied_velocity = -impulse(forces + 1:)/units%mass
     end associate
     loads%until = maxval([(courses(l)%knot(size(courses(l)%knot)), l=1, size(courses))])*units%time%hi
   end function applied

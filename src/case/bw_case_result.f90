@@ -118,10 +118,10 @@ module bw_case_result
     !! What loads were applied, in the order of the scene.
     integer :: count = 0                            !! modes that are summed under them
     real(dp) :: until = 0.0_dp                      !! when the last of them has ended, s
-    real(dp), allocatable :: force_largest(:)       !! largest magnitude of each force, N
-    real(dp), allocatable :: force_impulse(:)       !! its impulse, N s
-    real(dp), allocatable :: base_largest(:)        !! largest magnitude of each acceleration of the base, m/s²
-    real(dp), allocatable :: base_velocity(:)       !! the velocity that the base has gained from it, m/s
+    real(dp), allocatable :: applied_force(:)       !! largest magnitude of each force, N
+    real(dp), allocatable :: applied_impulse(:)     !! its impulse, N s
+    real(dp), allocatable :: applied_acceleration(:)   !! largest magnitude of each acceleration of the base, m/s²
+    real(dp), allocatable :: applied_velocity(:)    !! the velocity that the base has gained from it, m/s
   end type load_result
 
   type, public :: case_result

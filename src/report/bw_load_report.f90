@@ -23,15 +23,16 @@ contains
     if (allocated(scene%forces)) then
       do l = 1, min(shown_loads, size(scene%forces))
         call lines%append_line('  Force '//text_of(l)//' at xi = '//shortest(scene%forces(l)%position, 4)//': '// &
-          in_words(scene%forces(l)%shape)//', up to '//shortest(result%loads%force_largest(l), 6)//' N; impulse '// &
-          shortest(result%loads%force_impulse(l), 6)//' N s')
+          in_words(scene%forces(l)%shape)//', up to '//shortest(result%loads%applied_force(l), 6)//' N; impulse '// &
+          shortest(result%loads%applied_impulse(l), 6)//' N s')
       end do
       if (size(scene%forces) > shown_loads) call lines%append_line('  ... '//text_of(size(scene%forces))//' in the file')
     end if
     if (allocated(scene%bases)) then
       do l = 1, min(shown_loads, size(scene%bases))
         call lines%append_line('  Acceleration '//text_of(l)//' of the base: '//in_words(scene%bases(l)%shape)//', up to '// &
-          shortest(result%loads%base_largest(l), 6)//' m/s2; the base gains '//shortest(result%loads%base_velocity(l), 6)//' m/s')
+          shortest(result%loads%applied_acceleration(l), 6)//' m/s2; the base gains '// &
+          shortest(result%loads%applied_velocity(l), 6)//' m/s')
       end do
       if (size(scene%bases) > shown_loads) call lines%append_line('  ... '//text_of(size(scene%bases))//' in the file')
     end if

@@ -198,12 +198,12 @@ contains
     !! What loads were applied.
     class(result_table), intent(inout) :: table
     type(load_result), intent(in), optional :: loads
-    if (table%real_row('force_largest', 'force', 'N', 'largest magnitude of the force')) call table%put(loads%force_largest)
-    if (table%real_row('force_impulse', 'force', 'N s', 'impulse of the force')) call table%put(loads%force_impulse)
-    if (table%real_row('base_largest', 'base', 'm s-2', 'largest magnitude of the acceleration of the base')) &
-      call table%put(loads%base_largest)
-    if (table%real_row('base_velocity', 'base', 'm s-1', 'velocity that the base has gained in the end')) &
-      call table%put(loads%base_velocity)
+    if (table%real_row('applied_force', 'force', 'N', 'largest magnitude of the force')) call table%put(loads%applied_force)
+    if (table%real_row('applied_impulse', 'force', 'N s', 'impulse of the force')) call table%put(loads%applied_impulse)
+    if (table%real_row('applied_acceleration', 'base', 'm s-2', 'largest magnitude of the acceleration of the base')) &
+      call table%put(loads%applied_acceleration)
+    if (table%real_row('applied_velocity', 'base', 'm s-1', 'velocity that the base has gained in the end')) &
+      call table%put(loads%applied_velocity)
   end subroutine load_rows
 
   subroutine history_rows(table, response)
@@ -235,7 +235,7 @@ contains
       call table%put_columns(response%velocity)
     if (table%real_row('acceleration', 'point time', 'm s-2', 'transverse acceleration in the rotating frame', &
                        needs='acceleration')) call table%put_columns(response%acceleration)
-    if (table%real_row('shear_force', 'point time', 'N', 'transverse force by which what lies beyond pulls, at the root '// &
+    if (table%real_row('shear_force', 'point time', 'N', 'shear force, by which what lies beyond pulls, at the root '// &
                        'what the beam does to its support', needs='shear_force')) call table%put_columns(response%shear_force)
     if (table%real_row('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi''', &
                        needs='bending_moment')) call table%put_columns(response%bending_moment)

@@ -52,6 +52,16 @@ def bending_moment(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = Non
     )
 
 
+def acceleration(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Acceleration in the rotating frame against time, a row of panels for each point, or for those at `points` (ξ)."""
+    return _history(chosen(ds, points=points, cases=cases), "acceleration", ax, MAX_POINTS if points is None else None)
+
+
+def shear_force(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Shear force against time, a row of panels for each point, or for those at `points` (ξ)."""
+    return _history(chosen(ds, points=points, cases=cases), "shear_force", ax, MAX_POINTS if points is None else None)
+
+
 @styled
 def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
     """Draw variable `name` (case, point, time): points as rows, panels of cases as columns, all against one time."""

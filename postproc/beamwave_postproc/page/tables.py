@@ -94,7 +94,7 @@ def _events(case: xr.Dataset) -> Table | None:
 def _histories(case: xr.Dataset) -> Table | None:
     """Peak and estimated error of each history at each point, and what is proved of it."""
     rows = []
-    for name in ("displacement", "velocity", "bending_moment"):
+    for name in ("displacement", "velocity", "acceleration", "bending_moment", "shear_force"):
         for point in range(case.sizes.get("point", 0) if name in case else 0):
             peak = float(np.nanmax(np.abs(case[name][point].values), initial=0.0))
             error = float(case[f"{name}_error"][point]) if f"{name}_error" in case else math.nan

@@ -49,6 +49,8 @@ QUANTITIES = {
     "velocity_jump": r"Jump in velocity $\Delta\dot{v}$",
     "displacement": "Displacement $v$",
     "velocity": r"Velocity $\dot{v}$",
+    "acceleration": r"Acceleration $\ddot{v}$",
+    "shear_force": "Shear force",
     "bending_moment": "Bending moment",
     "amplitude": "Amplitude",
     "event_impulse": "Impulse on the beam",

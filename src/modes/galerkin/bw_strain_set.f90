@@ -35,6 +35,7 @@ module bw_strain_set
     procedure :: work
     procedure :: coupling
     procedure :: body_energy => energy_of_body
+    procedure :: find_tip_shears
     procedure :: turnings
     procedure :: hub_turns
     procedure, private :: in_frame
@@ -127,6 +128,23 @@ contains
       end associate
     end do
   end function curvatures_of_strains
+
+  pure subroutine find_tip_shears(self, shear, known)
+    !! Of the shear strain, where the beam has one.
+    class(strain_set), intent(in) :: self
+    real(dp), intent(out) :: shear(:)
+    logical, intent(out) :: known
+    integer :: i, n
+    shear = 0.0_dp
+    i = size(self%piece)
+    associate (piece => self%given%beam%piece(i), f => self%piece(i))
+      n = size(f%turning, 1) - 1                 ! curvatures; shear strains stand behind them
+      known = piece%compliance%hi > 0.0_dp
+      if (.not. known) return
+      shear = sum(value_of(self%given%law(i)%shear, [1.0_dp]))/sqrt(piece%compliance%hi*piece%length%hi) &
+        *pack(matmul(transpose(f%strain(n + 1:, :)), basis_values(size(f%strain, 1) - n, [1.0_dp])), .true.)
+    end associate
+  end subroutine find_tip_shears
 
   recursive function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! With all mass and inertia that both beams have.
