@@ -118,7 +118,7 @@ contains
     real(dp), allocatable, intent(out) :: times(:), values(:)
     type(error_type), allocatable, intent(inout) :: error
     class(record_source), allocatable :: source
-    character(:), allocatable :: path
+    character(:), allocatable :: path, name, problem
     real(dp), allocatable :: steps(:), column_values(:, :)
     real(dp) :: scale
     integer(i8) :: j, rows
@@ -126,7 +126,10 @@ contains
     path = path_beside(scene, load%file)
     call choose_source(path, source, error)
     if (.not. allocated(error)) call source%open(path, error)
-    if (.not. allocated(error)) call choose_columns(source, load, refused, time, column)
+    if (.not. allocated(error)) then
+      call choose_columns(source, load, time, column, name, problem)
+      if (allocated(problem)) call refused(name, problem)
+    end if
     if (.not. allocated(error)) call source%read_times(time, rows, times, steps, error)
     if (allocated(error)) return
     if (time > 0) then
@@ -170,25 +173,23 @@ contains
     end if
   end function factor_in_si
 
-  subroutine choose_columns(source, load, refused, time, column)
+  subroutine choose_columns(source, load, time, column, name, problem)
     !! Those that the scene names, or the only ones that can be meant.
     class(record_source), intent(in) :: source
     type(load_par), intent(in) :: load
-    interface
-      subroutine refused(name, problem)
-        implicit none (type, external)
-        character(*), intent(in) :: name, problem
-      end subroutine refused
-    end interface
     integer, intent(out) :: time, column           !! time 0: the sampling rate tells the times
+    character(:), allocatable, intent(out) :: name, problem   !! of an input, where no column can be meant
     integer, allocatable :: others(:)
     integer :: i
+    column = 0
     time = named_time(source%columns)
     if (allocated(load%time)) time = place_of(source, load%time)
-    if (time == 0 .and. (allocated(load%time) .or. is_missing(load%sample_rate))) call refused('time', 'no such column in '// &
-      source%path//'; accepted: '//listed(source)//'; or sample_rate')
+    if (time == 0 .and. (allocated(load%time) .or. is_missing(load%sample_rate))) then
+      name = 'time'
+      problem = 'no such column in '//source%path//'; accepted: '//listed(source)//'; or sample_rate'
+      return
+    end if
     others = pack([(i, i=1, size(source%columns))], source%columns%is_numeric .and. [(i /= time, i=1, size(source%columns))])
-    column = 0
     if (allocated(load%column)) then
       column = place_of(source, load%column)
       if (column > 0) column = merge(column, 0, source%columns(column)%is_numeric)
@@ -196,10 +197,12 @@ contains
       column = others(1)
     end if
     if (column == 0 .and. allocated(load%column)) then
-      call refused('column', 'no such column of numbers in '//source%path//'; accepted: '//listed(source))
+      name = 'column'
+      problem = 'no such column of numbers in '//source%path//'; accepted: '//listed(source)
     else if (column == 0) then
-      call refused('column', 'is missing, and '//source%path//' has '//text_of(size(others))// &
-                   ' columns of numbers beside the time; accepted: '//listed(source))
+      name = 'column'
+      problem = 'is missing, and '//source%path//' has '//text_of(size(others))//' columns of numbers beside the time; '// &
+        'accepted: '//listed(source)
     end if
     if (.not. is_missing(load%sample_rate)) time = 0
   end subroutine choose_columns
