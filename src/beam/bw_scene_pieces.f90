@@ -7,18 +7,18 @@ module bw_scene_pieces
   use bw_beam_piece, only: mass_law, rotary_law, stiffness_law, stretch_law
   use bw_beam_units, only: beam_units
   use bw_body_par, only: body_par
-  use bw_double_double, only: dd, to_dd, to_quad, operator(*)
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+)
   use bw_kinds, only: dp, qp
   use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, joint_position, rigid, piece_beam, uniform_piece, operator(==)
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: scene_type
+  use bw_scene, only: at_start, scene_type
   use bw_shear_par, only: shear_par
   use bw_support_par, only: support_par
   use bw_tension_layers, only: cut_layers
   use bw_varying_beam, only: piece_law, soft_parts, stepped, under_tension, varying_beam, without_tension
   implicit none (type, external)
   private
-  public :: in_uniform_parts, mass_struck, pieces_of, varying_of
+  public :: in_uniform_parts, joints_of_bodies, mass_struck, pieces_of, varying_of
 
   type, public :: struck_beam
     !! A beam of pieces, and what strikes it.
@@ -50,13 +50,19 @@ contains
       .and. self%captured == other%captured
   end function same_struck
 
-  pure type(struck_beam) function pieces_of(scene, units, loaded) result(pieces)
-    !! The beam with all that the scene attaches to it.
+  pure type(struck_beam) function pieces_of(scene, units, loaded, present) result(pieces)
+    !! The beam with all that the scene attaches to it. Its pieces are the same whichever bodies are there.
     type(scene_type), intent(in) :: scene          !! without sweeps; its tension is left to the caller
     type(beam_units), intent(in) :: units
     logical, intent(in) :: loaded                  !! the captured body is there
+    logical, intent(in), optional :: present(:)    !! which bodies are, (bodies); absent: those at t = 0
     type(full_units) :: full
+    type(beam_joint), allocatable :: away(:)       ! bodies that are not there
+    logical, allocatable :: there(:)
     integer :: i
+    there = at_start(scene)
+    if (is_given(present)) there = present
+    allocate (away(size(there)))
     full = full_units_of(scene%beam)
     associate (beam => pieces%beam)
       if (allocated(scene%beam%pieces)) then
@@ -81,7 +87,10 @@ contains
       end if
       if (allocated(scene%bodies)) then
         do i = 1, size(scene%bodies)
-          call attach(beam, to_dd(scene%bodies(i)%position), joint_of(scene%bodies(i), full))
+          associate (joint => joint_of(scene%bodies(i), full))
+            if (.not. there(i)) away(i) = joint
+            call attach_body(beam, scene%bodies(i)%position, merge_joint(joint, there(i)))
+          end associate
         end do
       end if
       if (allocated(scene%tip_support)) call attach(beam, to_dd(1.0_dp), tip_of(scene%tip_support, full))
@@ -92,7 +101,7 @@ contains
       pieces%captured%mass = dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low)
       pieces%captured%inertia = to_dd(scene%capture%rotary_inertia/full%mass/full%length**2)
     end if
-    if (allocated(scene%stiffening)) call cut_its_layers(scene, units, pieces)
+    if (allocated(scene%stiffening)) call cut_its_layers(scene, units, away, pieces)
     if (allocated(scene%beam%outer)) call find_sections(scene, pieces)
     if (loaded) then
       call attach(pieces%beam, to_dd(pieces%position), pieces%captured)
@@ -101,13 +110,43 @@ contains
     end if
   end function pieces_of
 
-  pure subroutine cut_its_layers(scene, units, pieces)
-    !! Cut layers as thin as they become with what the beam captures, so that its pieces are the same with it and without.
+  pure logical function is_given(present_too)
+    logical, intent(in), optional :: present_too(:)
+    is_given = present(present_too)
+  end function is_given
+
+  pure type(beam_joint) function merge_joint(joint, there) result(attached)
+    !! Nothing where a body is not there.
+    type(beam_joint), intent(in) :: joint
+    logical, intent(in) :: there
+    if (there) attached = joint
+  end function merge_joint
+
+  pure subroutine attach_body(beam, position, body)
+    !! Anywhere; at the root there are springs alone.
+    type(piece_beam), intent(inout) :: beam
+    real(dp), intent(in) :: position               !! ξ
+    type(beam_joint), intent(in) :: body
+    if (position > 0.0_dp) then
+      call attach(beam, to_dd(position), body)
+      return
+    end if
+    if (.not. beam%root%holds_deflection) beam%root%stiffness = beam%root%stiffness + body%stiffness
+    if (.not. beam%root%holds_turning) beam%root%turning_stiffness = beam%root%turning_stiffness + body%turning_stiffness
+  end subroutine attach_body
+
+  pure subroutine cut_its_layers(scene, units, away, pieces)
+    !! Cut layers as thin as they become with all that the beam ever has, so that its pieces are the same with it and without.
     type(scene_type), intent(in) :: scene          !! with tension
     type(beam_units), intent(in) :: units
+    type(beam_joint), intent(in) :: away(:)        !! bodies that are not there, (bodies)
     type(struck_beam), intent(inout) :: pieces     !! with what it captures, which its beam does not have yet
     type(struck_beam) :: heaviest
+    integer :: i
     heaviest = pieces
+    do i = 1, size(away)
+      call attach_body(heaviest%beam, scene%bodies(i)%position, away(i))
+    end do
     call attach(heaviest%beam, to_dd(pieces%position), pieces%captured)
     if (allocated(scene%beam%outer)) call find_sections(scene, heaviest)
     call cut_layers(pieces%beam, varying_of(scene, units, heaviest), pieces%struck)
@@ -201,6 +240,16 @@ contains
     pieces = pieces_of(scene, units, .false.)
     mass = pieces%beam%joint(pieces%struck)%mass%hi
   end function mass_struck
+
+  pure function joints_of_bodies(scene) result(joints)
+    !! The bodies of a scene and their springs, without dimensions, (bodies).
+    type(scene_type), intent(in) :: scene
+    type(beam_joint), allocatable :: joints(:)
+    integer :: i
+    allocate (joints(0))
+    if (.not. allocated(scene%bodies)) return
+    joints = [(joint_of(scene%bodies(i), full_units_of(scene%beam)), i=1, size(scene%bodies))]
+  end function joints_of_bodies
 
   pure type(full_units) function full_units_of(beam) result(full)
     type(beam_par), intent(in) :: beam

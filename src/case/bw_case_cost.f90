@@ -8,7 +8,7 @@ module bw_case_cost
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: sum_tolerance
-  use bw_scene, only: answers_by_modes, by_pieces, changes_shapes, counts_in_its_run, is_loaded, scene_type
+  use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, counts_in_its_run, is_loaded, scene_type
   use bw_sum_choice, only: sum_seconds
   use bw_timeline, only: comes_back
   implicit none (type, external)

@@ -9,7 +9,7 @@ module bw_case_drift
   use bw_mode_set, only: mode_set, values_at
   use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
-  use bw_scene, only: scene_type
+  use bw_scene, only: scene_type, unit_velocity
   use bw_segment_samples, only: samples_of_segment, stretch_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
@@ -72,7 +72,7 @@ contains
                                             velocity))
       end associate
     end do
-    errors = errors*abs(scene%impact%approach_velocity)
+    errors = errors*abs(unit_velocity(scene))
     if (.not. velocity) errors = errors*motion%units%time%hi
   end function drift_errors
 
@@ -112,7 +112,7 @@ contains
     real(dp) :: c, peak, phase, unit
     integer :: i
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-    unit = abs(scene%impact%approach_velocity)
+    unit = abs(unit_velocity(scene))
     if (velocity) then
       peak = largest_magnitude(response%velocity)
     else

@@ -163,7 +163,7 @@ contains
       n = modes_of_answer
       do
         if (source%highest < n) then
-          call extend_source(scene, units, allocated(scene%capture), monitor, source, extended, cache)
+          call extend_source(scene, units, modes%moving, monitor, source, extended, cache)
           if (monitor%stop_requested()) return
           if (extended) cycle
         end if

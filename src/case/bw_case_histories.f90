@@ -13,7 +13,7 @@ module bw_case_histories
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
-  use bw_scene, only: scene_type
+  use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: leaves_range, move, segment_type
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
@@ -141,7 +141,7 @@ contains
     call start_histories(own, part)
     if (allocated(segment%load)) then
       call add_loaded_motion(configuration%set, segment, motion%ladder, sampling%grid, samples(1), &
-                             scene%impact%approach_velocity*motion%units%time%hi, monitor, part)
+                             unit_velocity(scene)*motion%units%time%hi, monitor, part)
       call finish_histories(part)
       return
     end if
@@ -158,7 +158,7 @@ contains
       call add_octaves(time_grid(looked_at, own%grid%step), workspace(2))
       call add_octaves(every_nth(own%grid), workspace(3))
     end if
-    if (allocated(segment%rest)) part%displacement = part%displacement + spread(scene%impact%approach_velocity &
+    if (allocated(segment%rest)) part%displacement = part%displacement + spread(unit_velocity(scene) &
       *motion%units%time%hi*matmul(segment%rest, values_at(configuration%set, own%quantity, 1, segment%count, own%points)), &
       1, own%grid%samples)
     call finish_histories(part)
@@ -195,7 +195,7 @@ contains
       share = part_monitor(monitor, 1.0_dp, 0.0_dp)      ! of few samples
       if (response%sampling%grid%samples == own%grid%samples) &
         share = part_monitor(monitor, (first - 1.0_dp)/segment%count, (last - first + 1.0_dp)/segment%count)
-      unit = scene%impact%approach_velocity*motion%units%time%hi
+      unit = unit_velocity(scene)*motion%units%time%hi
       if (allocated(moved%rate)) then
         call add_motion(configuration%set, moved%rate*unit, share, response, displaced=moved%q*unit, workspace=workspace, &
                         range=[first, last])

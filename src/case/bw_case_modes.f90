@@ -11,14 +11,15 @@ module bw_case_modes
   use bw_mode_set, only: configuration_type, first_numbers, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_piece_beam, only: cut_all
   use bw_piece_source, only: source_of_pieces
+  use bw_piece_waves, only: parts_at_rest
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: by_pieces, changes_shapes, is_built_up, scene_type
+  use bw_scene, only: by_pieces, changes_in_time, changes_shapes, is_built_up, scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
-  use bw_segment, only: alone, together
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
-  use bw_timeline, only: comes_back
+  use bw_timeline, only: carried_type, comes_back, configurations_of, number_of, start_of
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -62,18 +63,18 @@ contains
       if (counts(i) == 0) cycle
       part = part_monitor(monitor, done, real(counts(i), dp)/sum(counts))
       done = done + part%share
-      call find_set(scene, units, i == modes%moving, counts(i), part, modes%configuration(i), modes)
+      call find_set(scene, units, i == modes%moving .or. changes_in_time(scene), counts(i), part, modes%configuration(i), modes)
       if (monitor%stop_requested()) return
     end do
   end subroutine find_modes
 
   pure function counts_of(scene, configurations) result(counts)
-    !! Modes in memory of each configuration.
+    !! Modes in memory of each configuration: of the first `before`, of all others `after`.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: configurations
     integer :: counts(configurations)
+    counts = scene%modes%after
     counts(1) = scene%modes%before
-    if (configurations > 1) counts(2) = scene%modes%after
   end function counts_of
 
   subroutine find_set(scene, units, moves, count, monitor, configuration, modes)
@@ -102,32 +103,48 @@ contains
 
   subroutine find_sources(scene, units, monitor, modes, cache)
     !! By the closed form where shapes are those of the paper's beam, by Galerkin's method where there is tension or taper, else
-    !! exactly by pieces: of the beam alone, and with the mass if that is captured.
+    !! exactly by pieces: of every configuration, with what the beam carries in it.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor
     type(case_modes), intent(out) :: modes         !! no sets, but what is known of them before they are found
     type(case_mode_cache), intent(inout), target, optional :: cache
+    type(carried_type), allocatable :: carried(:)
     integer :: i
-    modes%moving = merge(together, alone, allocated(scene%capture))
-    allocate (modes%configuration(modes%moving))
+    carried = configurations_of(scene)
+    modes%moving = number_of(carried, start_of(scene))
+    allocate (modes%configuration(size(carried)))
     call note_rotation(scene, modes)
     do i = 1, size(modes%configuration)
       associate (source => modes%configuration(i)%source)
         if (by_pieces(scene)) then
-          allocate (source, source=source_of_pieces(pieces_of(scene, units, i == together)))
+          allocate (source, source=source_of_pieces(cut_alike(scene, pieces_of(scene, units, carried(i)%captured, &
+                                                                              carried(i)%body))))
         else if (changes_shapes(scene)) then
-          call find_galerkin(scene, units, i == together, monitor, modes, source, cache)
+          call find_galerkin(scene, units, carried(i), i > 1, monitor, modes, source, cache)
           if (monitor%stop_requested()) return
         else
-          call find_closed_form(scene, units, i == together, source, cache)
+          call find_closed_form(scene, units, carried(i)%captured, source, cache)
         end if
         if (allocated(scene%damping)) source%damping = law_of(scene%damping, units)
-        if (i == together) source%stretch = record_stretch(scene)
+        if (i > 1) source%stretch = record_stretch(scene)
       end associate
     end do
     call note_empty_bodies(scene, modes%notes)
   end subroutine find_sources
+
+  pure type(struck_beam) function cut_alike(scene, pieces) result(cut)
+    !! Pieces cut as a search for modes at rest cuts them, where one of several configurations may have such modes: all of them have the
+    !! same joints then.
+    type(scene_type), intent(in) :: scene
+    type(struck_beam), intent(in) :: pieces
+    integer :: parts(size(pieces%beam%piece))
+    cut = pieces
+    if (.not. changes_in_time(scene)) return
+    parts = parts_at_rest(pieces%beam)
+    cut%struck = sum(parts(:pieces%struck))
+    cut%beam = cut_all(pieces%beam, parts)
+  end function cut_alike
 
   subroutine note_rotation(scene, modes)
     !! Without tension rotation acts in its own plane, and out of it by the turning of the sections alone.
@@ -159,11 +176,12 @@ contains
     call move_alloc(found, source)
   end subroutine find_closed_form
 
-  subroutine find_galerkin(scene, units, with_mass, monitor, modes, source, cache)
+  subroutine find_galerkin(scene, units, carried, later, monitor, modes, source, cache)
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: with_mass
+    type(carried_type), intent(in) :: carried
+    logical, intent(in) :: later                   !! than the first configuration
     class(monitor_type), intent(inout) :: monitor
     type(case_modes), intent(inout) :: modes
     class(mode_source), allocatable, intent(out) :: source
@@ -171,23 +189,23 @@ contains
     type(strain_source), allocatable :: found
     integer :: count
     count = max(1, scene%modes%before)
-    if (with_mass) count = scene%modes%after
-    if (allocated(scene%response) .and. (with_mass .or. comes_back(scene))) count = max(count, first_modes)
+    if (later) count = scene%modes%after
+    if (allocated(scene%response) .and. (later .or. comes_back(scene))) count = max(count, first_modes)
     allocate (found)
-    call solve_strains(problem_of(scene, units, with_mass), count, found, monitor, cache)
+    call solve_strains(problem_of(scene, units, carried), count, found, monitor, cache)
     if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(no_basis, modes%notes)
     modes%resolved = modes%resolved .and. found%solved%resolved
     found%at_most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     call move_alloc(found, source)
   end subroutine find_galerkin
 
-  type(strain_problem) function problem_of(scene, units, carries_mass) result(problem)
+  type(strain_problem) function problem_of(scene, units, carried) result(problem)
     !! What modes under tension are sought of.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: carries_mass            !! the captured mass is there
+    type(carried_type), intent(in) :: carried      !! what the beam carries
     type(struck_beam) :: pieces
-    pieces = pieces_of(scene, units, carries_mass)
+    pieces = pieces_of(scene, units, carried%captured, carried%body)
     problem%given = varying_of(scene, units, pieces)
     problem%struck = pieces%struck
     problem%position = pieces%position
@@ -221,21 +239,24 @@ contains
     end if
   end subroutine solve_strains
 
-  subroutine extend_source(scene, units, with_mass, monitor, source, extended, cache)
+  subroutine extend_source(scene, units, configuration, monitor, source, extended, cache)
     !! Twice as many modes, if there may be more: only a basis for tension has an end.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: with_mass
+    integer, intent(in) :: configuration           !! that the source is of
     class(monitor_type), intent(inout) :: monitor  !! nothing is extended where it asks to stop
     class(mode_source), intent(inout) :: source
     logical, intent(out) :: extended
     type(case_mode_cache), intent(inout), optional :: cache
     type(strain_source) :: more
+    type(carried_type), allocatable :: carried(:)
     extended = .false.
     select type (source)
     type is (strain_source)
       if (source%highest >= source%at_most) return
-      call solve_strains(problem_of(scene, units, with_mass), min(2*source%highest, source%at_most), more, monitor, cache)
+      carried = configurations_of(scene)
+      call solve_strains(problem_of(scene, units, carried(configuration)), &
+                         min(2*source%highest, source%at_most), more, monitor, cache)
       extended = more%solved%resolved
       if (.not. extended) return
       more%at_most = source%at_most

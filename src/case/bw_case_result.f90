@@ -133,6 +133,7 @@ module bw_case_result
     logical :: within = .true.                        !! it is within the tolerance
     integer :: profile_points = 0                     !! places along the beam of mode shapes and velocity jump; 0: of neither
     class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
+    type(configuration_type), allocatable :: configurations(:)   !! of a beam that changes in time, all of them
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s

@@ -16,7 +16,7 @@ module bw_case_validity
   use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
   use bw_rotation, only: speed_in_plane
-  use bw_scene, only: scene_type
+  use bw_scene, only: changes_in_time, counts_in_its_run, is_loaded, scene_type, unit_velocity
   use bw_text, only: append, shortest, string, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
@@ -39,10 +39,18 @@ contains
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in), optional :: response      !! absent: no history is asked for
     type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), allocatable :: q(:), rate(:)         ! of the first modes
     integer :: moves
+    allocate (q(0), rate(0))
     moves = motion%modes%moving
     if (allocated(motion%timeline%segments)) then
       if (size(motion%timeline%segments) > 0) moves = motion%timeline%segments(1)%configuration
+    end if
+    if (changes_in_time(scene)) then
+      call find_strongest(motion, moves, q, rate)
+    else if (allocated(motion%initial%modal_velocity)) then
+      rate = motion%initial%modal_velocity
+      q = 0.0_dp*rate
     end if
     associate (modes => motion%modes%configuration(moves)%set)
       call note_units(scene, motion%units, modes, notes)
@@ -50,14 +58,38 @@ contains
       call note_rotation(centrifugal_strain(scene), notes)
       if (.not. present(response)) return
       if (response%finite_samples == 0) return       ! another note says why
-      if (.not. allocated(scene%impact)) then
+      if (is_loaded(scene) .and. .not. allocated(scene%impact)) then
         call note_size(scene, largest_magnitude(response%displacement(:response%finite_samples, :)), placed_strain(), notes)
         return
       end if
-      call note_amplitudes(scene, motion, modes, largest_magnitude(response%displacement(:response%finite_samples, :)), notes)
+      call note_amplitudes(scene, motion, modes, q, rate, &
+                           largest_magnitude(response%displacement(:response%finite_samples, :)), notes)
       call note_return(scene, motion, response, notes)
     end associate
   end subroutine note_validity
+
+  pure subroutine find_strongest(motion, configuration, q, rate)
+    !! The segment that holds the most energy: which modes move in it, and how they begin.
+    type(case_motion), intent(in) :: motion        !! of a beam that changes in time
+    integer, intent(out) :: configuration
+    real(dp), allocatable, intent(out) :: q(:), rate(:)
+    real(dp) :: energy, largest
+    integer :: i
+    largest = -1.0_dp
+    configuration = motion%modes%moving
+    do i = 1, size(motion%timeline%segments)
+      associate (segment => motion%timeline%segments(i))
+        associate (modes => motion%modes%configuration(segment%configuration)%set)
+          energy = sum(modes%modal_mass*(segment%rate**2 + abs(modes%beta_squared%hi)*segment%q**2))
+        end associate
+        if (energy <= largest) cycle
+        largest = energy
+        configuration = segment%configuration
+        q = segment%q
+        rate = segment%rate
+      end associate
+    end do
+  end subroutine find_strongest
 
   subroutine note_return(scene, motion, response, notes)
     !! When a mass that rebounded, and that the scene does not follow, would be back: the first sample at which the place that it struck,
@@ -68,6 +100,7 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: flight, step, spin                 ! V l²/h; l²/h; h/l²
     integer :: j, p
+    if (changes_in_time(scene)) return
     p = findloc(scene%response%points, scene%impact%position, dim=1)
     if (allocated(scene%capture) .or. allocated(scene%recontact) .or. allocated(scene%contact)) return
     if (allocated(scene%hub) .or. p == 0) return
@@ -168,11 +201,12 @@ contains
     end associate
   end subroutine note_size
 
-  subroutine note_amplitudes(scene, motion, modes, peak, notes)
+  subroutine note_amplitudes(scene, motion, modes, q, rate, peak, notes)
     !! What the amplitudes of the first modes say of the strain and of the time between samples.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    class(mode_set), intent(in) :: modes           !! that the impact leaves in motion
+    class(mode_set), intent(in) :: modes           !! that move
+    real(dp), intent(in) :: q(:), rate(:)          !! how they begin
     real(dp), intent(in) :: peak                   !! of the displacement at all points, m
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp), parameter :: largest_shape = 2.0_dp
@@ -185,12 +219,12 @@ contains
     n = size(amplitude)
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping(:n)
-    associate (units => motion%units, rate => motion%initial%modal_velocity(:n), square => modes%beta_squared(:n))
+    associate (units => motion%units, square => modes%beta_squared(:n))
       grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
-      associate (step => grid%step%hi, unit => abs(scene%impact%approach_velocity)*units%time%hi)
-        amplitude = amplitude_of(square, c, 0.0_dp, rate, stretch_type(0.0_dp, grid%samples*step, step), .false.)
+      associate (step => grid%step%hi, unit => abs(unit_velocity(scene))*units%time%hi)
+        amplitude = amplitude_of(square, c, q(:n), rate(:n), stretch_type(0.0_dp, grid%samples*step, step), .false.)
         bending = largest_bending(scene, modes, amplitude)
-        bending%strain = scaled(scaled(bending%strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)
+        bending%strain = scaled(scaled(bending%strain, abs(unit_velocity(scene))), 1.0_dp/units%velocity)
         call note_size(scene, peak, bending, notes)
         above = sqrt(max(0.0_dp, square%hi))*step > pi
         fast = maxval(merge(amplitude, 0.0_dp, above))
@@ -274,8 +308,7 @@ contains
     character(:), allocatable :: words
     if (allocated(scene%recontact)) then
       words = 'contacts amplify every error, and a shorter duration has fewer of them'
-    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. .not. allocated(scene%impact) .or. &
-             allocated(scene%contact)) then
+    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. counts_in_its_run(scene)) then
       words = 'more modes lessen it: larger counts, or a smaller tolerance'
     else
       words = 'ten times as many modes (before, after) leave about a third of it, and &damping far less'

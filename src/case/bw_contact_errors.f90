@@ -13,7 +13,7 @@ module bw_contact_errors
   use bw_scene, only: scene_type
   implicit none (type, external)
   private
-  public :: add_rounding, find_force_errors, find_history_errors, part_of_peak
+  public :: add_rounding, find_force_errors, find_history_errors, largest_distance, part_of_peak
 
   real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp   !! tuned: of their tolerance, what steps leave
 

@@ -11,7 +11,7 @@ module bw_first_count
   use bw_monitor, only: monitor_type
   use bw_plan, only: bound_times, looked_ahead
   use bw_scene, only: scene_type
-  use bw_segment, only: segment_type, together
+  use bw_segment, only: segment_type
   use bw_segment_samples, only: stretch_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   use bw_timeline, only: change_type, changes_of, happens
@@ -142,7 +142,7 @@ contains
         exhausted = .false.
         if (all(errors <= allowed)) exit
         if (last >= min(most, moving%source%highest) .or. last == last_before) then   ! or the survey ends with whole bins
-          call extend_source(scene, motion%units, segment%configuration == together, monitor, moving%source, extended, cache)
+          call extend_source(scene, motion%units, segment%configuration, monitor, moving%source, extended, cache)
           exhausted = .not. extended
         else if (last >= seen_part_of_most*min(most_modes, moving%source%quickly)) then   ! no need to find millions that are not enough
           plan%within = all(errors*(real(last, dp)/most)**fall <= allowed/plan%aim)

@@ -16,7 +16,7 @@ module bw_later_count
   use bw_release, only: energy_after
   use bw_rotation, only: speed_in_plane
   use bw_scene, only: scene_type
-  use bw_segment, only: segment_type, together
+  use bw_segment, only: segment_type
   use bw_segment_samples, only: stretch_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   use bw_truncation_error, only: displacement_error, find_tail, tail_type
@@ -66,7 +66,7 @@ contains
         exhausted = .false.
         if (doubt > 1.0_dp) then
           if (projection%place%count == before%source%highest) then
-            call extend_source(scene, motion%units, last%configuration == together, monitor, before%source, extended, cache)
+            call extend_source(scene, motion%units, last%configuration, monitor, before%source, extended, cache)
             if (extended) most_handed = min(most_modes, before%source%highest)
           end if
           grows = projection%place%count < most_handed
@@ -75,7 +75,7 @@ contains
         end if
         if (error > 1.0_dp) then
           if (n == most) then
-            call extend_source(scene, motion%units, next%configuration == together, monitor, after%source, extended, cache)
+            call extend_source(scene, motion%units, next%configuration, monitor, after%source, extended, cache)
             if (extended) most = min(most_released, after%source%highest)
           end if
           exhausted = exhausted .or. n == most

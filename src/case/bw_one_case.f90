@@ -16,6 +16,7 @@ module bw_one_case
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
+  use bw_changing_case, only: run_changing_case
   use bw_contact_case, only: run_contact_case
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
@@ -27,7 +28,7 @@ module bw_one_case
   use bw_note, only: remark
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
-  use bw_scene, only: is_loaded, scene_type
+  use bw_scene, only: changes_in_time, is_loaded, scene_type
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: shortest, string
@@ -63,6 +64,9 @@ contains
     else if (allocated(scene%contact)) then
       call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
                             result, whole)
+    else if (changes_in_time(scene)) then
+      call run_changing_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
+                             result, whole)
     else
       if (is_loaded(scene)) then
         call simulate_case(without_tolerance(scene), layout, watch, monitor, cache, result, whole, planned, scene)

@@ -6,18 +6,19 @@ module bw_result_layout
   use bw_line_windows, only: window_start
   use bw_modes_par, only: by_tolerance
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, is_loaded, scene_type, varies_along_pieces
+  use bw_scene, only: answers_by_modes, changes_in_time, counts_in_its_run, is_loaded, scene_type, varies_along_pieces
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
-  use bw_timeline, only: most_events
+  use bw_timeline, only: most_configurations, most_events
   implicit none (type, external)
   private
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
     'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', 'body', &
-    'force', 'base', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', 'contact_sample']
+    'force', 'base', 'configuration', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', &
+    'contact_sample']
 
   integer, parameter, public :: contact_samples = 128   !! of the force of a contact
   integer, parameter :: swept_contacts = 16         !! that a sweep keeps of each case
@@ -61,6 +62,7 @@ module bw_result_layout
     integer :: bodies = 0
     integer :: forces = 0
     integer :: bases = 0
+    integer :: configurations = 0     !! of a beam that changes in time
     integer :: unknowns = 0           !! that are identified
     logical :: modelled = .false.     !! a record's lines are held against the modes of its beam
     logical :: velocity = .false.     !! velocity histories are asked for
@@ -70,8 +72,10 @@ module bw_result_layout
     logical :: shear_force = .false.      !! and shear forces
     logical :: hub = .false.          !! the hub is free to turn
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
+    logical :: estimates = .false.    !! of the errors of histories
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: contact_samples = 0    !! of the force of each contact that lasts
+    logical :: struck = .false.       !! a mass strikes at an instant
     logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
@@ -111,6 +115,8 @@ contains
       return
     end if
     layout%hub = allocated(scene%hub)
+    layout%struck = allocated(scene%impact) .and. .not. allocated(scene%contact)
+    if (changes_in_time(scene)) layout%configurations = most_configurations(scene)
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
     if (allocated(scene%contact)) then
@@ -137,9 +143,10 @@ contains
     layout%acceleration = scene%response%acceleration
     layout%shear_force = scene%response%shear_force
     layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
-    layout%continuum = (allocated(scene%capture) .and. .not. allocated(scene%contact)) .or. &
+    layout%continuum = (allocated(scene%capture) .and. .not. counts_in_its_run(scene)) .or. &
       (is_loaded(scene) .and. .not. allocated(scene%impact))
     layout%contacts = allocated(scene%recontact) .or. allocated(scene%contact)
+    layout%estimates = layout%continuum .or. layout%contacts .or. changes_in_time(scene)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
     layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
     if (.not. allocated(scene%spectrum)) return
@@ -155,9 +162,9 @@ contains
     before = largest(scene, 'modes', 'before', scene%modes%before)
     after = largest(scene, 'modes', 'after', scene%modes%after)
     layout%modes = merge(after, before, allocated(scene%capture))
-    if (allocated(scene%contact) .and. by_tolerance(scene%modes)) layout%modes = after
-    if (.not. allocated(scene%impact) .and. by_tolerance(scene%modes)) layout%modes = after
-    layout%modes_before = merge(before, 0, allocated(scene%capture))
+    if (counts_in_its_run(scene) .and. by_tolerance(scene%modes)) layout%modes = after
+    if (changes_in_time(scene)) layout%modes = max(before, after)
+    layout%modes_before = merge(before, 0, allocated(scene%capture))      ! 0 with a tolerance
   end subroutine count_modes
 
   pure subroutine plan_profile(scene, layout)
@@ -209,6 +216,7 @@ contains
     case ('body'); length = layout%bodies
     case ('force'); length = layout%forces
     case ('base'); length = layout%bases
+    case ('configuration'); length = layout%configurations
     case ('unknown'); length = layout%unknowns
     case ('unknown_too'); length = merge(layout%unknowns, 0, layout%modelled)
     case ('parameter_letter'); length = merge(parameter_letters, 0, layout%modelled .and. layout%unknowns > 0)
@@ -264,9 +272,9 @@ contains
       if (allocated(layout%record)) there = layout%record%placed
     case ('waves'); there = has(layout, 'places') .and. (layout%of_plain_beam .or. .not. layout%of_record)
     case ('contacts'); there = layout%contacts
-    case ('blow'); there = layout%events > 0 .and. layout%contact_samples == 0
+    case ('blow'); there = layout%struck
     case ('continuum'); there = layout%continuum
-    case ('estimates'); there = layout%continuum .or. layout%contacts
+    case ('estimates'); there = layout%estimates
     case default; there = dimension_length(layout, words) > 0
     end select
   end function has

@@ -51,6 +51,9 @@ module bw_mode_set
     procedure :: body_energy => no_body_energy
     procedure :: find_tip_shears => unknown_tip_shears
     procedure :: turnings => no_turnings
+    procedure :: motion_at => plain_motion_at
+    procedure :: share_of_turn => no_turnings                     !! ⟨Φ_k, R + x⟩: what a rigid turn is of each mode, times M_k; else 0
+    procedure :: energy_of_pull => no_energy_of_pull
     procedure :: hub_turns => no_turnings                         !! how far a hub that is free turns in each mode, else 0
     procedure :: number_errors => errors_of_set
   end type mode_set
@@ -318,6 +321,24 @@ contains
     real(dp) :: turning(self%count)
     turning = 0.0_dp
   end function no_turnings
+
+  pure function plain_motion_at(self, xi) result(motion)
+    !! Deflection of all modes at a place, and the turning of the section there, both in the frame that turns evenly: what a body
+    !! at that place does, (modes, 2). Sets that never carry more than a point mass leave the turning out.
+    class(mode_set), intent(in) :: self
+    real(dp), intent(in) :: xi                    !! 0 ≤ ξ ≤ 1
+    real(dp) :: motion(self%count, 2)
+    motion(:, 1:1) = self%some_shapes(1, self%count, [xi])
+    motion(:, 2) = 0.0_dp
+  end function plain_motion_at
+
+  pure real(dp) function no_energy_of_pull(self, xi, q) result(energy)
+    !! ½∫v'² from the axis to a place: how far a centrifugal force of 1 there has been drawn inwards. 0 where there is no tension.
+    class(mode_set), intent(in) :: self
+    real(dp), intent(in) :: xi
+    real(dp), intent(in) :: q(:)                  !! of the first modes
+    energy = 0.0_dp*(self%count + size(q) + xi)
+  end function no_energy_of_pull
 
   subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
     !! Find what a sum over modes asks of them, and no more: a source may find it for less than a whole set.

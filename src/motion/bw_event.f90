@@ -4,9 +4,11 @@ module bw_event
   implicit none (type, external)
   private
 
-  integer, parameter, public :: no_event = 0, impact_event = 1, capture_event = 2, release_event = 3, contact_event = 4
+  integer, parameter, public :: no_event = 0, impact_event = 1, capture_event = 2, release_event = 3, contact_event = 4, &
+    arrival_event = 5, departure_event = 6, exchange_event = 7
+    !! of the last three: bodies come, bodies leave, or some come as others leave
   character(*), parameter, public :: event_words(0:*) = &
-    [character(8) :: 'none', 'impact', 'capture', 'release', 'contact']   !! by number
+    [character(9) :: 'none', 'impact', 'capture', 'release', 'contact', 'arrival', 'departure', 'exchange']   !! by number
 
   type, public :: event_type
     !! Masses in m_i, velocities in the approach velocity V; times in s.

@@ -14,7 +14,7 @@ module bw_initial_state
   use bw_segment, only: move
   implicit none (type, external)
   private
-  public :: continuum_initial_state, continuum_state, find_initial_state
+  public :: continuum_initial_state, continuum_state, find_initial_state, find_jump
 
   type, public :: initial_state
     !! What impact and capture leave.

@@ -1,16 +1,19 @@
 module bw_timeline
   !! The motion of a case as one list: segments, in which the modes of a configuration move on exactly, and changes between them, at
   !! which the state jumps or goes over to other modes. What a scene makes happen, and when, is asked here alone.
+  !!
+  !! A configuration is which bodies the beam carries. One that strikes and is captured is one of them: the last.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd, to_dd, operator(/)
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
+  use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
-  use bw_scene, only: scene_type
+  use bw_scene, only: at_start, changes_in_time, scene_type
   use bw_segment, only: alone, leaves_range, segment_type
   implicit none (type, external)
   private
-  public :: changes_of, comes_back, happens, most_events
+  public :: changes_of, comes_back, configurations_of, happens, most_configurations, most_events, number_of, start_of, steps_of
 
   type, public :: change_type
     !! A change at a time that the scene gives.
@@ -20,9 +23,24 @@ module bw_timeline
     type(dd) :: time                                !! l²/h
   end type change_type
 
+  type, public :: carried_type
+    !! What the beam carries.
+    logical, allocatable :: body(:)                 !! which bodies of the scene are there, (bodies)
+    logical :: captured = .false.                   !! the mass that struck is there, too
+  end type carried_type
+
+  type, public :: step_type
+    !! What happens at an instant: bodies come and leave, all at once.
+    real(dp) :: seconds = 0.0_dp
+    type(carried_type) :: carried                   !! from then on
+    logical :: is_impact = .false.                  !! the mass strikes
+    logical :: is_capture = .false.                 !! it stays
+    logical :: is_release = .false.                 !! it leaves
+  end type step_type
+
   type, public :: timeline_type
     type(event_type), allocatable :: events(:)      !! in the order of time
-    type(segment_type), allocatable :: segments(:)  !! in the order of time; none where nothing strikes the beam
+    type(segment_type), allocatable :: segments(:)  !! in the order of time; none where nothing moves the beam
     real(dp) :: known_until = huge(1.0_dp)          !! l²/h; nothing is known of the motion from then on
   end type timeline_type
 
@@ -37,6 +55,89 @@ contains
     if (allocated(scene%release)) &
       changes = [change_type(release_event, alone, scene%release%time, to_dd(scene%release%time)/units%time)]
   end function changes_of
+
+  pure function steps_of(scene) result(steps)
+    !! All that the scene makes happen, in the order of time; the first says what the beam carries before t = 0.
+    type(scene_type), intent(in) :: scene
+    type(step_type), allocatable :: steps(:)
+    real(dp), allocatable :: times(:)
+    type(step_type) :: step
+    integer :: i
+    allocate (step%carried%body(size(at_start(scene))))
+    if (allocated(scene%bodies)) step%carried%body = is_missing(scene%bodies%from)
+    steps = [step]
+    if (allocated(scene%impact)) then
+      step%is_impact = .true.
+      steps = [steps, step]
+      step%is_impact = .false.
+      step%is_capture = allocated(scene%capture)
+      step%carried%captured = step%is_capture
+      if (step%is_capture) steps = [steps, step]
+      step%is_capture = .false.
+    end if
+    times = times_of(scene)
+    do i = 1, size(times)
+      step%seconds = times(i)
+      step%is_release = .false.
+      if (allocated(scene%release)) step%is_release = scene%release%time == times(i)
+      if (step%is_release) step%carried%captured = .false.
+      if (allocated(scene%bodies)) then
+        where (scene%bodies%from == times(i)) step%carried%body = .true.
+        where (scene%bodies%until == times(i)) step%carried%body = .false.
+      end if
+      steps = [steps, step]
+    end do
+  end function steps_of
+
+  pure function times_of(scene) result(times)
+    !! At which bodies come or leave, each once, ascending.
+    type(scene_type), intent(in) :: scene
+    real(dp), allocatable :: times(:)
+    real(dp), allocatable :: all(:)
+    allocate (all(0), times(0))
+    if (allocated(scene%bodies)) all = pack([scene%bodies%from, scene%bodies%until], &
+                                            .not. is_missing([scene%bodies%from, scene%bodies%until]))
+    if (allocated(scene%release)) all = [all, scene%release%time]
+    do while (size(all) > 0)
+      times = [times, minval(all)]
+      all = pack(all, all > times(size(times)))
+    end do
+  end function times_of
+
+  pure function configurations_of(scene) result(configurations)
+    !! What the beam carries in each configuration that its modes are found of: of a beam that changes in time each one once, in the order
+    !! in which they come; else alone, and with the mass if that is captured.
+    type(scene_type), intent(in) :: scene
+    type(carried_type), allocatable :: configurations(:)
+    type(step_type), allocatable :: steps(:)
+    integer :: i
+    if (.not. changes_in_time(scene)) then
+      configurations = [carried_type(at_start(scene), .false.)]
+      if (allocated(scene%capture)) configurations = [configurations, carried_type(at_start(scene), .true.)]
+      return
+    end if
+    steps = steps_of(scene)
+    allocate (configurations(0))
+    do i = 1, size(steps)
+      if (number_of(configurations, steps(i)%carried) == 0) configurations = [configurations, steps(i)%carried]
+    end do
+  end function configurations_of
+
+  pure type(carried_type) function start_of(scene) result(carried)
+    !! What the beam carries after all that happens at t = 0.
+    type(scene_type), intent(in) :: scene
+    carried = carried_type(at_start(scene), allocated(scene%capture))
+  end function start_of
+
+  pure integer function number_of(configurations, carried) result(number)
+    !! Of a configuration; 0 where it is not among them.
+    type(carried_type), intent(in) :: configurations(:)
+    type(carried_type), intent(in) :: carried
+    do number = size(configurations), 1, -1
+      if (all(configurations(number)%body .eqv. carried%body) .and. &
+          (configurations(number)%captured .eqv. carried%captured)) return
+    end do
+  end function number_of
 
   pure logical function happens(change, scene, since, modes)
     !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.
@@ -54,11 +155,24 @@ contains
     comes_back = allocated(scene%release)
   end function comes_back
 
+  pure integer function most_configurations(scene) result(configurations)
+    !! That a scene that changes in time may have.
+    type(scene_type), intent(in) :: scene
+    configurations = size(configurations_of(scene))
+    if (size(scene%sweeps) > 0) configurations = 1 + most_events(scene, 0)     ! cases may have fewer
+  end function most_configurations
+
   pure integer function most_events(scene, contacts) result(events)
     !! That a scene may have.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: contacts                 !! that are followed, at most
     events = count([allocated(scene%impact), allocated(scene%capture), allocated(scene%release)])
+    if (changes_in_time(scene)) then
+      events = size(steps_of(scene)) - 1
+      if (size(scene%sweeps) > 0 .and. allocated(scene%bodies)) events = count([allocated(scene%impact), &
+        allocated(scene%capture), allocated(scene%release), .not. is_missing(scene%bodies%from), &
+        .not. is_missing(scene%bodies%until)])     ! cases may have fewer, two at once being one
+    end if
     if (allocated(scene%recontact)) events = events + contacts
   end function most_events
 

@@ -27,7 +27,7 @@ contains
     associate (response => result%response, points => scene%response%points)
       if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
-      call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes')
+      call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result))
       table = table_of('|xi|largest|error, about|of it|surely below', '', [-21, 8, 16, 15, 16, 15], &
                        [(.true., p=1, 5), allocated(response%displacement_bound)])
       call table%put_head(lines)
@@ -89,6 +89,19 @@ contains
       head = ''
     end do
   end subroutine report_quantity
+
+  pure function later_counts(result) result(words)
+    !! Other counts of modes that a beam which changes in time has later on.
+    type(case_result), intent(in) :: result
+    character(:), allocatable :: words
+    integer :: i
+    words = ''
+    if (.not. allocated(result%configurations)) return
+    do i = 2, size(result%segments)
+      if (result%segments(i)%count == result%mode_count .or. words /= '') cycle
+      words = ', then of '//text_of(result%segments(i)%count)
+    end do
+  end function later_counts
 
   pure function bound_words(bound) result(words)
     !! To two digits that are not below it.

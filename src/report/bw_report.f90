@@ -3,7 +3,7 @@ module bw_report
   !! beware of.
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
-  use bw_case_rows, only: values_of
+  use bw_case_rows, only: all_modes, starts_of, values_of
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, table_of, text_table
   use bw_event, only: capture_event, contact_event, event_words, release_event
@@ -35,7 +35,12 @@ contains
     if (allocated(result%record)) text = lines%text()
     if (result%mode_count == 0) return             ! a note says why
     call report_modes(scene, result, lines)
-    if (allocated(result%impact)) call report_impact(scene, result, lines)
+    if (allocated(result%configurations)) call report_configurations(result, lines)
+    if (allocated(result%impact)) then
+      call report_impact(scene, result, lines)
+    else if (allocated(result%configurations)) then
+      if (size(result%events) > 0) call report_events(result, lines)
+    end if
     if (allocated(result%contact)) call report_contact(scene, result, lines)
     if (allocated(result%loads)) call report_loads(scene, result, lines)
     if (allocated(result%response)) call report_histories(scene, result, lines)
@@ -76,6 +81,34 @@ contains
       values = values(:n)
     end function first_of
   end subroutine report_modes
+
+  subroutine report_configurations(result, lines)
+    !! The first frequencies of a beam that changes in time, of every configuration.
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    integer, parameter :: shown = 5, most = 12
+    real(dp), allocatable :: frequency(:, :), start(:)
+    type(text_table) :: table
+    character(:), allocatable :: cells
+    integer :: c, k, n
+    n = size(result%configurations)
+    if (n < 2) return
+    start = starts_of(result)
+    frequency = all_modes(result, 'angular_frequency')
+    frequency = scaled(frequency, 1.0_dp/two_pi)
+    call lines%append_line('')
+    table = table_of('configuration|from|mode 1|mode 2|mode 3|mode 4|mode 5', '|s|Hz|Hz|Hz|Hz|Hz', [15, 12, (13, k=1, shown)])
+    call table%put_head(lines)
+    do c = 1, min(n, most)
+      cells = text_of(c)//'|-'
+      if (.not. is_missing(start(c))) cells = text_of(c)//'|'//shortest(start(c), 6)
+      do k = 1, min(shown, size(frequency, 1))
+        cells = cells//'|'//fixed(frequency(k, c))
+      end do
+      call table%put_row(lines, cells)
+    end do
+    if (n > most) call lines%append_line('            ...  '//text_of(n)//' in the file')
+  end subroutine report_configurations
 
   pure logical function leaves_again(result)
     !! The captured mass is released, and the modes of the beam alone are known.

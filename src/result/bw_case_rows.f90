@@ -15,7 +15,7 @@ module bw_case_rows
   use bw_result_table, only: result_table, unit_of_sensors
   implicit none (type, external)
   private
-  public :: case_rows, values_of
+  public :: all_modes, case_rows, starts_of, values_of
 
   character(*), parameter :: of_blow = 'Eq. 12, reference [8]', estimate_of = 'estimate of the largest error of the ', &
     limit_of = '; with a capture, a contact that lasts or loads against infinitely many modes', &
@@ -44,6 +44,7 @@ contains
       call table%put(result%impact%modal_velocity(:before%count)*result%approach_velocity)
     if (table%real_row('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18', needs='mode_shapes')) &
       call table%put_columns(shapes_of(modes, result%profile_points))
+    call configuration_rows(table, result)
     call impact_rows(table, result, modes, before)
     call event_rows(table, result%events, result%units, result%approach_velocity, result%lever)
     call contact_rows(table, result%contact)
@@ -84,6 +85,67 @@ contains
         call table%put(scaled(modes%group_velocity(:n), units%velocity))
     end associate
   end subroutine modal_rows
+
+  subroutine configuration_rows(table, result)
+    !! The modes of all configurations of a beam that changes in time, and when each begins first.
+    class(result_table), intent(inout) :: table
+    type(case_result), intent(in) :: result
+    character(*), parameter :: both = 'configuration mode', ending = ', of every configuration'
+    if (table%real_row('configuration_start', 'configuration', 's', 'time at which the configuration begins first')) &
+      call table%put(starts_of(result))
+    if (row('alpha', '1', 'wave number times length')) call table%put_columns(all_modes(result, 'alpha'))
+    if (row('wavenumber', 'm-1', 'wave number P')) call table%put_columns(all_modes(result, 'wavenumber'))
+    if (row('angular_frequency', 'rad s-1', 'angular frequency')) call table%put_columns(all_modes(result, 'angular_frequency'))
+    if (row('growth_rate', 's-1', 'growth rate, the real part of the eigenvalue')) &
+      call table%put_columns(all_modes(result, 'growth_rate'))
+    if (row('modal_mass', 'kg', 'modal mass')) call table%put_columns(all_modes(result, 'modal_mass'))
+    if (row('phase_velocity', 'm s-1', 'phase velocity')) call table%put_columns(all_modes(result, 'phase_velocity'))
+    if (row('group_velocity', 'm s-1', 'group velocity')) call table%put_columns(all_modes(result, 'group_velocity'))
+  contains
+    logical function row(name, units, words)
+      character(*), intent(in) :: name, units, words
+      row = table%real_row('configuration_'//name, both, units, words//ending)
+    end function row
+  end subroutine configuration_rows
+
+  function starts_of(result) result(seconds)
+    !! Missing of one that does not begin before the record ends.
+    type(case_result), intent(in) :: result
+    real(dp), allocatable :: seconds(:)
+    integer :: c, i
+    allocate (seconds(size(result%configurations)), source=missing)
+    do i = size(result%segments), 1, -1
+      c = result%segments(i)%configuration
+      seconds(c) = result%segments(i)%start%hi*result%units%time%hi
+    end do
+  end function starts_of
+
+  function all_modes(result, name) result(values)
+    !! Of every configuration, (modes, configurations).
+    type(case_result), intent(in) :: result
+    character(*), intent(in) :: name
+    real(dp), allocatable :: values(:, :)
+    integer :: c, n
+    n = 0
+    do c = 1, size(result%configurations)
+      if (allocated(result%configurations(c)%set)) n = max(n, result%configurations(c)%set%count)
+    end do
+    allocate (values(n, size(result%configurations)), source=missing)
+    do c = 1, size(result%configurations)
+      if (.not. allocated(result%configurations(c)%set)) cycle
+      associate (set => result%configurations(c)%set, units => result%units)
+        select case (name)
+        case ('alpha'); values(:set%count, c) = set%alpha
+        case ('wavenumber'); values(:set%count, c) = set%alpha/units%length
+        case ('angular_frequency'); values(:set%count, c) = frequencies_of(set, units)
+        case ('growth_rate'); values(:set%count, c) = growth_of(set, units)
+        case ('modal_mass'); values(:set%count, c) = set%modal_mass*units%mass
+        case ('phase_velocity'); values(:set%count, c) = scaled(set%phase_velocity, units%velocity)
+        case default; values(:set%count, c) = scaled(set%group_velocity, units%velocity)
+        end select
+      end associate
+    end do
+  end function all_modes
 
   pure function frequencies_of(modes, units) result(values)
     !! Angular frequencies; missing of modes that have none.

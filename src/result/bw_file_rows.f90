@@ -66,6 +66,7 @@ contains
     call count_row(table, 'body', 'number of the body, in the order of the scene')
     call count_row(table, 'force', 'number of the force, in the order of the scene')
     call count_row(table, 'base', 'number of the motion of the base, in the order of the scene')
+    call count_row(table, 'configuration', 'number of the configuration, in the order in which they come')
     call count_row(table, 'unknown', 'number of the unknown, in the order of the scene, then of further scenes')
     call count_row(table, 'unknown_too', 'number of the unknown, as unknown')
     call count_row(table, 'stage', 'stage of the work', stage_words)
@@ -77,7 +78,7 @@ contains
     end if
     if (table%real_row('profile_position', 'profile', '1', along, is_complete=.true.)) &
       call table%put([(real(j, dp)/(table%layout%profile - 1), j=0, table%layout%profile - 1)])
-    if (table%real_row('time', 'time', 's', 'time since the '//trim(merge('first sample', 'impact      ', of_record)), &
+    if (table%real_row('time', 'time', 's', 'time since the '//begin_of(scene), &
                        is_complete=.true.)) then
       if (of_record) call table%put(table%layout%record%times)
       if (.not. of_record) call table%put(sample_times(scene%response%duration, scene%response%samples))
@@ -90,6 +91,15 @@ contains
       call table%put(scene%frequency_response%frequency)
     if (allocated(table%layout%record)) call sensor_rows(table, table%layout%record%sensors)
   end subroutine coordinate_rows
+
+  pure function begin_of(scene) result(words)
+    !! What happens at t = 0.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: words
+    words = 'beginning'
+    if (allocated(scene%impact)) words = 'impact'
+    if (allocated(scene%record)) words = 'first sample'
+  end function begin_of
 
   pure function points_of(scene) result(points)
     !! Where histories are wanted, or the answer to a force; both have the same points.

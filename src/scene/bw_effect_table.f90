@@ -63,12 +63,17 @@ module bw_effect_table
                 remark_on='beside an instantaneous blow', &
                 about='compared with an instantaneous blow'), &
     effect_type('force', 'force', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
-                excludes='contact recontact hub', remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
+                excludes='contact recontact hub initial', remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
                 about='all forces'), &
     effect_type('base', 'base', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
-                excludes='contact recontact hub', &
+                excludes='contact recontact hub initial', &
                 remark_off='tried with a half sine of @ m/s2 over the record, 0.001 EI/(m l^2)', &
                 about='all accelerations of the base'), &
+    effect_type('initial', 'initial', values='force = @', tried=0.01_dp, measure=own_unit, needs='impact response', &
+                excludes='hub contact recontact force base', counted=.true., &
+                remark_off='tried with force = @ N at the tip, EI/l^2/100', &
+                remark_on='beside a beam that is straight and at rest', &
+                about='compared with a beam at rest'), &
     effect_type('pieces', 'beam', 'length', tried=0.9_dp, &
                 remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
                 remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &

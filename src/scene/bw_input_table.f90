@@ -12,6 +12,7 @@ module bw_input_table
   use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
   use bw_hub_par, only: hub_group, hub_names
   use bw_identify_par, only: identify_group, identify_names
+  use bw_initial_par, only: initial_group, initial_names
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, is_sweepable, name_length
   use bw_modes_par, only: modes_group, modes_names
@@ -49,6 +50,7 @@ module bw_input_table
     recontact_group, &
     force_group, &
     base_group, &
+    initial_group, &
     modes_group, &
     response_group, &
     frequency_response_group, &
@@ -75,6 +77,7 @@ module bw_input_table
     recontact_names, &
     force_names, &
     base_names, &
+    initial_names, &
     modes_names, &
     response_names, &
     frequency_response_names, &

@@ -3,7 +3,7 @@ module bw_scene
   !! own file is asked for what it knows: its rules, its values that follow from others, its component, its words in a report.
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
   use bw_base_par, only: bases_text, build_base
-  use bw_body_par, only: bodies_text, body_par, build_body, check_body
+  use bw_body_par, only: bodies_text, body_par, build_body, check_body, comes_or_leaves
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_contact_par, only: build_contact, check_contact, check_contact_place, complete_contact, contact_par, contact_text
   use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
@@ -13,11 +13,13 @@ module bw_scene
   use bw_hub_par, only: build_hub, complete_hub, hub_par, hub_text
   use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
+  use bw_initial_par, only: build_initial, check_initial, complete_initial, initial_par, initial_text
   use bw_input_name, only: is_simulated
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
   use bw_load_par, only: check_load, complete_loads, load_par
+  use bw_missing, only: is_missing
   use bw_modes_par, only: build_modes, modes_par, complete_modes
   use bw_record_par, only: build_record, check_record, record_par, complete_record
   use bw_recontact_par, only: build_recontact, recontact_par
@@ -31,11 +33,12 @@ module bw_scene
   use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
   use bw_support_par, only: build_support, check_support, support_par, support_text, tip_support_text
   use bw_sweep_par, only: check_sweep, sweep_par
+  use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
   public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, effects_text, &
-    counts_in_its_run, has_parts, is_built_up, is_loaded, method_name
+    at_start, changes_in_time, counts_in_its_run, has_parts, is_built_up, is_loaded, method_name, unit_velocity
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -58,6 +61,7 @@ module bw_scene
     type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
     type(force_par), allocatable :: forces(:)     !! &force, in the order of the scene; unallocated: none
     type(load_par), allocatable :: bases(:)       !! &base, likewise
+    type(initial_par), allocatable :: initial     !! &initial; absent: the beam is straight and at rest
     type(modes_par) :: modes                      !! &modes, always complete
     type(response_par), allocatable :: response   !! &response; absent: no time history
     type(frequency_response_par), allocatable :: frequency_response   !! &frequency_response; absent: none
@@ -122,6 +126,7 @@ contains
     case ('release'); scene%release = build_release(scene%groups(g))
     case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
     case ('force', 'base'); call build_one_load(scene, g)
+    case ('initial'); scene%initial = build_initial(scene%groups(g))
     case ('modes'); scene%modes = build_modes(scene%groups(g))
     case ('response'); scene%response = build_response(scene%groups(g))
     case ('frequency_response'); scene%frequency_response = build_frequency_response(scene%groups(g))
@@ -169,6 +174,7 @@ contains
     case ('impact'); call check_impact(group, messages)
     case ('contact'); call check_contact(group, messages)
     case ('force', 'base'); call check_load(group, messages)
+    case ('initial'); call check_initial(group, messages)
     case ('response'); call check_response(group, messages)
     case ('record'); call check_record(group, messages)
     case ('identify'); call check_identify(group, messages)
@@ -186,13 +192,39 @@ contains
     call check_frequency_response(groups, messages)
     call check_contact_place(groups, messages)
     call check_limits(groups, messages)
+    call check_timeline(groups, messages)
   end subroutine check_rules_together
+
+  pure subroutine check_timeline(groups, messages)
+    !! What bodies that come or leave and a first motion have to do with other groups; and something has to move the beam.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    character(*), parameter :: refused(5) = [character(9) :: 'contact', 'recontact', 'record', 'force', 'base']
+    integer :: g, i, response
+    logical :: moves
+    moves = any([position_of(groups, 'impact'), position_of(groups, 'initial'), position_of(groups, 'force'), &
+                 position_of(groups, 'base')] > 0)
+    do g = 1, size(groups)
+      if (groups(g)%group /= 'body') cycle
+      moves = moves .or. groups(g)%given('velocity')
+      if (.not. (groups(g)%given('from') .or. groups(g)%given('until'))) cycle
+      do i = 1, size(refused)
+        if (position_of(groups, trim(refused(i))) > 0) call messages%add(groups(g)%line, '&body', &
+          'comes or leaves, which excludes &'//trim(refused(i))//' of line '// &
+          text_of(groups(position_of(groups, trim(refused(i))))%line)//'; accepted: without from and until, or without &'// &
+          trim(refused(i)))
+      end do
+    end do
+    response = position_of(groups, 'response')
+    if (response > 0 .and. .not. moves) call messages%add(groups(response)%line, '&response', 'nothing moves the beam; '// &
+      'accepted: with &impact, &force, &base, &initial, or a &body with a velocity')
+  end subroutine check_timeline
 
   pure subroutine complete_groups(groups, messages)
     !! Fill in the values of new groups that follow from others, which may change from case to case.
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
-    logical :: struck, captured, lasting, loaded
+    logical :: struck, captured, lasting, loaded, timed
     integer :: g
     do g = 1, size(groups)
       if (.not. groups(g)%changed) cycle
@@ -201,6 +233,7 @@ contains
       case ('shear'); call complete_shear(groups)
       case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('contact'); call complete_contact(groups)
+      case ('initial'); call complete_initial(groups(g))
       case ('hub', 'stiffening'); call complete_hub(groups)
       case ('force', 'base'); call complete_loads(groups, messages)
       case ('record'); call complete_record(groups, messages)
@@ -210,8 +243,9 @@ contains
         captured = struck .and. position_of(groups, 'capture') > 0
         lasting = struck .and. position_of(groups, 'contact') > 0
         loaded = position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0
-        lasting = lasting .or. (loaded .and. .not. struck)
-        call complete_modes(groups(g), struck .and. .not. (captured .or. lasting), captured, lasting, &
+        timed = comes_or_leaves(groups)
+        lasting = lasting .or. (.not. struck .and. (loaded .or. timed .or. position_of(groups, 'initial') > 0))
+        call complete_modes(groups(g), struck .and. .not. (captured .or. lasting), captured .or. timed, lasting, &
                             position_of(groups, 'response') > 0, messages)
       case default                                   ! nothing follows from others
       end select
@@ -245,6 +279,7 @@ contains
       case ('recontact'); text = text//', recontact'
       case ('force'); text = text//', '//forces_text(scene%groups)
       case ('base'); text = text//', '//bases_text(scene%groups)
+      case ('initial'); text = text//', '//initial_text(scene%groups(g))
       case default                                   ! no effect
       end select
     end do
@@ -369,11 +404,36 @@ contains
     is_loaded = allocated(scene%forces) .or. allocated(scene%bases)
   end function is_loaded
 
+  pure logical function changes_in_time(scene) result(changes)
+    !! Bodies come or leave, or the beam moves from the beginning: its motion is a timeline of any number of configurations.
+    type(scene_type), intent(in) :: scene
+    changes = allocated(scene%initial)
+    if (allocated(scene%bodies)) &
+      changes = changes .or. any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
+  end function changes_in_time
+
   pure logical function counts_in_its_run(scene)
     !! How many modes a tolerance takes is found in the run itself, by what more modes change, and not planned beforehand.
     type(scene_type), intent(in) :: scene
-    counts_in_its_run = allocated(scene%contact) .or. (is_loaded(scene) .and. .not. allocated(scene%impact))
+    counts_in_its_run = allocated(scene%contact) .or. changes_in_time(scene) .or. &
+      (is_loaded(scene) .and. .not. allocated(scene%impact))
   end function counts_in_its_run
+
+  pure real(dp) function unit_velocity(scene) result(velocity)
+    !! What velocities without dimensions are in: that of the mass that strikes, or 1 m/s where it need not be what moves the beam, m/s.
+    type(scene_type), intent(in) :: scene
+    velocity = 1.0_dp
+    if (allocated(scene%impact) .and. .not. changes_in_time(scene)) velocity = scene%impact%approach_velocity
+  end function unit_velocity
+
+  pure function at_start(scene) result(present)
+    !! Which bodies are there after all that happens at t = 0, (bodies).
+    type(scene_type), intent(in) :: scene
+    logical, allocatable :: present(:)
+    allocate (present(0))
+    if (.not. allocated(scene%bodies)) return
+    present = is_missing(scene%bodies%from) .or. scene%bodies%from <= 0.0_dp
+  end function at_start
 
   pure logical function has_parts(groups)
     !! The beam is more than one piece, clamped, with nothing attached to it.

@@ -1,5 +1,6 @@
 module bw_scene_checks
   !! What the names of a group, and the groups of a scene, have to do with each other, and what its cases have to keep to.
+  use bw_body_par, only: check_bodies
   use bw_hub_par, only: check_hub
   use bw_input_name, only: accepted_text, has_word, is_simulated, place_of
   use bw_input_table, only: group_row, group_table, name_table
@@ -8,7 +9,7 @@ module bw_scene_checks
   use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: message_list
   use bw_scene_scales, only: check_scales
-  use bw_text, only: string, text_of, words_of
+  use bw_text, only: shortest, string, text_of, words_of
   implicit none (type, external)
   private
   public :: check_case, check_group, check_groups
@@ -169,6 +170,8 @@ contains
     call check_held(scene, messages)
     call check_struck(scene, messages)
     call check_hub(scene%groups, messages)
+    call check_bodies(scene%groups, messages)
+    call check_initial_motion(scene, messages)
     call check_method(scene, messages)
     call check_scales(scene, messages)
   end subroutine check_case
@@ -210,6 +213,34 @@ contains
                       'is 1, the tip, which &tip_support holds rigidly: a blow there moves nothing; accepted: > 0 and < 1, or '// &
                       'a stiffness of &tip_support')
   end subroutine check_struck
+
+  pure subroutine check_initial_motion(scene, messages)
+    !! A beam that is clamped to a frame whose motion is prescribed cannot turn, and nothing holds a hub that is free under a force.
+    type(scene_type), intent(in) :: scene
+    type(message_list), intent(inout) :: messages
+    logical :: turns
+    real(dp) :: radius, speed                     ! of the place that the mass strikes
+    if (.not. allocated(scene%initial)) return
+    if (allocated(scene%impact)) then
+      radius = scene%impact%position*scene%beam%length
+      if (allocated(scene%hub)) radius = radius + scene%hub%radius
+      speed = scene%initial%angular_velocity*radius
+      associate (impact => scene%groups(position_of(scene%groups, 'impact')), velocity => scene%impact%approach_velocity)
+        if (velocity /= 0.0_dp .and. speed/velocity >= 1.0_dp) call messages%add(impact%line_of('approach_velocity'), &
+          'impact%approach_velocity', 'is '//shortest(velocity, 6)//' m/s, and the beam moves away from the mass at '// &
+          shortest(speed, 6)//' m/s there; accepted: a larger one')
+      end associate
+    end if
+    associate (initial => scene%groups(position_of(scene%groups, 'initial')))
+      turns = allocated(scene%hub)
+      if (allocated(scene%support)) turns = turns .or. allocated(scene%support%rotational_stiffness)
+      if (initial%known('angular_velocity') .and. .not. turns) call messages%add(initial%line_of('angular_velocity'), &
+        'initial%angular_velocity', 'is that of a beam whose root is clamped; accepted: with a rotational_stiffness of '// &
+        '&support, 0 for a hinge, or with &hub')
+      if (initial%known('force') .and. allocated(scene%hub)) call messages%add(initial%line_of('force'), 'initial%force', &
+        'bends a beam on a hub that is free to turn, and nothing holds it; accepted: angular_velocity, or without &hub')
+    end associate
+  end subroutine check_initial_motion
 
   pure subroutine check_method(scene, messages)
     !! A Galerkin basis holds so many modes.

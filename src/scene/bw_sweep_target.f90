@@ -34,7 +34,7 @@ contains
     if (index(parameter, '&') == 1) then
       problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
     else if (mark == 0 .or. scan(parameter, ' ') > 0) then
-      problem = "names no input"//likely_target(source%group, parameter)//"; accepted: 'group%name'"
+      problem = "names no input"//likely_target(source%group, parameter, groups)//"; accepted: 'group%name'"
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
     else if (name_row(group, name) == 0) then
@@ -58,15 +58,20 @@ contains
       (row%group == 'beam' .or. group_table(group_row(row%group))%is_effect)
   end function is_taken
 
-  pure function likely_target(by, parameter) result(text)
-    !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing.
+  pure function likely_target(by, parameter, groups) result(text)
+    !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing. Groups that
+    !! the scene has go before others.
     character(*), intent(in) :: by, parameter
+    type(group_values), intent(in) :: groups(:)
     character(:), allocatable :: text, name
     integer :: i
+    logical :: there
     text = ''
     name = trim(parameter(scan(parameter, '.:/ ', back=.true.) + 1:))
+    there = any([(name_table(i)%name == name .and. position_of(groups, trim(name_table(i)%group)) > 0, i=1, size(name_table))])
     do i = 1, size(name_table)
       if (name_table(i)%name /= name .or. .not. is_taken(by, name_table(i))) cycle
+      if (there .and. position_of(groups, trim(name_table(i)%group)) == 0) cycle
       if (index(parameter, trim(name_table(i)%group)) == 0 .and. len(parameter) > len(name)) cycle
       if (text /= '') text = text//' or'
       text = text//" '"//place_of(name_table(i))//"'"

@@ -43,6 +43,8 @@ def is_walked(scene, number):
     """Left out: most of those with what stands together, and what a hub that is free refuses for more than a group."""
     if len({group in scene for group in TOGETHER}) > 1 or (scene.keys() & {"body", "force", "base"} and number % EVERY):
         return False
+    if "hub" in scene and "initial" in scene:
+        return False
     if "hub" not in scene or "recontact" in scene:
         return True
     turns = scene.get("rotation")

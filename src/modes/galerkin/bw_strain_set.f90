@@ -7,6 +7,7 @@ module bw_strain_set
   use bw_missing, only: no_number
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: joint_position
   use bw_piece_shape, only: beam_place, place_of
   use bw_piece_strains, only: piece_motions
   use bw_strain_basis, only: basis_values, times_polynomial
@@ -38,6 +39,9 @@ module bw_strain_set
     procedure :: find_tip_shears
     procedure :: turnings
     procedure :: hub_turns
+    procedure :: motion_at
+    procedure :: share_of_turn
+    procedure :: energy_of_pull
     procedure, private :: in_frame
   end type strain_set
 
@@ -292,26 +296,100 @@ contains
     whole%turning = whole%turning + spread(self%hub_turn, 1, size(whole%turning, 1))
   end function in_frame
 
+  pure function motion_at(self, xi) result(motion)
+    class(strain_set), intent(in) :: self
+    real(dp), intent(in) :: xi
+    real(dp) :: motion(self%count, 2)
+    type(beam_place) :: place
+    real(dp) :: arm, x
+    place = place_of(self%given%beam, xi)
+    associate (i => place%piece)
+      x = 0.5_dp + place%offset%hi/self%given%beam%piece(i)%length%hi
+      arm = self%given%beam%root%hub_radius%hi + sum(self%given%beam%piece(:i - 1)%length%hi) &
+        + x*self%given%beam%piece(i)%length%hi
+      if (x <= 0.0_dp) then
+        motion(:, 1) = self%deflection(i - 1, :)
+        motion(:, 2) = self%turning(i - 1, :)
+      else if (x >= 1.0_dp) then
+        motion(:, 1) = self%deflection(i, :)
+        motion(:, 2) = self%turning(i, :)
+      else
+        associate (v => self%piece(i)%deflection, psi => self%piece(i)%turning)
+          motion(:, 1:1) = matmul(transpose(v), basis_values(size(v, 1), [x]))
+          motion(:, 2:2) = matmul(transpose(psi), basis_values(size(psi, 1), [x]))
+        end associate
+      end if
+    end associate
+    if (allocated(self%hub_turn)) motion = motion + spread([arm, 1.0_dp], 1, self%count)*spread(self%hub_turn, 2, 2)
+  end function motion_at
+
+  pure function share_of_turn(self) result(share)
+    class(strain_set), intent(in) :: self
+    real(dp) :: share(self%count)
+    type(strain_set) :: whole
+    real(dp) :: arm
+    integer :: i
+    whole = self%in_frame()
+    share = 0.0_dp
+    arm = self%given%beam%root%hub_radius%hi
+    do i = 1, size(self%piece)
+      associate (piece => self%given%beam%piece(i), law => self%given%law(i), joint => self%given%beam%joint(i), &
+                 v => whole%piece(i)%deflection, psi => whole%piece(i)%turning)
+        arm = arm + piece%length%hi
+        share = share + piece%mass%hi*piece%length%hi &
+          *products(law%mass, v, spread(turn_of_piece(self%given, i, size(v, 1)), 2, 1), [1.0_dp]) &
+          + piece%rotary%hi*piece%length%hi &
+          *products(law%rotary, psi, reshape([1.0_dp, spread(0.0_dp, 1, size(psi, 1) - 1)], [size(psi, 1), 1]), [1.0_dp]) &
+          + joint%mass%hi*arm*whole%deflection(i, :) + joint%inertia%hi*whole%turning(i, :)
+      end associate
+    end do
+    if (allocated(self%hub_turn)) share = share + self%given%beam%root%hub_inertia%hi*self%hub_turn
+  end function share_of_turn
+
   pure function energy_of_body(self, q, rate) result(energy)
     !! ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inside of it: how far its centrifugal force has been drawn inwards.
     !! Rotation does no work on its turning: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
     class(strain_set), intent(in) :: self
     real(dp), intent(in) :: q(:), rate(:)          !! (modes)
-    real(dp) :: energy(2), turn, first
-    integer :: i
+    real(dp) :: energy(2)
     energy(1) = 0.0_dp
     if (self%body_inertia > 0.0_dp) energy(1) = 0.5_dp*self%body_inertia*sum(turned(self%turnings(), rate))**2
-    energy(2) = 0.0_dp
+    energy(2) = self%body_pull*drawn_inwards(self, self%struck_joint, q)
+  end function energy_of_body
+
+  pure real(dp) function energy_of_pull(self, xi, q) result(energy)
+    class(strain_set), intent(in) :: self
+    real(dp), intent(in) :: xi
+    real(dp), intent(in) :: q(:)
+    real(dp), parameter :: same_place = 1.0e-14_dp
+    type(dd) :: joint
+    integer :: i
+    energy = 0.0_dp
+    if (.not. self%given%is_pulled) return
+    do i = 1, size(self%piece)
+      joint = joint_position(self%given%beam, i)
+      if (joint%hi > xi - same_place) exit
+    end do
+    energy = drawn_inwards(self, min(i, size(self%piece)), q)
+  end function energy_of_pull
+
+  pure real(dp) function drawn_inwards(self, joint, q) result(way)
+    !! ½∫v'² up to a joint, with what the turn of a hub that is free adds.
+    class(strain_set), intent(in) :: self
+    integer, intent(in) :: joint
+    real(dp), intent(in) :: q(:)                   !! of the first modes
+    real(dp) :: first, turn
+    integer :: i
+    way = 0.0_dp
     turn = 0.0_dp
     if (allocated(self%hub_turn)) turn = dot_product(self%hub_turn(:size(q)), q)
-    do i = 1, self%struck_joint
+    do i = 1, joint
       first = dot_product(self%piece(i)%slope(1, :size(q)), q)
-      energy(2) = energy(2) + 0.5_dp*self%body_pull*self%given%beam%piece(i)%length%hi &
+      way = way + 0.5_dp*self%given%beam%piece(i)%length%hi &
         *(sum(matmul(self%piece(i)%slope(:, :size(q)), q)**2) + turn*(2.0_dp*first + turn))
     end do
-    energy(2) = energy(2) + self%body_pull*turn*(dot_product(self%deflection(0, :size(q)), q) &
-                                                 + 0.5_dp*self%given%beam%root%hub_radius%hi*turn)
-  end function energy_of_body
+    way = way + turn*(dot_product(self%deflection(0, :size(q)), q) + 0.5_dp*self%given%beam%root%hub_radius%hi*turn)
+  end function drawn_inwards
 
   pure function turned(turning, rate) result(parts)
     real(dp), intent(in) :: turning(:), rate(:)            !! of all modes; of the first of them

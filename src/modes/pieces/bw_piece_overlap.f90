@@ -2,10 +2,10 @@ module bw_piece_overlap
   !! What modes of a beam of pieces see of a motion written in modes of the same beam with another body at a joint, without
   !! quadrature.
   !!
-  !! Let φ_i be modes of the beam and Φ_k those with a body (m, J) more. Both have the same stiffness, so that
-  !! (β_i² − B_k²)⟨φ_i, Φ_k⟩ = Λ_k m φ_iΦ_k + B_k² J ψ_iΨ_k at the body, ⟨·,·⟩ the product by all mass and inertia without
-  !! it, Λ_k = B_k² (+ Ω² in plane). With the body's mass the product is (λ_i m φ_iΦ_k + B_k² J ψ_iΨ_k)/(β_i² − B_k²).
-  !! Modes that hardly differ are integrated instead.
+  !! Let φ_i be modes of the beam and Φ_k those with a body (m, J) and its springs (k_v, k_θ) more. Then
+  !! (β_i² − B_k²)⟨φ_i, Φ_k⟩ = (Λ_k m − k_v)φ_iΦ_k + (B_k² J − k_θ)ψ_iΨ_k at the body, ⟨·,·⟩ the product by all mass and inertia
+  !! without it, Λ_k = B_k² (+ Ω² in plane). With the body's mass the first term has λ_i in the place of Λ_k.
+  !! Modes that hardly differ are integrated instead, and so are those of which a stiff spring leaves too few digits.
   use bw_double_double, only: add_exactly, dd, operator(-)
   use bw_kinds, only: dp
   use bw_mode_probe, only: piece_system
@@ -20,6 +20,7 @@ module bw_piece_overlap
     !! product of modes of mass 1 from which it is integrated: the values at the body have lost digits where they are small
 
   integer, parameter :: asked_every = 64         !! motions after which the monitor is asked
+  real(dp), parameter :: least_digits = 1.0e-13_dp  !! of products of modes of mass 1
 
   type, public :: piece_modes
     !! Modes as their amplitudes.
@@ -30,7 +31,15 @@ module bw_piece_overlap
     real(dp), allocatable :: deflection(:, :)    !! at the joints, (joints, modes)
     real(dp), allocatable :: turning(:, :)       !! at the joints, (joints, modes)
     real(dp), allocatable :: mass(:)             !! M_k, (modes)
+    real(dp), allocatable :: root(:, :)          !! deflection and turning at the root, (2, modes)
   end type piece_modes
+
+  type :: change_type
+    !! By how much `onto` has more, at a joint; 0 is the root.
+    integer :: joint = 0
+    real(dp) :: mass = 0.0_dp, inertia = 0.0_dp
+    real(dp) :: stiffness = 0.0_dp, turning_stiffness = 0.0_dp
+  end type change_type
 
 contains
 
@@ -44,13 +53,10 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
     real(dp) :: sums(size(onto%lambda))
     integer, parameter :: most = 512, most_parts = 4096   ! modes, and their pieces, whose numbers stay in the cache
-    integer, allocatable :: changed(:)
-    integer :: batch, first, j, last
+    type(change_type), allocatable :: changed(:)
+    integer :: batch, first, last
     batch = max(1, min(most, most_parts/size(onto%system%piece)))
-    changed = [integer ::]
-    do j = 1, size(onto%system%beam%joint)
-      if (change_at(onto, from, j, 1) /= 0.0_dp .or. change_at(onto, from, j, 2) /= 0.0_dp) changed = [changed, j]
-    end do
+    changed = changes_between(onto, from)
     do first = 1, size(sums), batch
       last = min(first + batch - 1, size(sums))
       call find_sums(some_of(onto, first, last), from, amplitude, changed, with_mass, sums(first:last), monitor)
@@ -63,14 +69,15 @@ contains
     type(piece_modes), intent(in) :: modes
     integer, intent(in) :: first, last
     some = piece_modes(modes%system, modes%lambda(first:last), modes%square(first:last), modes%amplitude(:, :, first:last), &
-                       modes%deflection(:, first:last), modes%turning(:, first:last), modes%mass(first:last))
+                       modes%deflection(:, first:last), modes%turning(:, first:last), modes%mass(first:last), &
+                       modes%root(:, first:last))
   end function some_of
 
   subroutine find_sums(onto, from, amplitude, changed, with_mass, sums, monitor)
     !! As those of `overlap_sums`.
     type(piece_modes), intent(in) :: onto, from
     real(dp), intent(in) :: amplitude(:)
-    integer, intent(in) :: changed(:)            !! joints at which the beams differ
+    type(change_type), intent(in) :: changed(:)  !! joints at which the beams differ
     logical, intent(in) :: with_mass
     real(dp), intent(out) :: sums(:)
     class(monitor_type), intent(inout), optional :: monitor
@@ -91,50 +98,82 @@ contains
     sums = sums + lost
   end subroutine find_sums
 
-  elemental real(dp) function change_at(onto, from, j, which) result(change)
-    !! By how much `onto` has more mass (1) or inertia (2) at a joint.
+  pure function changes_between(onto, from) result(changed)
+    !! The joints at which the beams differ.
     type(piece_modes), intent(in) :: onto, from
-    integer, intent(in) :: j, which
-    if (which == 1) then
-      change = onto%system%beam%joint(j)%mass%hi - from%system%beam%joint(j)%mass%hi
+    type(change_type), allocatable :: changed(:)
+    type(change_type) :: change
+    integer :: j
+    allocate (changed(0))
+    associate (root => onto%system%beam%root, root_too => from%system%beam%root)
+      change%stiffness = root%stiffness%hi - root_too%stiffness%hi
+      change%turning_stiffness = root%turning_stiffness%hi - root_too%turning_stiffness%hi
+    end associate
+    if (differs(change)) changed = [change]
+    do j = 1, size(onto%system%beam%joint)
+      associate (joint => onto%system%beam%joint(j), joint_too => from%system%beam%joint(j))
+        change = change_type(j, joint%mass%hi - joint_too%mass%hi, joint%inertia%hi - joint_too%inertia%hi, &
+                             joint%stiffness%hi - joint_too%stiffness%hi, &
+                             joint%turning_stiffness%hi - joint_too%turning_stiffness%hi)
+      end associate
+      if (differs(change)) changed = [changed, change]
+    end do
+  contains
+    pure logical function differs(change)
+      type(change_type), intent(in) :: change
+      differs = any([change%mass, change%inertia, change%stiffness, change%turning_stiffness] /= 0.0_dp)
+    end function differs
+  end function changes_between
+
+  pure subroutine motion_at(modes, j, deflection, turning)
+    !! Of all modes at a joint; 0 is the root.
+    type(piece_modes), intent(in) :: modes
+    integer, intent(in) :: j
+    real(dp), intent(out) :: deflection(:), turning(:)
+    if (j == 0) then
+      deflection = modes%root(1, :)
+      turning = modes%root(2, :)
     else
-      change = onto%system%beam%joint(j)%inertia%hi - from%system%beam%joint(j)%inertia%hi
+      deflection = modes%deflection(j, :)
+      turning = modes%turning(j, :)
     end if
-  end function change_at
+  end subroutine motion_at
 
   pure subroutine products_with(onto, from, i, changed, with_mass, parts, known, products)
     !! ⟨Φ_k, φ_i⟩ for all k.
     type(piece_modes), intent(in) :: onto, from
     integer, intent(in) :: i
-    integer, intent(in) :: changed(:)            !! joints at which the beams differ
+    type(change_type), intent(in) :: changed(:)
     logical, intent(in) :: with_mass
     type(piece_part), intent(inout) :: parts(:, :)   !! motions of `onto` that have been integrated, (pieces, k)
     logical, intent(inout) :: known(:)           !! these, (k)
     real(dp), intent(out) :: products(:)         !! (k)
-    real(dp), dimension(size(products)) :: gap, numerator, moved
+    real(dp), dimension(size(products)) :: blurred, gap, moved, numerator, psi, v
+    real(dp), dimension(size(from%mass)) :: psi_too, v_too
     type(piece_part) :: own(size(parts, 1))      ! of φ_i
     logical :: near(size(products))
-    real(dp) :: mass, inertia
-    integer :: c, j, k
+    integer :: c, k
     gap = (from%square(i)%hi - onto%square%hi) + (from%square(i)%lo - onto%square%lo)
     numerator = 0.0_dp
     moved = 0.0_dp
+    blurred = 0.0_dp
     do c = 1, size(changed)
-      j = changed(c)
-      mass = change_at(onto, from, j, 1)
-      inertia = change_at(onto, from, j, 2)
-      associate (v => onto%deflection(j, :)*from%deflection(j, i), psi => onto%turning(j, :)*from%turning(j, i))
-        if (mass > 0.0_dp .neqv. with_mass) then
-          numerator = numerator + mass*onto%lambda%hi*v
-        else
-          numerator = numerator + mass*from%lambda(i)%hi*v
-        end if
-        numerator = numerator + inertia*merge(onto%square%hi, from%square(i)%hi, inertia > 0.0_dp)*psi
-        if (with_mass) moved = moved + abs(mass)*v
+      call motion_at(onto, changed(c)%joint, v, psi)
+      call motion_at(from, changed(c)%joint, v_too, psi_too)
+      associate (mass => changed(c)%mass, inertia => changed(c)%inertia, &
+                 springs => abs([changed(c)%stiffness, changed(c)%turning_stiffness]))
+        numerator = numerator + v*v_too(i)*(mass*merge(onto%lambda%hi, from%lambda(i)%hi, mass > 0.0_dp .neqv. with_mass) &
+                                            - changed(c)%stiffness)
+        numerator = numerator + psi*psi_too(i)*(inertia*merge(onto%square%hi, from%square(i)%hi, inertia > 0.0_dp) &
+                                                - changed(c)%turning_stiffness)
+        if (with_mass) moved = moved + abs(mass)*v*v_too(i)
+        if (any(springs > 0.0_dp)) blurred = blurred + epsilon(gap)*( &
+          springs(1)*(abs(v)/sqrt(from%mass(i)) + abs(v_too(i))/sqrt(onto%mass)) &
+          + springs(2)*(abs(psi)*wave(from%square(i)%hi)/sqrt(from%mass(i)) + abs(psi_too(i))*wave(onto%square%hi)/sqrt(onto%mass)))
       end associate
     end do
-    products = alike*abs(gap)*sqrt(onto%mass*from%mass(i))
-    near = abs(numerator) >= products
+    products = abs(gap)*sqrt(onto%mass*from%mass(i))
+    near = abs(numerator) >= alike*products .or. blurred*sqrt(onto%mass*from%mass(i)) > least_digits*products
     if (any(near)) gap = merge(1.0_dp, gap, near)
     products = numerator/gap
     if (.not. any(near)) return
@@ -145,6 +184,12 @@ contains
       known(k) = .true.
       products(k) = product_of(onto, k, parts(:, k), from, i, own) + moved(k)
     end do
+  contains
+    elemental real(dp) function wave(square)
+      !! About the wave number of a mode.
+      real(dp), intent(in) :: square
+      wave = 1.0_dp + sqrt(sqrt(abs(square)))
+    end function wave
   end subroutine products_with
 
   pure function parts_of(modes, k) result(parts)

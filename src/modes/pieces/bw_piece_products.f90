@@ -12,7 +12,7 @@ module bw_piece_products
   use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
   implicit none (type, external)
   private
-  public :: part_of, piece_product
+  public :: part_of, piece_product, turn_product
 
   integer, parameter :: nodes = 20
   real(dp), parameter :: half_rule(10) = [ &
@@ -64,6 +64,45 @@ contains
       product = wave_product(piece, one%waves, one%amplitude, other%waves, other%amplitude)
     end if
   end function piece_product
+
+  pure real(dp) function turn_product(piece, frequency, amplitude, inner) result(product)
+    !! ∫ρAxv + ρIψ dx, of a motion and a rigid turn about the root. By the states at the ends, mλ∫xv = −[xN + M] − Rψ's integral, which is
+    !! ∫ψ = ([v] + s[M])/(1 − sR); by Gauss's rule where the piece is short, and over half waves where sR is near 1.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    real(dp), intent(in) :: amplitude(4)
+    real(dp), intent(in) :: inner                !! place of the inner end
+    real(dp), parameter :: near_cutoff = 1.0e-2_dp
+    real(dp) :: cut, ends(4, 2), turned
+    type(wave_numbers) :: waves
+    integer :: halves, j
+    cut = 1.0_dp - piece%cut%hi*frequency%rho%hi
+    if (.not. is_short(piece, frequency) .and. abs(cut) > near_cutoff) then
+      ends = states_inside(piece, frequency, amplitude, [-piece%half, piece%half])
+      turned = ((ends(1, 2) - ends(1, 1)) + piece%flexible%hi/piece%stiffness%hi*(ends(3, 2) - ends(3, 1)))/cut
+      product = -((inner + 2*piece%half%hi)*ends(4, 2) - inner*ends(4, 1) + ends(3, 2) - ends(3, 1) &
+                  + piece%rotary%hi*frequency%rho%hi*turned)/frequency%lambda%hi + piece%rotary%hi*turned
+      return
+    end if
+    halves = 1
+    if (.not. is_short(piece, frequency)) then
+      waves = wave_numbers_of(piece, frequency)
+      halves = 1 + int(maxval(waves%p%hi)*piece%half%hi)
+    end if
+    product = 0.0_dp
+    do j = 1, halves
+      product = product + part_of_turn((2*j - 1 - halves)/real(halves, dp))
+    end do
+  contains
+    pure real(dp) function part_of_turn(middle) result(part)
+      real(dp), intent(in) :: middle             !! of a part, over half of the piece
+      real(dp) :: state(4, nodes), x(nodes)
+      x = middle + node/halves
+      state = states_inside(piece, frequency, amplitude, piece%half*x)
+      part = piece%half%hi/halves*sum((piece%mass%hi*(inner + piece%half%hi*(1.0_dp + x))*state(1, :) &
+                                       + piece%rotary%hi*state(2, :))*gauss)
+    end function part_of_turn
+  end function turn_product
 
   pure real(dp) function end_product(first, second) result(product)
     !! Of the states at both ends.

@@ -10,8 +10,9 @@ module bw_piece_set
   use bw_missing, only: no_number
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: is_held
+  use bw_piece_beam, only: is_held, joint_position
   use bw_piece_overlap, only: overlap_sums, piece_modes
+  use bw_piece_products, only: turn_product
   use bw_piece_shape, only: beam_place, deflections_inside, gap_to_end, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
@@ -33,6 +34,8 @@ module bw_piece_set
     procedure :: body_energy => energy_of_body
     procedure :: find_tip_shears
     procedure :: turnings
+    procedure :: motion_at
+    procedure :: share_of_turn
     procedure :: number_errors => errors_of_pieces
   end type piece_set
 
@@ -179,6 +182,36 @@ contains
     real(dp) :: turning(self%count)
     turning = self%modes%turning(self%struck_joint, :)
   end function turnings
+
+  pure function motion_at(self, xi) result(motion)
+    class(piece_set), intent(in) :: self
+    real(dp), intent(in) :: xi
+    real(dp) :: motion(self%count, 2)
+    real(dp) :: state(4, self%count, 1)
+    state = self%states(1, self%count, [xi])
+    motion = transpose(state(1:2, :, 1))
+  end function motion_at
+
+  pure function share_of_turn(self) result(share)
+    class(piece_set), intent(in) :: self
+    real(dp) :: share(self%count)
+    type(piece_frequency) :: frequency
+    type(dd) :: inner, outer
+    integer :: i, k
+    share = 0.0_dp
+    associate (beam => self%modes%system%beam)
+      do i = 1, size(beam%piece)
+        inner = joint_position(beam, i - 1)
+        outer = joint_position(beam, i)
+        share = share + beam%joint(i)%mass%hi*outer%hi*self%modes%deflection(i, :) &
+          + beam%joint(i)%inertia%hi*self%modes%turning(i, :)
+        do k = 1, self%count
+          frequency = frequency_at(beam, self%modes%lambda(k))
+          share(k) = share(k) + turn_product(self%modes%system%piece(i), frequency, self%modes%amplitude(:, i, k), inner%hi)
+        end do
+      end do
+    end associate
+  end function share_of_turn
 
   real(dp) function coupling(self, law) result(ratio)
     !! The largest ratio of what damping couples two of the first modes to what damps each, |C_ij|/√(C_iiC_jj). Modes are

@@ -154,7 +154,7 @@ contains
     allocate (set%beta_squared(n), source=dd(1.0_dp))
     allocate (set%modes%lambda(n), set%modes%square(n))
     allocate (set%modes%amplitude(4, pieces, n), source=0.0_dp)
-    allocate (set%modes%deflection(pieces, n), set%modes%turning(pieces, n), source=0.0_dp)
+    allocate (set%modes%deflection(pieces, n), set%modes%turning(pieces, n), set%modes%root(2, n), source=0.0_dp)
   end subroutine size_set
 
   pure logical function is_coarse(search, lambda, longest)
@@ -202,6 +202,7 @@ contains
       modes%amplitude(:, :, j) = scale*probe%amplitude
       modes%deflection(:, j) = scale*modes%deflection(:, j)
       modes%turning(:, j) = scale*modes%turning(:, j)
+      modes%root(:, j) = scale*probe%motion(:, 0)
       modes%lambda(j) = lambda
       modes%mass(j) = probe%mass*scale**2
       set%modal_mass(j) = modes%mass(j)

@@ -1,32 +1,39 @@
 module bw_body_par
   !! `&body`: a rigid body that stays at a place of the beam, and springs from there to the rotating frame.
-  use bw_input_name, only: input_group, input_name, not_negative, off_the_root, real_input
-  use bw_input_values, only: group_values, positions_of
+  use bw_input_name, only: any_number, input_group, input_name, not_negative, positive, real_input, unit_interval
+  use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp, qp
   use bw_mass_or_ratio, only: build_mass, check_mass, mass_par
+  use bw_missing, only: missing
   use bw_scene_messages, only: message_list
-  use bw_text, only: text_of
+  use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: bodies_text, build_body, check_body
+  public :: bodies_text, build_body, check_bodies, check_body, comes_or_leaves
 
   type, extends(mass_par), public :: body_par
     !! Its mass, as given or derived, and
-    real(dp) :: position = 0.0_dp                !! ξ, 0 < ξ ≤ 1
+    real(dp) :: position = 0.0_dp                !! ξ, 0 ≤ ξ ≤ 1; 0 of springs alone
     real(dp) :: rotary_inertia = 0.0_dp          !! J about its place [kg m²], ≥ 0
     real(dp) :: stiffness = 0.0_dp               !! k_v of a spring against deflection [N/m], ≥ 0
     real(dp) :: rotational_stiffness = 0.0_dp    !! k_θ of a spring against turning [N m/rad], ≥ 0
+    real(dp) :: from = missing                   !! when it comes [s]; `missing`: it was always there
+    real(dp) :: until = missing                  !! when it leaves [s]; `missing`: never
+    real(dp) :: velocity = missing               !! that it brings at `from` [m/s]; `missing`: that of the beam there
   end type body_par
 
   type(input_group), parameter, public :: body_group = input_group( &
     'body', repeatable=.true., along='body', is_effect=.true., builds_up=.true., changes_shapes=.true., &
     absent='nothing is attached to the beam', &
     rules='One group for each body, as many as there are. Give `mass` or `mass_ratio`, 0 for springs alone. Springs are fixed '// &
-    'to the rotating frame; those at the root belong to `&support`. Several bodies may have one place, also that where the '// &
-    'impact strikes. A sweep names a body by its number in the scene, as `body(2)%mass`, which a single one does not need.')
+    'to the rotating frame. At the root, position 0, there may be springs alone, beside a `&support` that gives. Several '// &
+    'bodies may have one place, also that where the impact strikes. A body comes at `from` and leaves at `until`: it takes '// &
+    'the motion that the beam has there, or strikes it with `velocity` and stays. Its springs are unstressed as the beam is '// &
+    'when it comes. A sample at exactly such a time shows the beam after the change. A sweep names a body by its number in '// &
+    'the scene, as `body(2)%mass`, which a single one does not need.')
 
   type(input_name), parameter, public :: body_names(*) = [ &
-    input_name('body', 'position', real_input, '1', off_the_root, required=.true., swept=.true., &
+    input_name('body', 'position', real_input, '1', unit_interval, required=.true., swept=.true., &
                meaning='place on the beam: x/l, 1 at the tip'), &
     input_name('body', 'mass', real_input, 'kg', not_negative, swept=.true., excludes='mass_ratio', &
                meaning='mass of the body'), &
@@ -37,18 +44,66 @@ module bw_body_par
     input_name('body', 'stiffness', real_input, 'N m-1', not_negative, '0', swept=.true., &
                meaning='of a spring against the deflection there'), &
     input_name('body', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, '0', swept=.true., &
-               meaning='of a spring against the turning there')]
+               meaning='of a spring against the turning there'), &
+    input_name('body', 'from', real_input, 's', not_negative, swept=.true., meaning='when it comes; else it was always there'), &
+    input_name('body', 'until', real_input, 's', positive, swept=.true., meaning='when it leaves; else it stays'), &
+    input_name('body', 'velocity', real_input, 'm s-1', any_number, swept=.true., &
+               meaning='that it brings at `from`; else that of the beam there')]
 
   character(*), parameter :: and = ' and '
 
 contains
 
   pure subroutine check_body(body, messages)
-    !! The mass is given, in one of its two ways.
+    !! The mass is given, in one of its two ways, and a velocity with the time at which it is brought.
     type(group_values), intent(in) :: body
     type(message_list), intent(inout) :: messages
     call check_mass(body, body%line, ', 0 for springs alone', messages)
+    if (body%given('velocity') .and. .not. body%given('from')) call messages%add(body%line_of('velocity'), 'body%velocity', &
+      'is what the body brings when it comes; accepted: with from, or without velocity')
   end subroutine check_body
+
+  pure logical function comes_or_leaves(groups)
+    !! Some body is not always there.
+    type(group_values), intent(in) :: groups(:)
+    integer :: g
+    comes_or_leaves = .false.
+    do g = 1, size(groups)
+      if (groups(g)%group == 'body') comes_or_leaves = comes_or_leaves .or. groups(g)%given('from') .or. groups(g)%given('until')
+    end do
+  end function comes_or_leaves
+
+  pure subroutine check_bodies(groups, messages)
+    !! Times in their order, what has a velocity has mass, and what is at the root can act there: of one case.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: g, support
+    support = position_of(groups, 'support')
+    do g = 1, size(groups)
+      if (groups(g)%group /= 'body') cycle
+      associate (body => groups(g))
+        if (body%known('from') .and. body%known('until')) then
+          if (body%number('until') <= body%number('from')) call messages%add(body%line_of('until'), 'body%until', 'is '// &
+            shortest(body%number('until'), 15)//', not after from, '//shortest(body%number('from'), 15)// &
+            '; accepted: a later time')
+        end if
+        if (body%number('position') > 0.0_dp) cycle
+        if (is_heavy(body)) call messages%add(body%line_of('position'), 'body%position', 'is 0, the root, where only springs '// &
+          'can be attached; accepted: > 0, or a body with mass = 0 and without rotary_inertia')
+        if (held('stiffness')) call messages%add(body%line_of('stiffness'), 'body%stiffness', 'acts on a root that is rigidly '// &
+          'held against deflection; accepted: 0, or a &support with a stiffness')
+        if (held('rotational_stiffness')) call messages%add(body%line_of('rotational_stiffness'), 'body%rotational_stiffness', &
+          'acts on a root that is rigidly held against turning; accepted: 0, or a &support with a rotational_stiffness')
+      end associate
+    end do
+  contains
+    pure logical function held(name)
+      !! A spring of this body at the root has no effect.
+      character(*), intent(in) :: name
+      held = groups(g)%number(name) > 0.0_dp
+      if (held .and. support > 0) held = .not. groups(support)%known(name)
+    end function held
+  end subroutine check_bodies
 
   pure subroutine build_body(values, beam_mass, body, messages)
     !! From checked values.
@@ -60,8 +115,19 @@ contains
     body%rotary_inertia = values%number('rotary_inertia')
     body%stiffness = values%number('stiffness')
     body%rotational_stiffness = values%number('rotational_stiffness')
+    if (values%known('from')) body%from = values%number('from')
+    if (values%known('until')) body%until = values%number('until')
+    if (values%known('velocity')) body%velocity = values%number('velocity')
     call build_mass(values, beam_mass, body%mass_par, messages)
   end subroutine build_body
+
+  pure logical function is_heavy(body)
+    !! It has mass or inertia.
+    type(group_values), intent(in) :: body
+    is_heavy = body%number('rotary_inertia') > 0.0_dp
+    if (body%known('mass')) is_heavy = is_heavy .or. body%number('mass') > 0.0_dp
+    if (body%known('mass_ratio')) is_heavy = is_heavy .or. body%number('mass_ratio') > 0.0_dp
+  end function is_heavy
 
   pure function bodies_text(groups) result(text)
     !! What a report calls them: `body of 0.2 kg at xi = 0.8`, or of many how many there are.
@@ -95,6 +161,9 @@ contains
     place = ' at xi = '//values%number_or_swept('position', '', digits=15)
     if (values%is_swept('position')) place = ' at swept xi'
     text = text(len(and) + 1:)//place
+    if (values%known('from')) text = text//' from '//values%number_or_swept('from', ' s')
+    if (values%known('velocity')) text = text//' with '//values%number_or_swept('velocity', ' m/s')
+    if (values%known('until')) text = text//' until '//values%number_or_swept('until', ' s')
   end function body_text
 
   pure function part(values, name, what, unit, swept) result(text)

@@ -33,10 +33,10 @@ module bw_modes_par
     'modes', implied=.true., &
     absent='20 modes without `&response`; with it tolerance 1e-6, or what can be had; counts where a mass rebounds at once', &
     rules='Give counts, or a tolerance. With `&capture` there are two sets of modes; a count that is not given is that of '// &
-    'the other. Without it there is one set, whose count is `before`; `after` may only repeat it. With `&impact` and '// &
-    'without `&capture` and `&contact` a `&response` needs a count: the impulse of a rebound goes '// &
-    'to 0 as modes are added, so that the motion depends on their number. A tolerance that is out of '// &
-    'reach is refused; the default relaxes to one that is not.')
+    'the other; with bodies that come or leave `before` is that until the first change, `after` that of all later sets. '// &
+    'Else there is one set, whose count is `before`; `after` may only repeat it. With `&impact` and without `&capture` '// &
+    'and `&contact` a `&response` needs a count: the impulse of a rebound goes to 0 as modes are added, so that the '// &
+    'motion depends on their number. A tolerance that is out of reach is refused; the default relaxes to one that is not.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -52,19 +52,21 @@ contains
     !! Fill in the counts that follow from others; say which are missing.
     type(group_values), intent(inout) :: modes
     logical, intent(in) :: rebound    !! an instantaneous impact without capture
-    logical, intent(in) :: captured
-    logical, intent(in) :: lasting    !! the impact lasts, or only loads act: the motion has a limit, with a capture and without
+    logical, intent(in) :: captured   !! or the beam changes later: there are several sets of modes
+    logical, intent(in) :: lasting    !! the impact lasts, or none begins the motion: it has a limit, with a capture and without
     logical, intent(in) :: response   !! a history is asked for
     type(message_list), intent(inout) :: messages
     if (any(modes%values%given .and. .not. modes%values%known)) return
     if (modes%given('tolerance')) then
-      if (.not. ((captured .or. lasting) .and. response)) call messages%add(modes%line_of('tolerance'), 'modes%tolerance', &
-        'needs &response with &capture, &contact, &force or &base: it is an error of their history; '// &
+      if (rebound .or. .not. ((captured .or. lasting) .and. response)) call messages%add(modes%line_of('tolerance'), &
+        'modes%tolerance', &
+        'needs &response with &capture, &contact, &force, &base, &initial or a &body that comes: it '// &
+        'is an error of their history; '// &
         'accepted: counts, as before and after')
       return
     end if
     if (.not. (modes%given('before') .or. modes%given('after'))) then
-      if (response .and. (captured .or. lasting)) then
+      if (response .and. (captured .or. lasting) .and. .not. rebound) then
         call modes%derive('tolerance', default_tolerance, 0)
         return
       else if (response .and. rebound) then

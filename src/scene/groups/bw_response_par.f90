@@ -22,7 +22,7 @@ module bw_response_par
   end type response_par
 
   type(input_group), parameter, public :: response_group = input_group( &
-    'response', needs='impact|force|base', absent='no time history', &
+    'response', needs='impact|force|base|initial|body', absent='no time history', &
     rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. An acceleration or a '// &
     'shear force has a limit as modes are added where forces act, the frame moves or a contact lasts, and none after an '// &
     'ideal blow or a capture.')

@@ -1,0 +1,340 @@
+module bw_changing_case
+  !! A case whose beam changes in time, or moves from the beginning: modes ► segments and events ► histories ► errors ► spectrum.
+  !!
+  !! What fewer modes change tells how much is missing: the motion is followed with all modes and with some eighths of them. A tolerance
+  !! lets their number grow until that is small enough.
+  use bw_amplitude_spectrum, only: spectrum_plan
+  use bw_beam_units, only: in_joules, units_of
+  use bw_case_histories, only: sum_histories
+  use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
+  use bw_case_moments, only: find_moments
+  use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, case_result, case_spectrum, &
+    history_errors
+  use bw_case_spectrum, only: find_spectrum
+  use bw_case_validity, only: note_history_errors, note_validity
+  use bw_changing_motion, only: follow_changes
+  use bw_event, only: event_type, event_words
+  use bw_contact_errors, only: add_rounding, largest_distance, part_of_peak
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing, scaled
+  use bw_mode_set, only: attend, configuration_type, curvatures, deflections, first_numbers, mode_set, search_failure, turns
+  use bw_modes_par, only: by_tolerance, relaxed_tolerance, shown_modes
+  use bw_monitor, only: monitor_type
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_note, only: remark
+  use bw_response, only: response_type
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
+  use bw_text, only: append, shortest, string, text_of
+  implicit none (type, external)
+  private
+  public :: run_changing_case
+
+  integer, parameter :: first_count = 32           !! modes that a tolerance begins with
+  integer, parameter :: most_count = 2048          !! and the most that it takes
+
+contains
+
+  subroutine run_changing_case(scene, layout, watch, monitor, cache, workspace, plan, result, whole)
+    !! By the counts of the scene, or by its tolerance.
+    type(scene_type), intent(in) :: scene            !! without sweeps
+    type(result_layout), intent(in) :: layout
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), target :: cache
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(spectrum_plan), intent(inout) :: plan
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    type(scene_type) :: counted
+    type(case_motion) :: motion
+    type(case_histories) :: histories
+    type(history_errors) :: errors
+    type(case_spectrum) :: spectrum
+    type(search_failure), target :: failure
+    type(string), allocatable :: foremost(:), validity(:)
+    whole = .false.
+    call watch%start()
+    call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors)
+    if (monitor%stop_requested()) return
+    if (motion%modes%resolved) then
+      call note_validity(counted, motion, histories%response, validity)
+      call note_losses(motion)
+      if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, foremost, validity)
+      call judge_tolerance(scene, motion, counted%modes%before, errors)
+    else
+      errors%status = case_not_converged
+    end if
+    call watch%lap(stage_response)
+    if (motion%modes%resolved .and. allocated(scene%spectrum)) then
+      call find_spectrum(counted, layout, motion, histories%response, errors%status, monitor, plan, spectrum)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_spectrum)
+    end if
+    allocate (result%notes(0))
+    call add_notes(result%notes, foremost)
+    call add_notes(result%notes, motion%modes%notes)
+    call add_notes(result%notes, validity)
+    call add_notes(result%notes, motion%notes)
+    call add_notes(result%notes, histories%notes)
+    call add_notes(result%notes, errors%notes)
+    call add_notes(result%notes, spectrum%notes)
+    call compose(scene, motion, histories, errors, spectrum, result)
+    result%profile_points = layout%profile
+    whole = .true.
+  end subroutine run_changing_case
+
+  subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors)
+    !! The motion with enough modes, or as many as the scene counts, and its errors.
+    type(scene_type), intent(in) :: scene
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), target :: cache
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(search_failure), intent(inout), target :: failure
+    type(scene_type), intent(out) :: counted         !! the scene with the count that was taken
+    type(case_motion), intent(out) :: motion
+    type(case_histories), intent(out) :: histories
+    type(history_errors), intent(out) :: errors
+    logical :: limit
+    integer :: most
+    limit = by_tolerance(scene%modes)
+    most = most_count
+    if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
+    counted = scene
+    if (limit) then
+      counted%modes%tolerance = missing
+      counted%modes%before = first_count
+      counted%modes%after = first_count
+    end if
+    do
+      motion = case_motion(units=units_of(scene%beam))
+      call find_modes(counted, motion%units, monitor, motion%modes, cache)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_modes)
+      if (.not. motion%modes%resolved) return
+      call attend(motion%modes%configuration, failure, monitor)
+      call follow_fewer(counted, limit, motion, watch, monitor, workspace, histories, errors)
+      if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
+      motion%plan%reached = part_of_peak(histories%response, errors)
+      if (.not. limit .or. counted%modes%before >= most .or. histories%status /= case_done) exit
+      if (motion%plan%reached <= scene%modes%tolerance) exit
+      counted%modes%before = min(most, 2*counted%modes%before)
+      counted%modes%after = counted%modes%before
+    end do
+    call add_rounding(counted, motion, histories%response, errors)
+    motion%plan%reached = part_of_peak(histories%response, errors)
+  end subroutine follow_to_tolerance
+
+  subroutine follow_fewer(scene, limit, motion, watch, monitor, workspace, histories, errors)
+    !! The motion with all modes, and with fewer: with ρ the ratio of the largest changes from n/2 on to those from n/4 to n/2, 2ρ/(1 − ρ) of
+    !! the former. Where bodies come later, what a few modes less change goes up and down: the largest of several counts is taken.
+    type(scene_type), intent(in) :: scene            !! that counts its modes
+    logical, intent(in) :: limit
+    type(case_motion), intent(inout) :: motion       !! its modes are known
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(case_histories), intent(out) :: histories
+    type(history_errors), intent(out) :: errors
+    type(case_histories) :: half, other
+    type(case_motion) :: whole
+    type(history_errors) :: before                   ! that of half the modes
+    integer :: eighths
+    if (allocated(scene%response)) then
+      call run_eighths(scene, 4, limit, motion, watch, monitor, workspace, half)
+      if (monitor%stop_requested()) return
+    end if
+    call run_eighths(scene, 8, limit, motion, watch, monitor, workspace, histories)
+    if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
+    errors = history_errors(status=histories%status)
+    call add_difference(histories%response, half%response, errors)
+    whole = motion
+    do eighths = 7, 2, -1
+      if (eighths == 4 .or. (eighths /= 2 .and. size(motion%timeline%events) == 0)) cycle
+      call run_eighths(scene, eighths, limit, whole, watch, monitor, workspace, other)
+      if (monitor%stop_requested()) return
+      if (eighths > 4) then
+        call add_difference(histories%response, other%response, errors)
+      else
+        call add_difference(half%response, other%response, before)
+      end if
+    end do
+    call watch%lap(stage_response)
+    associate (regular => size(motion%timeline%events) == 0)
+      call extrapolate(regular, before%displacement, errors%displacement)
+      if (allocated(errors%velocity)) call extrapolate(regular, before%velocity, errors%velocity)
+      if (allocated(errors%bending_moment)) call extrapolate(regular, before%bending_moment, errors%bending_moment)
+    end associate
+  end subroutine follow_fewer
+
+  pure subroutine extrapolate(regular, before, error)
+    !! From changes to what is missing still. Changes that are small by chance count as they would if they fell as those before them.
+    logical, intent(in) :: regular                   !! they fall steadily
+    real(dp), intent(in) :: before(:)
+    real(dp), intent(inout) :: error(:)
+    real(dp), parameter :: least(2) = [0.1_dp, 0.35_dp], most = 0.75_dp    ! tuned
+    real(dp) :: ratio
+    integer :: i
+    if (maxval(before) <= 0.0_dp) return
+    i = merge(1, 2, regular)
+    ratio = min(most, max(least(i), maxval(error)/maxval(before)))
+    if (.not. regular) error = max(error, least(i)*before)
+    error = error*(2.0_dp*ratio/(1.0_dp - ratio))
+  end subroutine extrapolate
+
+  pure subroutine add_difference(response, other, errors)
+    !! The largest distance of two histories, or what is there if that is larger.
+    type(response_type), intent(in) :: response, other
+    type(history_errors), intent(inout) :: errors
+    call add(response%displacement, other%displacement, errors%displacement)
+    if (allocated(response%velocity)) call add(response%velocity, other%velocity, errors%velocity)
+    if (allocated(response%bending_moment)) call add(response%bending_moment, other%bending_moment, errors%bending_moment)
+  contains
+    pure subroutine add(history, beside, error)
+      real(dp), intent(in) :: history(:, :), beside(:, :)
+      real(dp), allocatable, intent(inout) :: error(:)
+      if (.not. allocated(error)) error = 0.0_dp*history(1, :)
+      where (is_missing(error) .or. is_missing(history(1, :))) error = 0.0_dp
+      error = max(error, largest_distance(history, beside))
+    end subroutine add
+  end subroutine add_difference
+
+  subroutine run_eighths(scene, eighths, limit, motion, watch, monitor, workspace, found)
+    !! With a part of the modes. The motion is that of this run then.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: eighths
+    logical, intent(in) :: limit
+    type(case_motion), intent(inout) :: motion
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(case_histories), intent(out) :: found
+    type(case_histories) :: angle
+    type(history_errors) :: none
+    call follow_changes(scene, eighths, limit, motion, monitor)
+    if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
+    call watch%lap(stage_events)
+    if (.not. allocated(scene%response)) return
+    call sum_histories(scene, motion, deflections, monitor, workspace, found)
+    if (monitor%stop_requested()) return
+    if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, found, none)
+    if (monitor%stop_requested()) return
+    found%status = max(found%status, none%status)
+    call add_notes(found%notes, none%notes)
+    if (.not. allocated(scene%hub) .or. eighths < 8) return
+    call sum_histories(scene, motion, turns, monitor, workspace, angle)
+    if (monitor%stop_requested()) return
+    found%response%hub_angle = scaled(angle%response%displacement(:, 1), 1.0_dp/motion%units%length)
+  end subroutine run_eighths
+
+  subroutine note_losses(motion)
+    !! The event at which the most energy is lost.
+    type(case_motion), intent(inout) :: motion
+    real(dp), parameter :: nothing = 1.0e-9_dp       ! of the energy
+    real(dp), allocatable :: lost(:)
+    integer :: i
+    associate (events => motion%timeline%events)
+      if (size(events) == 0) return
+      lost = events%energy_before - events%energy_after
+      where (is_missing(events%energy_before) .or. is_missing(events%energy_after)) lost = 0.0_dp
+      i = maxloc(lost, dim=1)
+      if (lost(i) <= nothing*abs(events(i)%energy_before)) return
+      associate (joules => in_joules([lost(i), events(i)%energy_before], motion%units, 1.0_dp))
+        call remark(motion%notes, 'energy of events: at most '//shortest(joules(1), 3)//' J of '//shortest(joules(2), 3)// &
+          ' J are lost, at the '//trim(event_words(events(i)%kind))//' at t = '//shortest(events(i)%time, 6)// &
+          ' s: in the blow, or to modes that are not summed')
+      end associate
+    end associate
+  end subroutine note_losses
+
+  subroutine judge_tolerance(scene, motion, count, errors)
+    !! A tolerance that was not asked for relaxes to what was reached.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    integer, intent(in) :: count                     !! modes that were summed
+    type(history_errors), intent(inout) :: errors
+    if (.not. by_tolerance(scene%modes) .or. errors%status /= case_done) return
+    motion%plan%within = motion%plan%reached <= scene%modes%tolerance
+    if (motion%plan%within) return
+    if (scene%modes%asked) then
+      errors%status = case_not_converged
+      call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' is missed with '//text_of(count)// &
+                  ' modes; accepted: '//shortest(1.05_dp*motion%plan%reached, 2)//' or more, or counts of modes')
+    else if (is_missing(relaxed_tolerance(motion%plan%reached))) then
+      errors%status = case_not_converged
+      call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: fewer quantities, '// &
+                  'or counts of modes')
+    else
+      call remark(errors%notes, 'tolerance: the default '//shortest(scene%modes%tolerance, 6)//' is out of reach; '// &
+        'the histories are found to '//shortest(relaxed_tolerance(motion%plan%reached), 6)//' of their peaks instead')
+    end if
+  end subroutine judge_tolerance
+
+  subroutine compose(scene, motion, histories, errors, spectrum, result)
+    !! The values of all stages in one; what is large is moved, not copied.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(case_histories), intent(inout) :: histories
+    type(history_errors), intent(inout) :: errors
+    type(case_spectrum), intent(inout) :: spectrum
+    type(case_result), intent(inout) :: result
+    result%units = motion%units
+    result%can_grow = motion%modes%can_grow
+    result%reached = motion%plan%reached
+    result%within = motion%plan%within
+    result%status = errors%status
+    result%approach_velocity = 1.0_dp                ! m/s: what velocities are in
+    allocate (result%events(0), result%segments(0))
+    if (motion%modes%resolved) then
+      call move_alloc(motion%timeline%events, result%events)
+      call move_alloc(motion%timeline%segments, result%segments)
+      if (allocated(scene%hub)) then
+        result%lever = scene%hub%radius + motion%units%length
+        if (allocated(scene%impact)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
+      end if
+      if (allocated(scene%impact)) then
+        result%impact = motion%initial%impact
+        call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
+      end if
+    end if
+    call compose_modes(scene, motion, result)
+    call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
+    call move_alloc(histories%response, result%response)
+    if (allocated(result%response)) then
+      call move_alloc(errors%displacement, result%response%displacement_error)
+      call move_alloc(errors%velocity, result%response%velocity_error)
+      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
+    end if
+    call move_alloc(spectrum%amplitude, result%amplitude)
+    call move_alloc(spectrum%measured, result%measured)
+  end subroutine compose
+
+  subroutine compose_modes(scene, motion, result)
+    !! Those of all configurations; the names without a prefix are of the last at t = 0. Of a tolerance the first are shown.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(case_result), intent(inout) :: result
+    class(mode_set), allocatable :: shown
+    integer :: c
+    result%mode_count = 0
+    associate (configuration => motion%modes%configuration, moving => motion%modes%moving)
+      if (motion%modes%resolved) then
+        result%mode_count = configuration(moving)%set%count
+        if (by_tolerance(scene%modes)) then
+          do c = 1, size(configuration)
+            call configuration(c)%source%find(first_numbers(min(shown_modes, configuration(c)%set%count)), shown)
+            call shown%forget_rigid_waves()
+            call move_alloc(shown, configuration(c)%set)
+          end do
+        end if
+        if (allocated(scene%capture) .and. .not. by_tolerance(scene%modes)) &
+          allocate (result%before, source=configuration(1)%set)
+      end if
+      if (allocated(configuration(moving)%set)) allocate (result%modes, source=configuration(moving)%set)
+    end associate
+    call move_alloc(motion%modes%configuration, result%configurations)
+  end subroutine compose_modes
+
+end module bw_changing_case

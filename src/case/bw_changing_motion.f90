@@ -1,0 +1,288 @@
+module bw_changing_motion
+  !! The motion of a beam that changes in time: from what it does first through all that happens, as segments and events. Modes are
+  !! counted; a part of them may take part, so that several runs tell what modes add.
+  use bw_case_result, only: case_motion
+  use bw_change_of_bodies, only: beam_state, body_type, equilibrium_of, energy_of, hand_over, strike_beam
+  use bw_double_double, only: dd, to_dd, operator(/), operator(-)
+  use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
+  use bw_initial_state, only: find_jump, initial_state
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
+  use bw_rotation, only: dimensionless_speed, speed_in_plane
+  use bw_scene, only: scene_type
+  use bw_scene_pieces, only: joints_of_bodies
+  use bw_segment, only: energy_type, known_energy, leaves_range, move, segment_type, operator(+)
+  use bw_text, only: append, shortest
+  use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of, timeline_type
+  implicit none (type, external)
+  private
+  public :: follow_changes
+
+  type :: now_type
+    !! Where the motion has come to.
+    type(beam_state) :: state
+    integer :: configuration = 1
+    logical, allocatable :: there(:)               !! which bodies are, (bodies)
+  end type now_type
+
+contains
+
+  subroutine follow_changes(scene, eighths, limit, motion, monitor)
+    !! From the beginning to the last event.
+    type(scene_type), intent(in) :: scene          !! without sweeps, that counts its modes
+    integer, intent(in) :: eighths                 !! how many eighths of the modes of each configuration take part, the first
+    logical, intent(in) :: limit                   !! a mass that is captured strikes infinitely many modes
+    type(case_motion), intent(inout) :: motion     !! its modes are known
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(step_type), allocatable :: steps(:)
+    type(body_type), allocatable :: bodies(:)
+    type(now_type) :: now
+    type(dd) :: time
+    integer :: i
+    motion%initial = initial_state()
+    motion%timeline = timeline_type()
+    if (allocated(motion%notes)) deallocate (motion%notes)
+    allocate (motion%initial%events(0), motion%timeline%events(0), motion%timeline%segments(0))
+    steps = steps_of(scene)
+    bodies = bodies_of(scene, motion)
+    call begin(scene, motion, eighths, steps(1)%carried, now)
+    do i = 2, size(steps)
+      if (steps(i)%seconds > 0.0_dp) exit
+      call take_step(scene, steps(i), eighths, limit, bodies, motion, now, monitor)
+      if (monitor%stop_requested()) return
+    end do
+    motion%initial%modal_velocity = now%state%rate
+    motion%initial%events = motion%timeline%events
+    call add_segment(to_dd(0.0_dp), bodies, motion, now)
+    do i = i, size(steps)
+      time = to_dd(steps(i)%seconds)/motion%units%time
+      if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
+      call advance(time, motion, now)
+      call take_step(scene, steps(i), eighths, limit, bodies, motion, now, monitor)
+      if (monitor%stop_requested()) return
+      call add_segment(time, bodies, motion, now)
+    end do
+  end subroutine follow_changes
+
+  function bodies_of(scene, motion) result(bodies)
+    !! Those of the scene, and last the mass that strikes, if it is captured.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(body_type), allocatable :: bodies(:)
+    type(dd) :: speed
+    real(dp) :: radius, spin_squared
+    integer :: b
+    allocate (bodies(0))
+    associate (joints => joints_of_bodies(scene))
+      do b = 1, size(joints)
+        bodies = [bodies, body_type(scene%bodies(b)%position, joints(b)%mass%hi, joints(b)%inertia%hi, joints(b)%stiffness%hi, &
+                                    joints(b)%turning_stiffness%hi, scene%bodies(b)%velocity)]
+      end do
+    end associate
+    if (allocated(scene%capture)) bodies = [bodies, body_type(scene%impact%position, scene%impact%mass_ratio, &
+      scene%capture%rotary_inertia/motion%units%mass/motion%units%length**2)]
+    if (.not. allocated(scene%stiffening)) return
+    speed = dimensionless_speed(scene%rotation, motion%units)
+    spin_squared = speed%hi**2
+    radius = scene%stiffening%hub_radius/motion%units%length
+    bodies%pull = spin_squared*bodies%mass*(radius + bodies%position)
+  end function bodies_of
+
+  pure function presence(scene, carried) result(there)
+    !! Which bodies are there, (bodies).
+    type(scene_type), intent(in) :: scene
+    type(carried_type), intent(in) :: carried
+    logical, allocatable :: there(:)
+    there = carried%body
+    if (allocated(scene%capture)) there = [there, carried%captured]
+  end function presence
+
+  pure integer function taking_part(modes, eighths) result(count)
+    !! How many modes do.
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: eighths
+    count = max(1, (modes%count*eighths + 7)/8)
+  end function taking_part
+
+  subroutine begin(scene, motion, eighths, carried, now)
+    !! The beam under its first force, and turning.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    integer, intent(in) :: eighths
+    type(carried_type), intent(in) :: carried
+    type(now_type), intent(out) :: now
+    real(dp) :: force, turn
+    real(dp), allocatable :: shape(:, :)
+    integer :: n
+    now%configuration = number_of(configurations_of(scene), carried)
+    now%there = presence(scene, carried)
+    associate (modes => motion%modes%configuration(now%configuration)%set, state => now%state, units => motion%units)
+      n = taking_part(modes, eighths)
+      state%count = n
+      state%q = 0.0_dp*modes%modal_mass
+      state%rate = state%q
+      if (.not. allocated(scene%initial)) return
+      force = scene%initial%force*units%time%hi/units%mass
+      turn = scene%initial%angular_velocity*units%length
+      if (turn /= 0.0_dp) state%rate(:n) = turn*first_of(modes%share_of_turn(), n)/modes%modal_mass(:n)
+      if (force == 0.0_dp) return
+      if (any(modes%beta_squared%hi <= 0.0_dp)) then
+        call append(motion%notes, 'not converged: a mode that nothing holds, or that grows, has no static deflection under the '// &
+                    'force of &initial; no number of the case is given')
+        motion%modes%resolved = .false.
+        return
+      end if
+      shape = modes%some_shapes(1, n, [scene%initial%position])
+      state%q(:n) = force*shape(:, 1)/(modes%modal_mass(:n)*modes%beta_squared(:n)%hi)
+    end associate
+  end subroutine begin
+
+  pure function first_of(values, count) result(first)
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: count
+    real(dp) :: first(count)
+    first = values(:count)
+  end function first_of
+
+  logical function happens(scene, seconds, time, motion)
+    !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: seconds
+    type(dd), intent(in) :: time
+    type(case_motion), intent(inout) :: motion
+    happens = .true.
+    if (allocated(scene%response)) happens = seconds < scene%response%duration
+    if (.not. happens) then
+      call append(motion%notes, 'late change: what happens from t = '//shortest(seconds, 6)//' s on comes after the end of the '// &
+                  'record, which shows nothing of it')
+      return
+    end if
+    associate (last => motion%timeline%segments(size(motion%timeline%segments)))
+      happens = .not. leaves_range(motion%modes%configuration(last%configuration)%set, time - last%start)
+    end associate
+    if (.not. happens) call append(motion%notes, 'late change: by t = '//shortest(seconds, 6)//' s the motion has grown out '// &
+                                   'of the range of numbers, and nothing more happens to it')
+  end function happens
+
+  subroutine advance(time, motion, now)
+    !! The state at a time, from the last segment.
+    type(dd), intent(in) :: time
+    type(case_motion), intent(in) :: motion
+    type(now_type), intent(inout) :: now
+    associate (last => motion%timeline%segments(size(motion%timeline%segments)), state => now%state)
+      state%q = last%q
+      state%rate = last%rate
+      call move(motion%modes%configuration(last%configuration)%set, time - last%start, state%q, state%rate)
+      if (allocated(last%rest)) state%q(:last%count) = state%q(:last%count) + last%rest
+    end associate
+  end subroutine advance
+
+  subroutine add_segment(time, bodies, motion, now)
+    !! Free motion about the equilibrium.
+    type(dd), intent(in) :: time
+    type(body_type), intent(in) :: bodies(:)
+    type(case_motion), intent(inout) :: motion
+    type(now_type), intent(in) :: now
+    type(segment_type) :: segment
+    associate (modes => motion%modes%configuration(now%configuration)%set, n => now%state%count)
+      segment%configuration = now%configuration
+      segment%start = time
+      segment%count = n
+      segment%q = now%state%q
+      segment%rate = now%state%rate
+      segment%rest = equilibrium_of(modes, n, bodies, now%there)
+      segment%q(:n) = segment%q(:n) - segment%rest
+      if (all(segment%rest == 0.0_dp)) deallocate (segment%rest)
+    end associate
+    motion%timeline%segments = [motion%timeline%segments, segment]
+  end subroutine add_segment
+
+  subroutine take_step(scene, step, eighths, limit, bodies, motion, now, monitor)
+    !! What happens at an instant.
+    type(scene_type), intent(in) :: scene
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: eighths
+    logical, intent(in) :: limit
+    type(body_type), intent(inout) :: bodies(:)
+    type(case_motion), intent(inout) :: motion
+    type(now_type), intent(inout) :: now
+    class(monitor_type), intent(inout), target :: monitor
+    type(event_type) :: event
+    type(beam_state) :: later
+    logical, allocatable :: is(:)
+    real(dp) :: speed
+    integer :: next
+    event%time = step%seconds
+    event%end_time = step%seconds
+    if (step%is_impact) then
+      call take_blow(scene, limit, bodies, motion, now, event, monitor)
+      motion%timeline%events = [motion%timeline%events, event]
+      return
+    end if
+    is = presence(scene, step%carried)
+    next = number_of(configurations_of(scene), step%carried)
+    speed = speed_in_plane(scene%rotation, motion%units)
+    if (step%is_capture) bodies(size(bodies))%velocity = motion%initial%impact%tip_velocity
+    associate (before => motion%modes%configuration(now%configuration)%set, after => motion%modes%configuration(next)%set)
+      call hand_over(before, now%state, now%there, after, taking_part(after, eighths), is, bodies, speed**2, later, event, monitor)
+      if (monitor%stop_requested()) return
+    end associate
+    event%kind = kind_of_change(step, now%there, is)
+    motion%timeline%events = [motion%timeline%events, event]
+    now%state = later
+    now%configuration = next
+    now%there = is
+  end subroutine take_step
+
+  pure integer function kind_of_change(step, was, is) result(kind)
+    !! Of an event at which bodies come or leave.
+    type(step_type), intent(in) :: step
+    logical, intent(in) :: was(:), is(:)
+    kind = exchange_event
+    if (.not. any(was .and. .not. is)) kind = arrival_event
+    if (.not. any(is .and. .not. was)) kind = departure_event
+    if (step%is_release .and. count(was .neqv. is) == 1) kind = release_event
+    if (step%is_capture) kind = capture_event
+  end function kind_of_change
+
+  subroutine take_blow(scene, limit, bodies, motion, now, event, monitor)
+    !! The mass strikes. With infinitely many modes only the place jumps, and that takes no impulse.
+    type(scene_type), intent(in) :: scene
+    logical, intent(in) :: limit
+    type(body_type), intent(in) :: bodies(:)
+    type(case_motion), intent(inout) :: motion
+    type(now_type), intent(inout) :: now
+    type(event_type), intent(inout) :: event
+    class(monitor_type), intent(inout), target :: monitor
+    type(energy_type) :: energy
+    real(dp) :: moving
+    event%kind = impact_event
+    associate (modes => motion%modes%configuration(now%configuration)%set, given => scene%impact, impact => motion%initial%impact, &
+               state => now%state)
+      moving = dot_product(modes%struck, state%rate)
+      impact%gamma = given%mass_ratio
+      impact%restitution = given%restitution
+      if (limit) then
+        energy = energy_of(modes, state, bodies, now%there) &
+          + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2, 0.0_dp)
+        event%energy_before = known_energy(energy)
+        event%energy_after = event%energy_before
+        event%momentum_before = modes%modal_mass(1)*state%rate(1)/modes%struck(1) + given%mass_ratio*given%approach_velocity
+        event%momentum_after = event%momentum_before
+        impact%modal_velocity = 0.0_dp*state%rate
+        impact%mass_velocity = given%approach_velocity
+        impact%tip_velocity = moving + (1.0_dp + given%restitution)*(given%approach_velocity - moving)
+      else
+        call strike_beam(modes, state, bodies, now%there, given%mass_ratio, given%approach_velocity, given%restitution, &
+                         impact%mass_velocity, impact%modal_velocity, event)
+        impact%impulse = event%impulse
+        impact%tip_velocity = dot_product(modes%struck, state%rate)
+      end if
+      impact%event = event
+      call find_jump(modes, impact%modal_velocity, given%profile_points, monitor, motion%initial%velocity_jump)
+    end associate
+  end subroutine take_blow
+
+end module bw_changing_motion

@@ -1,0 +1,73 @@
+module bw_initial_par
+  !! `&initial`: the beam is bent, or turns as a rigid body, when the motion begins.
+  use bw_input_name, only: any_number, input_group, input_name, off_the_root, real_input
+  use bw_input_values, only: group_values
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  implicit none (type, external)
+  private
+  public :: build_initial, check_initial, complete_initial, initial_text
+
+  type, public :: initial_par
+    real(dp) :: force = 0.0_dp              !! F [N], whose static deflection is let go at t = 0
+    real(dp) :: position = 1.0_dp           !! ξ where it acts
+    real(dp) :: angular_velocity = 0.0_dp   !! of a rigid turn about the root, or with the hub [rad/s]
+  end type initial_par
+
+  type(input_group), parameter, public :: initial_group = input_group( &
+    'initial', excludes='contact recontact force base', is_event=.true., &
+    absent='the beam is straight and at rest when the motion begins', &
+    rules='Give `force`, `angular_velocity` or both. The deflection under a force is let go at t = 0, as a string that is '// &
+    'plucked: nothing but the beam may hold it then, so that every mode has to be stable. The angular velocity is that of a '// &
+    'beam that can turn: its root gives way to turning by `&support`, or sits on a `&hub`. With `&impact` the mass arrives '// &
+    'with `approach_velocity` in the rotating frame, and strikes a beam that moves: what counts is the closing speed.')
+
+  type(input_name), parameter, public :: initial_names(*) = [ &
+    input_name('initial', 'force', real_input, 'N', any_number, swept=.true., &
+               meaning='whose static deflection is let go, positive as displacement'), &
+    input_name('initial', 'position', real_input, '1', off_the_root, '1', swept=.true., &
+               meaning='place of the force: x/l, 1 at the tip'), &
+    input_name('initial', 'angular_velocity', real_input, 'rad s-1', any_number, swept=.true., &
+               meaning='rigid turn about the root, or of the hub, beside the rotation')]
+
+contains
+
+  pure subroutine check_initial(values, messages)
+    !! Something is given, and a place only of a force.
+    type(group_values), intent(in) :: values
+    type(message_list), intent(inout) :: messages
+    if (.not. (values%given('force') .or. values%given('angular_velocity'))) call messages%add(values%line, '&initial', &
+      'has neither force nor angular_velocity; accepted: one or both; without the group the beam is straight and at rest')
+    if (values%given('position') .and. .not. values%given('force')) call messages%add(values%line_of('position'), &
+      'initial%position', 'is the place of a force, and there is none; accepted: with force, or without position')
+  end subroutine check_initial
+
+  pure subroutine complete_initial(values)
+    !! Without a force its place says nothing.
+    type(group_values), intent(inout) :: values
+    if (.not. values%known('force')) call values%drop('position')
+  end subroutine complete_initial
+
+  pure type(initial_par) function build_initial(values) result(initial)
+    !! From checked values.
+    type(group_values), intent(in) :: values
+    if (values%known('force')) initial%force = values%number('force')
+    if (values%known('position')) initial%position = values%number('position')
+    if (values%known('angular_velocity')) initial%angular_velocity = values%number('angular_velocity')
+  end function build_initial
+
+  pure function initial_text(values) result(text)
+    !! What a report calls it: `let go from under 1000 N at xi = 1`.
+    type(group_values), intent(in) :: values
+    character(:), allocatable :: text
+    text = ''
+    if (values%known('force')) then
+      text = ', let go from under '//values%number_or_swept('force', ' N')//' at xi = '// &
+        values%number_or_swept('position', '', digits=15)
+    end if
+    if (values%known('angular_velocity')) text = text//', first turning at '// &
+      values%number_or_swept('angular_velocity', ' rad/s')
+    text = text(3:)
+  end function initial_text
+
+end module bw_initial_par
