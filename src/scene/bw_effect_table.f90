@@ -27,7 +27,7 @@ module bw_effect_table
     character(40) :: values = ''                  !! of the first group, which is tried where the scene lacks it; '': all defaults
     real(dp) :: tried = 0.0_dp                    !! the number
     integer :: measure = plain                    !! what it is measured in
-    character(24) :: needs = '', excludes = ''    !! groups of the scene without or with which it is not compared, by blanks
+    character(32) :: needs = '', excludes = ''    !! groups of the scene without or with which it is not compared, by blanks
     logical :: alone = .false.                    !! compared without the groups that need its own
     logical :: counted = .false.                  !! compared, where it is on, with counts of modes alone
     character(96) :: remark_off = '', remark_on = ''   !! on what is tried where it is off, and beside what it stands where it is on
@@ -63,7 +63,8 @@ module bw_effect_table
                 remark_on='beside an instantaneous blow', &
                 about='compared with an instantaneous blow'), &
     effect_type('force', 'force', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
-                excludes='contact recontact hub initial', remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
+                excludes='contact recontact hub initial', &
+                remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
                 about='all forces'), &
     effect_type('base', 'base', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
                 excludes='contact recontact hub initial', &
