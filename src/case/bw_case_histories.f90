@@ -161,6 +161,7 @@ contains
     if (allocated(segment%rest)) part%displacement = part%displacement + spread(unit_velocity(scene) &
       *motion%units%time%hi*matmul(segment%rest, values_at(configuration%set, own%quantity, 1, segment%count, own%points)), &
       1, own%grid%samples)
+    if (allocated(segment%shape)) call add_shape(motion, segment, own, unit_velocity(scene)*motion%units%time%hi, part)
     call finish_histories(part)
     block%rate = block%rate/own%unit_time
   contains
@@ -204,6 +205,25 @@ contains
       end if
     end subroutine add_modes
   end subroutine sum_segment
+
+  subroutine add_shape(motion, segment, sampling, unit, part)
+    !! The equilibrium about which a segment moves.
+    type(case_motion), intent(in) :: motion
+    type(segment_type), intent(in) :: segment
+    type(sampling_type), intent(in) :: sampling
+    real(dp), intent(in) :: unit                         !! m of displacements without dimensions
+    type(response_type), intent(inout) :: part
+    real(dp) :: held(size(sampling%points))
+    integer :: i
+    held = 0.0_dp
+    do i = 1, size(segment%shape)
+      associate (term => segment%shape(i))
+        held = held + matmul(term%amplitude, values_at(motion%modes%configuration(term%configuration)%set, sampling%quantity, 1, &
+                                                       size(term%amplitude), sampling%points))
+      end associate
+    end do
+    part%displacement = part%displacement + spread(unit*held, 1, size(part%displacement, 1))
+  end subroutine add_shape
 
   pure subroutine move_to_sample(segment, configuration, grid, sample, moved, part)
     !! The state at a sample; a motion that has left the range of numbers by then fails.

@@ -16,9 +16,9 @@ module bw_case_spectrum
   use bw_model_shapes, only: mean_wavenumber
   use bw_scene, only: changes_shapes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: pieces_of, struck_beam
-  use bw_segment, only: together
   use bw_text, only: append, text_of
   use bw_time_grid, only: time_grid_of
+  use bw_timeline, only: carried_type, configurations_of
   implicit none (type, external)
   private
   public :: find_spectrum
@@ -100,13 +100,17 @@ contains
     type(case_motion), intent(in) :: motion
     type(record_facts), intent(inout) :: facts
     type(struck_beam) :: pieces
+    type(carried_type), allocatable :: carried(:)
     facts%ends = ''
     if (.not. motion%modes%resolved) return
     if (is_pressed(motion) .or. allocated(scene%shear) .or. varies_along_pieces(scene)) return
     facts%ends = 'tip'
     if (.not. changes_shapes(scene)) return
     facts%ends = 'model'
-    pieces = pieces_of(scene, motion%units, last_configuration(motion) == together)
+    carried = configurations_of(scene)
+    associate (last => carried(min(size(carried), last_configuration(motion))))
+      pieces = pieces_of(scene, motion%units, last%captured, last%body)
+    end associate
     facts%model = pieces%beam
     facts%length = motion%units%length/mean_wavenumber(facts%model)
   end subroutine know_ends

@@ -2,7 +2,7 @@ module bw_changing_motion
   !! The motion of a beam that changes in time: from what it does first through all that happens, as segments and events. Modes are
   !! counted; a part of them may take part, so that several runs tell what modes add.
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, equilibrium_of, energy_of, hand_over, strike_beam
+  use bw_change_of_bodies, only: beam_state, body_type, energy_of, hand_over, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
   use bw_initial_state, only: find_jump, initial_state
@@ -55,14 +55,14 @@ contains
     end do
     motion%initial%modal_velocity = now%state%rate
     motion%initial%events = motion%timeline%events
-    call add_segment(to_dd(0.0_dp), bodies, motion, now)
+    call add_segment(to_dd(0.0_dp), motion, now)
     do i = i, size(steps)
       time = to_dd(steps(i)%seconds)/motion%units%time
       if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
       call advance(time, motion, now)
       call take_step(scene, steps(i), eighths, limit, bodies, motion, now, monitor)
       if (monitor%stop_requested()) return
-      call add_segment(time, bodies, motion, now)
+      call add_segment(time, motion, now)
     end do
   end subroutine follow_changes
 
@@ -123,6 +123,7 @@ contains
       state%count = n
       state%q = 0.0_dp*modes%modal_mass
       state%rate = state%q
+      allocate (state%shape(0))
       if (.not. allocated(scene%initial)) return
       force = scene%initial%force*units%time%hi/units%mass
       turn = scene%initial%angular_velocity*units%length
@@ -175,27 +176,21 @@ contains
       state%q = last%q
       state%rate = last%rate
       call move(motion%modes%configuration(last%configuration)%set, time - last%start, state%q, state%rate)
-      if (allocated(last%rest)) state%q(:last%count) = state%q(:last%count) + last%rest
     end associate
   end subroutine advance
 
-  subroutine add_segment(time, bodies, motion, now)
+  subroutine add_segment(time, motion, now)
     !! Free motion about the equilibrium.
     type(dd), intent(in) :: time
-    type(body_type), intent(in) :: bodies(:)
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(in) :: now
     type(segment_type) :: segment
-    associate (modes => motion%modes%configuration(now%configuration)%set, n => now%state%count)
-      segment%configuration = now%configuration
-      segment%start = time
-      segment%count = n
-      segment%q = now%state%q
-      segment%rate = now%state%rate
-      segment%rest = equilibrium_of(modes, n, bodies, now%there)
-      segment%q(:n) = segment%q(:n) - segment%rest
-      if (all(segment%rest == 0.0_dp)) deallocate (segment%rest)
-    end associate
+    segment%configuration = now%configuration
+    segment%start = time
+    segment%count = now%state%count
+    segment%q = now%state%q
+    segment%rate = now%state%rate
+    if (size(now%state%shape) > 0) segment%shape = now%state%shape
     motion%timeline%segments = [motion%timeline%segments, segment]
   end subroutine add_segment
 
@@ -217,7 +212,7 @@ contains
     event%time = step%seconds
     event%end_time = step%seconds
     if (step%is_impact) then
-      call take_blow(scene, limit, bodies, motion, now, event, monitor)
+      call take_blow(scene, limit, motion, now, event, monitor)
       motion%timeline%events = [motion%timeline%events, event]
       return
     end if
@@ -225,8 +220,9 @@ contains
     next = number_of(configurations_of(scene), step%carried)
     speed = speed_in_plane(scene%rotation, motion%units)
     if (step%is_capture) bodies(size(bodies))%velocity = motion%initial%impact%tip_velocity
-    associate (before => motion%modes%configuration(now%configuration)%set, after => motion%modes%configuration(next)%set)
-      call hand_over(before, now%state, now%there, after, taking_part(after, eighths), is, bodies, speed**2, later, event, monitor)
+    associate (configuration => motion%modes%configuration)
+      call hand_over(configuration, now%configuration, now%state, now%there, next, &
+                     taking_part(configuration(next)%set, eighths), is, bodies, speed**2, later, event, monitor)
       if (monitor%stop_requested()) return
     end associate
     event%kind = kind_of_change(step, now%there, is)
@@ -247,11 +243,10 @@ contains
     if (step%is_capture) kind = capture_event
   end function kind_of_change
 
-  subroutine take_blow(scene, limit, bodies, motion, now, event, monitor)
+  subroutine take_blow(scene, limit, motion, now, event, monitor)
     !! The mass strikes. With infinitely many modes only the place jumps, and that takes no impulse.
     type(scene_type), intent(in) :: scene
     logical, intent(in) :: limit
-    type(body_type), intent(in) :: bodies(:)
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     type(event_type), intent(inout) :: event
@@ -265,7 +260,7 @@ contains
       impact%gamma = given%mass_ratio
       impact%restitution = given%restitution
       if (limit) then
-        energy = energy_of(modes, state, bodies, now%there) &
+        energy = energy_of(modes, state) &
           + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2, 0.0_dp)
         event%energy_before = known_energy(energy)
         event%energy_after = event%energy_before
@@ -275,7 +270,7 @@ contains
         impact%mass_velocity = given%approach_velocity
         impact%tip_velocity = moving + (1.0_dp + given%restitution)*(given%approach_velocity - moving)
       else
-        call strike_beam(modes, state, bodies, now%there, given%mass_ratio, given%approach_velocity, given%restitution, &
+        call strike_beam(modes, state, given%mass_ratio, given%approach_velocity, given%restitution, &
                          impact%mass_velocity, impact%modal_velocity, event)
         impact%impulse = event%impulse
         impact%tip_velocity = dot_product(modes%struck, state%rate)

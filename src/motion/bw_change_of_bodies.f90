@@ -5,20 +5,22 @@ module bw_change_of_bodies
   !! modes that adds m(u − v̇_b)Φ̄_k − Jψ̇_bΨ̄_k. What leaves takes along what it has.
   !!
   !! Springs that come are unstressed at the deflection and the slope that the beam has then. They pull towards these, a constant force
-  !! f_k = Σ k_vv_bΦ̄_k + k_θψ_bΨ̄_k: the beam moves freely about the equilibrium f_k/(M̄_kβ̄_k²), until they leave.
+  !! f_k = Σ k_vv_bΦ̄_k + k_θψ_bΨ̄_k: the beam moves freely about an equilibrium. Its modal displacements, f_k/(M̄_kβ̄_k²), fall slowly where
+  !! springs are stiff, as few modes have the shape in which a joint was locked. The distance from it when they come does not: u_k =
+  !! q̄_k − f_k/(M̄_kβ̄_k²). So the equilibrium is held as what the beam was then, less Σu_kΦ̄_k, and displacements have no jump.
   !!
-  !! Energies are those of bw_release. What the equilibrium has itself follows from the potential energy, which does not jump as the
-  !! displacement does not: springs that came hold the beam in a shape that few modes hardly have. Units of bw_segment.
+  !! Energies are those of bw_release. What the equilibrium has itself follows from the potential energy, which has no jump either.
+  !! Units of bw_segment.
   use bw_double_double, only: accurate_sum
   use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: first_struck, mean_rate, mode_set
+  use bw_mode_set, only: configuration_type, first_struck, mean_rate, mode_set
   use bw_monitor, only: monitor_type, stops
-  use bw_segment, only: energy_type, known_energy, operator(+)
+  use bw_segment, only: energy_type, known_energy, shape_term, operator(+)
   implicit none (type, external)
   private
-  public :: equilibrium_of, energy_of, hand_over, strike_beam
+  public :: energy_of, hand_over, strike_beam
 
   type, public :: body_type
     !! A body with its springs.
@@ -31,10 +33,11 @@ module bw_change_of_bodies
   end type body_type
 
   type, public :: beam_state
-    !! Of the first modes of a configuration, all others being at rest; measured from the straight beam.
+    !! A shape in which the beam rests, and a motion of the first modes of its configuration about it, all others being at rest.
     integer :: count = 0                    !! how many
     real(dp), allocatable :: q(:), rate(:)  !! (modes of the set), 0 beyond the count
-    real(dp) :: level = 0.0_dp              !! energy of the equilibrium, which springs that came to a bent beam hold
+    type(shape_term), allocatable :: shape(:)       !! of size 0: straight
+    real(dp) :: level = 0.0_dp              !! energy of that shape, which springs that came to a bent beam hold
   end type beam_state
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
@@ -42,89 +45,151 @@ module bw_change_of_bodies
 
 contains
 
-  subroutine hand_over(before, state, was, after, count, is, bodies, spin_squared, later, event, monitor)
+  subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor)
     !! The state of the modes after a change, and the balance of the event; its kind and its time are the caller's.
-    class(mode_set), intent(in) :: before
+    type(configuration_type), intent(in) :: configuration(:)   !! whose modes were found in the same way, of the same pieces
+    integer, intent(in) :: from, onto               !! the configurations before and after
     type(beam_state), intent(in) :: state
     logical, intent(in) :: was(:), is(:)            !! which bodies are there before and after, (bodies)
-    class(mode_set), intent(in) :: after            !! found in the same way, of the same pieces
     integer, intent(in) :: count                    !! modes after that take part
     type(body_type), intent(inout) :: bodies(:)     !! springs of those that come are unstressed from now on
     real(dp), intent(in) :: spin_squared            !! ω² in the plane of the motion, else 0
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
     class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
-    real(dp), dimension(size(bodies), 2) :: gain, moved, moving, push
-    real(dp) :: shape(after%count, 2), first(2)
-    type(energy_type) :: coming(2), held, leaving(2), left     ! kinetic and potential
-    real(dp) :: going, staying
-    integer :: b, k, n
-    n = state%count
-    moved = motions_at(bodies, before, n, state%q)
-    moving = motions_at(bodies, before, n, state%rate)
-    gain = gains(bodies, was, is)
+    type(shape_term), allocatable :: whole(:)       ! the displacement
+    type(shape_term) :: motion(1)                   ! the velocity
+    real(dp), dimension(size(bodies), 2) :: moved, moving, push
+    real(dp) :: momenta(2)
+    real(dp), allocatable :: bent(:)
+    type(energy_type) :: coming(2), leaving(2), left, potential
+    integer :: b
+    motion(1) = shape_term(from, was, state%rate(:state%count))
+    whole = [state%shape, shape_term(from, was, state%q(:state%count))]
+    moved = motions_at(bodies, configuration, whole)
+    moving = motions_at(bodies, configuration, motion)
     push = blows(bodies, is .and. .not. was, moving)
-    coming = brought(before, state, bodies, is .and. .not. was, moved, moving, spin_squared)
-    leaving = brought(before, state, bodies, was .and. .not. is, moved, moving, spin_squared, leaving=.true.)
-    held = part_of_energy(before, state, bodies, was, .false.)
-    held%value = held%value + state%level + coming(2)%value - leaving(2)%value
-    event%energy_before = known_energy(energy_of(before, state, bodies, was) + coming(1) + coming(2))
+    associate (before => configuration(from)%set, after => configuration(onto)%set)
+      bent = state%q(:state%count)                  ! all of the displacement, in these modes
+      if (size(state%shape) > 0 .and. any(bodies%pull > 0.0_dp)) &
+        bent = seen_by(before, was, bodies, configuration, whole, monitor)/before%modal_mass
+      coming = brought(before, bent, bodies, is .and. .not. was, moved, moving, spin_squared)
+      leaving = brought(before, bent, bodies, was .and. .not. is, moved, moving, spin_squared, leaving=.true.)
+      potential = part_of_energy(before, state, .false.)
+      potential%value = potential%value + state%level + coming(2)%value - leaving(2)%value
+      event%energy_before = known_energy(energy_of(before, state) + coming(1) + coming(2))
+      do b = 1, size(bodies)
+        if (is(b) .and. .not. was(b)) bodies(b)%unstressed = moved(b, :)
+      end do
 
-    later%count = count
-    later%q = after%overlap_of_beam(before, state%q(:n), monitor)
-    later%rate = after%overlap_of_beam(before, state%rate(:n), monitor)
-    if (stops(monitor)) return
-    k = first_struck(after)
-    staying = 0.0_dp                                ! momenta of mode k: of what goes over, and of what leaves
-    going = 0.0_dp
-    associate (seen => before%overlap_of_beam(after, unit_of(k)))
-      staying = accurate_sum(seen(:n)*state%rate(:n))
+      later%count = count
+      later%q = seen_by(after, is, bodies, configuration, whole, monitor)
+      if (stops(monitor)) return
+      later%rate = seen_by(after, is, bodies, configuration, motion, monitor) + pushed_by(after, bodies, push)
+      if (stops(monitor)) return
+      later%q = later%q/after%modal_mass
+      later%rate = later%rate/after%modal_mass
+      later%shape = state%shape(:0)
+      later%q(count + 1:) = 0.0_dp
+      later%rate(count + 1:) = 0.0_dp
+      if (any(is_bent(bodies) .and. is)) then
+        later%q(:count) = later%q(:count) - equilibrium_of(after, count, bodies, is)
+        later%shape = [whole, shape_term(onto, is, -later%q(:count))]
+        left = part_of_energy(after, later, .false.)
+        later%level = potential%value - left%value
+      end if
+      event%energy_after = known_energy(energy_of(after, later) + leaving(1) + leaving(2))
+      call find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
+      associate (k => first_struck(after))
+        event%momentum_before = (momenta(1) + momenta(2))/after%struck(k)
+        event%momentum_after = (after%modal_mass(k)*later%rate(k) + momenta(2))/after%struck(k)
+      end associate
+      event%hub_rate_change = mean_rate(after, later%rate) - mean_rate(before, state%rate)
+    end associate
+  end subroutine hand_over
+
+  function seen_by(modes, is, bodies, configuration, terms, monitor) result(sums)
+    !! ∫ρAΦ_kv dx + Σ mΦ_kv_b + JΨ_kψ_b of a motion, with all bodies that are there now, (modes).
+    class(mode_set), intent(in) :: modes
+    logical, intent(in) :: is(:)
+    type(body_type), intent(in) :: bodies(:)
+    type(configuration_type), intent(in) :: configuration(:)
+    type(shape_term), intent(in) :: terms(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: sums(modes%count)
+    integer :: i
+    sums = 0.0_dp
+    do i = 1, size(terms)
+      associate (term => terms(i), set => configuration(terms(i)%configuration)%set)
+        sums = sums + set_seen(modes, set, term%amplitude) &
+          + pushed_by(modes, bodies, max(0.0_dp, gains(bodies, term%there, is))*motions_at(bodies, configuration, terms(i:i)))
+      end associate
+    end do
+  contains
+    function set_seen(onto, set, amplitude) result(seen)
+      !! With what both configurations have.
+      class(mode_set), intent(in) :: onto, set
+      real(dp), intent(in) :: amplitude(:)
+      real(dp) :: seen(onto%count)
+      seen = onto%overlap_of_beam(set, amplitude, monitor)
+    end function set_seen
+  end function seen_by
+
+  function pushed_by(modes, bodies, push) result(sums)
+    !! What momenta and spins at the bodies are to modes, (modes).
+    class(mode_set), intent(in) :: modes
+    type(body_type), intent(in) :: bodies(:)
+    real(dp), intent(in) :: push(:, :)              !! (bodies, 2)
+    real(dp) :: sums(modes%count)
+    integer :: b
+    sums = 0.0_dp
+    do b = 1, size(bodies)
+      if (any(push(b, :) /= 0.0_dp)) sums = sums + matmul(modes%motion_at(bodies(b)%position), push(b, :))
+    end do
+  end function pushed_by
+
+  subroutine find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
+    !! Of the first mode after that is struck, times its displacement there: of what goes over to it, by what the modes before see of
+    !! it, and of what leaves.
+    class(mode_set), intent(in) :: before, after
+    type(beam_state), intent(in) :: state
+    logical, intent(in) :: was(:), is(:)
+    type(body_type), intent(in) :: bodies(:)
+    real(dp), intent(in) :: moving(:, :), push(:, :)
+    real(dp), intent(out) :: momenta(2)
+    real(dp) :: gain(size(bodies), 2), shape(after%count, 2), amplitude(first_struck(after))
+    integer :: b, k
+    k = size(amplitude)
+    amplitude = 0.0_dp
+    amplitude(k) = 1.0_dp
+    gain = gains(bodies, was, is)
+    associate (seen => before%overlap_of_beam(after, amplitude), n => state%count)
+      momenta = [accurate_sum(seen(:n)*state%rate(:n)), 0.0_dp]
     end associate
     do b = 1, size(bodies)
       shape = after%motion_at(bodies(b)%position)
-      later%q = later%q + matmul(shape, max(0.0_dp, gain(b, :))*moved(b, :))
-      later%rate = later%rate + matmul(shape, max(0.0_dp, gain(b, :))*moving(b, :) + push(b, :))
-      first = shape(k, :)
-      staying = staying + sum(first*(max(0.0_dp, gain(b, :))*moving(b, :) + push(b, :)))
-      going = going - sum(first*min(0.0_dp, gain(b, :))*moving(b, :))
-      if (is(b) .and. .not. was(b)) bodies(b)%unstressed = moved(b, :)
+      momenta(1) = momenta(1) + sum(shape(k, :)*(max(0.0_dp, gain(b, :))*moving(b, :) + push(b, :)))
+      momenta(2) = momenta(2) - sum(shape(k, :)*min(0.0_dp, gain(b, :))*moving(b, :))
     end do
-    later%q = later%q/after%modal_mass
-    later%rate = later%rate/after%modal_mass
-    later%q(count + 1:) = 0.0_dp
-    later%rate(count + 1:) = 0.0_dp
+  end subroutine find_momenta
 
-    if (any(is_bent(bodies) .and. is)) then
-      left = part_of_energy(after, later, bodies, is, .false.)
-      later%level = held%value - left%value
-    end if
-    event%energy_after = known_energy(energy_of(after, later, bodies, is) + leaving(1) + leaving(2))
-    event%momentum_before = (staying + going)/after%struck(k)
-    event%momentum_after = (after%modal_mass(k)*later%rate(k) + going)/after%struck(k)
-    event%hub_rate_change = mean_rate(after, later%rate) - mean_rate(before, state%rate)
-  end subroutine hand_over
-
-  pure function unit_of(k) result(amplitude)
-    !! Mode k alone.
-    integer, intent(in) :: k
-    real(dp) :: amplitude(k)
-    amplitude = 0.0_dp
-    amplitude(k) = 1.0_dp
-  end function unit_of
-
-  pure function motions_at(bodies, modes, count, amplitude) result(motion)
+  function motions_at(bodies, configuration, terms) result(motion)
     !! Deflection and turning at the bodies, or their rates, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
-    class(mode_set), intent(in) :: modes
-    integer, intent(in) :: count
-    real(dp), intent(in) :: amplitude(:)            !! of the modes
+    type(configuration_type), intent(in) :: configuration(:)
+    type(shape_term), intent(in) :: terms(:)
     real(dp) :: motion(size(bodies), 2)
-    real(dp) :: shape(modes%count, 2)
-    integer :: b
-    do b = 1, size(bodies)
-      shape = modes%motion_at(bodies(b)%position)
-      motion(b, 1) = accurate_sum(shape(:count, 1)*amplitude(:count))
-      motion(b, 2) = accurate_sum(shape(:count, 2)*amplitude(:count))
+    real(dp), allocatable :: shape(:, :)
+    integer :: b, i
+    motion = 0.0_dp
+    do i = 1, size(terms)
+      associate (set => configuration(terms(i)%configuration)%set, amplitude => terms(i)%amplitude)
+        do b = 1, size(bodies)
+          shape = set%motion_at(bodies(b)%position)
+          motion(b, 1) = motion(b, 1) + accurate_sum(shape(:size(amplitude), 1)*amplitude)
+          motion(b, 2) = motion(b, 2) + accurate_sum(shape(:size(amplitude), 2)*amplitude)
+        end do
+      end associate
     end do
   end function motions_at
 
@@ -159,10 +224,11 @@ contains
     end do
   end function blows
 
-  function brought(modes, state, bodies, these, moved, moving, spin_squared, leaving) result(energy)
-    !! Kinetic and potential energy of some bodies: of what they bring as they come with springs that are unstressed, or take along as they leave.
+  function brought(modes, bent, bodies, these, moved, moving, spin_squared, leaving) result(energy)
+    !! Kinetic and potential energy of some bodies: of what they bring as they come with springs that are unstressed, or take along as
+    !! they leave.
     class(mode_set), intent(in) :: modes            !! before the change
-    type(beam_state), intent(in) :: state
+    real(dp), intent(in) :: bent(:)                 !! modal displacements then
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: these(:)
     real(dp), intent(in) :: moved(:, :), moving(:, :)
@@ -182,38 +248,31 @@ contains
           part(1:2) = [0.5_dp*body%mass*body%velocity**2, 0.0_dp]
         end if
         part(4) = -0.5_dp*body%mass*spin_squared*moved(b, 1)**2
-        if (body%pull > 0.0_dp) part(5) = body%pull*modes%energy_of_pull(body%position, state%q(:state%count))
+        if (body%pull > 0.0_dp) part(5) = body%pull*modes%energy_of_pull(body%position, bent)
         energy = energy + [energy_type(sum(part(:2)), projection_rounding*sum(abs(part(:2)))), &
                            energy_type(sum(part(3:)), projection_rounding*sum(abs(part(3:))))]
       end associate
     end do
   end function brought
 
-  function energy_of(modes, state, bodies, there) result(energy)
-    !! ½ΣM(q̇² + β²(q − r)²) about the equilibrium r, and what that has itself.
+  pure type(energy_type) function energy_of(modes, state) result(energy)
+    !! ½ΣM(q̇² + β²q²) about the equilibrium, and what that has itself.
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(in) :: state
-    type(body_type), intent(in) :: bodies(:)
-    logical, intent(in) :: there(:)
-    type(energy_type) :: energy
-    energy = part_of_energy(modes, state, bodies, there, .true.) + part_of_energy(modes, state, bodies, there, .false.) &
-      + energy_type(state%level, 0.0_dp)
+    energy = part_of_energy(modes, state, .true.) + part_of_energy(modes, state, .false.) + energy_type(state%level, 0.0_dp)
   end function energy_of
 
-  function part_of_energy(modes, state, bodies, there, kinetic) result(energy)
-    !! ½ΣMq̇², or ½ΣMβ²(q − r)².
+  pure type(energy_type) function part_of_energy(modes, state, kinetic) result(energy)
+    !! ½ΣMq̇², or ½ΣMβ²q².
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(in) :: state
-    type(body_type), intent(in) :: bodies(:)
-    logical, intent(in) :: there(:)
     logical, intent(in) :: kinetic
-    type(energy_type) :: energy
     real(dp) :: parts(state%count)
     associate (n => state%count, mass => modes%modal_mass)
       if (kinetic) then
         parts = 0.5_dp*mass(:n)*state%rate(:n)**2
       else
-        parts = 0.5_dp*mass(:n)*modes%beta_squared(:n)%hi*(state%q(:n) - equilibrium_of(modes, n, bodies, there))**2
+        parts = 0.5_dp*mass(:n)*modes%beta_squared(:n)%hi*state%q(:n)**2
       end if
     end associate
     energy = energy_type(accurate_sum(parts), projection_rounding*sum(abs(parts)))
@@ -225,31 +284,21 @@ contains
     is_bent = any([body%stiffness, body%turning_stiffness]*body%unstressed /= 0.0_dp)
   end function is_bent
 
-  pure function forces_of(modes, count, bodies, there) result(force)
-    !! f_k of springs towards where they are unstressed, (count).
-    class(mode_set), intent(in) :: modes
-    integer, intent(in) :: count
-    type(body_type), intent(in) :: bodies(:)
-    logical, intent(in) :: there(:)
-    real(dp) :: force(count)
-    real(dp) :: shape(modes%count, 2)
-    integer :: b
-    force = 0.0_dp
-    do b = 1, size(bodies)
-      if (.not. (there(b) .and. is_bent(bodies(b)))) cycle
-      shape = modes%motion_at(bodies(b)%position)
-      force = force + matmul(shape(:count, :), [bodies(b)%stiffness, bodies(b)%turning_stiffness]*bodies(b)%unstressed)
-    end do
-  end function forces_of
-
   pure function equilibrium_of(modes, count, bodies, there) result(rest)
-    !! Modal displacements of the equilibrium, (count). A mode that nothing holds is not bent by springs.
+    !! f_k/(M_kβ_k²), (count). A mode that nothing holds is not bent by springs.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: count
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: there(:)
     real(dp) :: rest(count)
-    rest = forces_of(modes, count, bodies, there)
+    real(dp) :: shape(modes%count, 2)
+    integer :: b
+    rest = 0.0_dp
+    do b = 1, size(bodies)
+      if (.not. (there(b) .and. is_bent(bodies(b)))) cycle
+      shape = modes%motion_at(bodies(b)%position)
+      rest = rest + matmul(shape(:count, :), [bodies(b)%stiffness, bodies(b)%turning_stiffness]*bodies(b)%unstressed)
+    end do
     where (modes%beta_squared(:count)%hi /= 0.0_dp)
       rest = rest/(modes%modal_mass(:count)*modes%beta_squared(:count)%hi)
     elsewhere
@@ -257,24 +306,20 @@ contains
     end where
   end function equilibrium_of
 
-  subroutine strike_beam(modes, state, bodies, there, mass, velocity, restitution, speed_after, jump, event)
+  subroutine strike_beam(modes, state, mass, velocity, restitution, speed_after, jump, event)
     !! A mass strikes the beam, which may move, and rebounds: H = (1 + e)(V − v̇)/(1/m + ΣΦ_k²/M_k) of the modes that take part.
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(inout) :: state
-    type(body_type), intent(in) :: bodies(:)
-    logical, intent(in) :: there(:)
     real(dp), intent(in) :: mass, velocity, restitution
     real(dp), intent(out) :: speed_after            !! of the mass
     real(dp), allocatable, intent(out) :: jump(:)   !! of modal velocities, (modes)
     type(event_type), intent(inout) :: event
-    type(energy_type) :: energy
     real(dp) :: momentum
     integer :: k, n
     n = state%count
     k = first_struck(modes)
     associate (struck => modes%struck(:n), modal => modes%modal_mass(:n))
-      energy = energy_of(modes, state, bodies, there)
-      event%energy_before = known_energy(energy + energy_type(0.5_dp*mass*velocity**2, 0.0_dp))
+      event%energy_before = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*velocity**2, 0.0_dp))
       momentum = modes%modal_mass(k)*state%rate(k)/modes%struck(k)
       event%momentum_before = momentum + mass*velocity
       event%impulse = (1.0_dp + restitution)*mass*(velocity - accurate_sum(struck*state%rate(:n))) &
@@ -285,8 +330,7 @@ contains
       speed_after = velocity
       if (mass > 0.0_dp) speed_after = velocity - event%impulse/mass
       event%momentum_after = momentum + modes%modal_mass(k)*jump(k)/modes%struck(k) + mass*speed_after
-      energy = energy_of(modes, state, bodies, there)
-      event%energy_after = known_energy(energy + energy_type(0.5_dp*mass*speed_after**2, 0.0_dp))
+      event%energy_after = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*speed_after**2, 0.0_dp))
       event%hub_rate_change = mean_rate(modes, jump)
     end associate
   end subroutine strike_beam

@@ -39,6 +39,13 @@ module bw_segment
       !! what modes that are not summed add for a force of 1, at once, to displacements and curvatures where they are seen, (points, 2)
   end type load_type
 
+  type, public :: shape_term
+    !! A part of a shape in which a beam rests: modes of a configuration, that carried these bodies.
+    integer :: configuration = alone
+    logical, allocatable :: there(:)         !! (bodies)
+    real(dp), allocatable :: amplitude(:)    !! of the first modes
+  end type shape_term
+
   type, public :: segment_type
     integer :: configuration = alone         !! which modes move
     type(dd) :: start                        !! when
@@ -50,6 +57,8 @@ module bw_segment
     real(dp), allocatable :: rate(:)         !! modal velocities then, (modes)
     real(dp), allocatable :: rest(:)
       !! modal displacements of the equilibrium that displacements are measured from; unallocated: that of the beam at rest, (modes)
+    type(shape_term), allocatable :: shape(:)
+      !! the equilibrium in modes of several configurations, where springs came to a beam that was bent; else unallocated
     real(dp) :: energy = 0.0_dp              !! of all modes there are, then
     type(lack_type), allocatable :: lack     !! unallocated: the modes lack nothing, or nobody asks
     real(dp) :: start_error = 0.0_dp         !! estimate of the error of `start`, where contacts amplify errors

@@ -142,6 +142,7 @@ class Motion:
         return total
 
     def equilibrium(self, item, there):
+        """f/(M β²): of springs that pull towards where they came."""
         rest = []
         for mode in item.modes:
             force = mpf(0)
@@ -161,18 +162,19 @@ class Motion:
             if "angular_velocity" in first:
                 rate[k] = mpf(first["angular_velocity"]) * self.product(mode, Mode(mpf(0), None), item.bodies) / mode.mass
         level = mpf(0)
-        self.segments.append((mpf(0), item, q, rate, self.equilibrium(item, self.presence[0])))
+        self.segments.append((mpf(0), item, q, rate, []))
         for i, time in enumerate(self.times):
             level = self.change(i, time, level)
 
     def change(self, i, time, level):
         was, there = self.presence[i], self.presence[i + 1]
         item, later = self.configurations[i], self.configurations[i + 1]
-        rest = self.segments[-1][4]
         q, rate = flow(self.segments[-1], time)
-        moved, moving = ([at(item, state, body["position"]) for body in self.bodies] for state in (q, rate))
+        whole = [*self.segments[-1][4], (item, q, was)]  # the displacement: a shape, and the motion about it
+        moved = [total(whole, body["position"]) for body in self.bodies]
+        moving = [at(item, rate, body["position"]) for body in self.bodies]
         kinetic = sum(mode.mass * v**2 / 2 for mode, v in zip(item.modes, rate))
-        potential = level + sum(mode.mass * mode.p**4 * (a - r) ** 2 / 2 for mode, a, r in zip(item.modes, q, rest))
+        potential = level + sum(mode.mass * mode.p**4 * a**2 / 2 for mode, a in zip(item.modes, q))
         before, kept, leaving = kinetic + potential, potential, mpf(0)
         for body, old, new, (v, slope), (rate_v, turn), (v0, slope0) in zip(
             self.bodies, was, there, moved, moving, self.unstressed
@@ -184,39 +186,42 @@ class Motion:
                 strain = (body["stiffness"] * (v - v0) ** 2 + body["rotational_stiffness"] * (slope - slope0) ** 2) / 2
                 kept -= strain
                 leaving += motion + strain
-        both = [body for body, old, new in zip(self.bodies, was, there) if old and new]
         new_q, new_rate = [], []
         for mode in later.modes:
-            seen = [self.product(mode, other, [body for body in both if body["position"] > 0]) for other in item.modes]
-            a, b = (sum(s * x for s, x in zip(seen, state)) for state in (q, rate))
-            for body, old, new, at_body, rate_at in zip(self.bodies, was, there, moved, moving):
-                if new and not old:
+            a = sum(self.seen(mode, there, *term) for term in whole)
+            b = self.seen(mode, there, item, rate, was)
+            for body, old, new, (rate_v, turn) in zip(self.bodies, was, there, moving):
+                if new and not old and body["velocity"] is not None:
                     shape = mode.at(body["position"])
-                    a += body["mass"] * at_body[0] * shape[0] + body["rotary_inertia"] * at_body[1] * shape[1]
-                    if body["velocity"] is None:
-                        b += body["mass"] * rate_at[0] * shape[0] + body["rotary_inertia"] * rate_at[1] * shape[1]
-                    else:
-                        b += body["mass"] * body["velocity"] * shape[0]
+                    b += body["mass"] * (body["velocity"] - rate_v) * shape[0] - body["rotary_inertia"] * turn * shape[1]
             new_q.append(a / mode.mass)
             new_rate.append(b / mode.mass)
         self.unstressed = [
             where if new and not old else known for old, new, where, known in zip(was, there, moved, self.unstressed)
         ]
-        new_rest = self.equilibrium(later, there)
-        strain = sum(m.mass * m.p**4 * (a - r) ** 2 / 2 for m, a, r in zip(later.modes, new_q, new_rest))
-        level = kept - strain if any(new_rest) else mpf(0)
-        after = sum(m.mass * v**2 / 2 for m, v in zip(later.modes, new_rate)) + strain + level + leaving
+        rest, shape = self.equilibrium(later, there), []
+        if any(rest):
+            new_q = [a - r for a, r in zip(new_q, rest)]
+            shape = [*whole, (later, [-a for a in new_q], there)]
+        strain = sum(mode.mass * mode.p**4 * a**2 / 2 for mode, a in zip(later.modes, new_q))
+        level = kept - strain if any(rest) else mpf(0)
+        after = sum(mode.mass * v**2 / 2 for mode, v in zip(later.modes, new_rate)) + strain + level + leaving
         self.events.append((before, after))
-        self.segments.append((time, later, new_q, new_rate, new_rest))
+        self.segments.append((time, later, new_q, new_rate, shape))
         return level
+
+    def seen(self, mode, there, item, state, was):
+        """What a mode sees of a motion in modes of another configuration, with all bodies that are there now."""
+        carried = [body for body, is_there in zip(self.bodies, there) if is_there and body["position"] > 0]
+        return sum(self.product(mode, other, carried) * a for other, a in zip(item.modes, state))
 
     def history(self, times, points):
         """Displacements and velocities, (points, times) each."""
         rows = [[], []]
         for time in times:
             segment = [item for item in self.segments if item[0] <= time][-1]
-            for row, state in zip(rows, flow(segment, time)):
-                row.append([float(at(segment[1], state, mpf(point))[0]) for point in points])
+            for row, state, shape in zip(rows, flow(segment, time), (segment[4], [])):
+                row.append([float(total([*shape, (segment[1], state, None)], mpf(point))[0]) for point in points])
         return [list(map(list, zip(*row))) for row in rows]
 
 
@@ -230,16 +235,22 @@ def at(item, state, x):
     return tuple(sum(a * shape[i] for a, shape in zip(state, shapes)) for i in range(2))
 
 
+def total(terms, x):
+    """The same of motions in modes of several configurations."""
+    parts = [at(item, state, x) for item, state, _ in terms]
+    return tuple(sum(part[i] for part in parts) for i in range(2))
+
+
 def flow(segment, time):
-    start, item, q, rate, rest = segment
+    start, item, q, rate, _ = segment
     t, moved, moving = time - start, [], []
-    for mode, a, v, r in zip(item.modes, q, rate, rest):
-        beta, a = mode.p**2, a - r
+    for mode, a, v in zip(item.modes, q, rate):
+        beta = mode.p**2
         if beta == 0:
-            moved.append(a + v * t + r)
+            moved.append(a + v * t)
             moving.append(v)
         else:
-            moved.append(a * cos(beta * t) + v * sin(beta * t) / beta + r)
+            moved.append(a * cos(beta * t) + v * sin(beta * t) / beta)
             moving.append(v * cos(beta * t) - a * beta * sin(beta * t))
     return moved, moving
 

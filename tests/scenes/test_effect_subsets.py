@@ -32,7 +32,7 @@ def known_groups(here):
 def reason(described, groups):
     """What must be said of a scene with these effects, by the descriptions of all; None where it must run."""
     for group in sorted(groups & described.keys()):
-        needed, excluded = (set(re.findall(rf"It {word} `&(\w+)`", described[group])) for word in ("needs", "excludes"))
+        needed, excluded = (set(re.findall(rf"It {word}\s`&(\w+)`", described[group])) for word in ("needs", "excludes"))
         for word, others in (("needs", needed - groups), ("excludes", excluded & groups)):
             if others:
                 return f"&{group}: {word} &{min(others)}"

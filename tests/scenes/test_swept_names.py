@@ -29,6 +29,8 @@ LOADS = {
     "time_scale": ({"shape": "file", "file": "pulse.csv", "time_scale": 1.0}, [1.0, 0.5]),
     "sample_rate": ({"shape": "file", "file": "pulse.csv", "sample_rate": 1e3}, [1e3, 2e3]),
 }
+COMES = {**CAPTURE, "body": {"position": 0.8, "mass": 0.1, "from": 0.01, "velocity": 1.0}}
+TURNS = {**CAPTURE, "support": {"rotational_stiffness": 1e5}, "initial": {"angular_velocity": 0.1}}
 SCENES = {  # a scene in which the name means something, and two values; of a name that is not here a scene of input/ and its value
     "beam%length": (CAPTURE, [0.9, 1.1]),
     "beam%density": (CAPTURE, [7000.0, 8000.0]),
@@ -79,6 +81,12 @@ SCENES = {  # a scene in which the name means something, and two values; of a na
     "body%rotary_inertia": ({**CAPTURE, "body": SPRING}, [0.0, 1e-3]),
     "body%stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e3]),
     "body%rotational_stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e2]),
+    "body%from": (COMES, [0.003, 0.008]),
+    "body%until": ({**CAPTURE, "body": {"position": 0.8, "mass": 0.1, "until": 0.01}}, [0.003, 0.008]),
+    "body%velocity": (COMES, [-1.0, 2.0]),
+    "initial%force": ({**CAPTURE, "initial": {"force": 10.0}}, [0.0, 20.0]),
+    "initial%position": ({**CAPTURE, "initial": {"force": 10.0}}, [0.5, 1.0]),
+    "initial%angular_velocity": (TURNS, [0.0, 0.3]),
     "impact%position": (CAPTURE, [0.7, 1.0]),
     **{f"{group}%{name}": ({**AT_REST, group: values}, swept) for group in ("force", "base") for name, (values, swept) in LOADS.items()},
     "force%position": ({**AT_REST, "force": PULSE}, [0.5, 1.0]),

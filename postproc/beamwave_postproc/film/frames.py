@@ -139,7 +139,8 @@ class _BeamView:
         shown = self.shown
         self.line.set_data(shown.place, shown.line[frame] * self.factor)
         self.dots.set_data(shown.points, shown.deflection[frame] * self.factor)
-        self.bodies.set_data(shown.bodies, _on_line(shown, frame, shown.bodies) * self.factor)
+        bodies = shown.bodies[shown.there[frame]]
+        self.bodies.set_data(bodies, _on_line(shown, frame, bodies) * self.factor)
         if shown.mass is not None:
             self._place_mass(frame, limit)
         self._place_events(frame)
@@ -191,7 +192,8 @@ class _HubView:
         shown, angle = self.shown, self.shown.angle[frame]
         scale = 0.0 if shown.out_of_plane else scale
         self.line.set_data(*_turned(angle, shown.place, scale * shown.line[frame]))
-        self.bodies.set_data(*_turned(angle, shown.bodies, scale * _on_line(shown, frame, shown.bodies)))
+        bodies = shown.bodies[shown.there[frame]]
+        self.bodies.set_data(*_turned(angle, bodies, scale * _on_line(shown, frame, bodies)))
         self.rest.set_data(*_turned(angle, np.array([0.0, shown.length]), np.zeros(2)))
         self.mark.set_data(*_turned(angle, np.array([-HUB, HUB]) * shown.length, np.zeros(2)))
         if shown.mass is not None:

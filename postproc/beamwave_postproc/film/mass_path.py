@@ -12,6 +12,9 @@ from ..parts.events import events_of
 from ..parts.section import beam_mass
 
 
+BODIES = ("arrival", "departure", "exchange")  # events of bodies, which the mass that strikes has no part in
+
+
 @dataclass(frozen=True)
 class Leg:
     """Part of the mass's way, from `start` on (s): free from `position` at `velocity`, or held by the tip."""
@@ -84,6 +87,8 @@ def _legs(case: xr.Dataset, tip: Tip) -> list[Leg]:
             legs.append(Leg(event.time, held=True))
         elif event.kind == "release":
             legs.append(Leg(event.time, *tip.at(event.time)))
+        elif event.kind in BODIES:
+            continue
         elif event.end > event.time:
             legs.append(Leg(event.time, held=True))
             if event.end < tip.time[-1]:

@@ -12,7 +12,7 @@ from ..parts.events import Event, events_of
 from ..parts.growth import grows, samples_held
 from ..parts.line import FEW_POINTS, SAME_PLACE, beam_line, is_clamped, moving_points, places_of_line
 from ..parts.passage import blow_at, length_of
-from ..parts.places import body_places
+from ..parts.places import bodies_there, body_places
 from ..parts.points import error_warning
 from ..parts.select import one_case
 from ..result import require, require_numbers
@@ -41,7 +41,8 @@ class Motion:
     out_of_plane: bool
     grows: bool
     struck: float  # x of the blow, m
-    bodies: np.ndarray  # x of what is attached to the beam, m
+    bodies: np.ndarray  # x of what is attached to the beam, m, (places)
+    there: np.ndarray  # whether it is, (frames, places)
     title: str  # of the scene
     label: str  # effects and inputs, of a sweep those of the case
     warning: str  # of a motion that may be nothing but error
@@ -82,6 +83,7 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
         grows=grows(case),
         struck=blow_at(case) * length,
         bodies=body_places(case) * length,
+        there=bodies_there(case, moments),
         title=title_of(ds),
         label=description_of(case),
         warning=error_warning([case], "displacement"),
@@ -110,10 +112,15 @@ def _mass(
 ) -> tuple[np.ndarray | None, np.ndarray]:
     """Position of the mass and whether the beam holds it; None without one, or without a point where it strikes."""
     near = order[np.abs(case["point_position"].values[order] - blow_at(case)) < SAME_PLACE]
-    if not events_of(case) or not near.size or time.size < 3:
+    if not _is_struck(case) or not events_of(case) or not near.size or time.size < 3:
         return None, np.zeros(moments.size, dtype=bool)
     velocity = case["velocity"].values[near[0], : time.size] if "velocity" in case else None
     return mass_path(case, Tip(time, case["displacement"].values[near[0], : time.size], velocity), moments)
+
+
+def _is_struck(ds: xr.Dataset) -> bool:
+    """Whether a mass strikes the beam."""
+    return any(name in ds for name in ("impact_mass", "impact_mass_ratio"))
 
 
 def _events_by_frame(case: xr.Dataset, moments: np.ndarray) -> list[list[Event]]:
@@ -144,7 +151,7 @@ def _remarks(ds: xr.Dataset, xi: np.ndarray) -> list[str]:
         )
     if abs(xi[-1] - 1.0) > SAME_PLACE:
         found.append("the tip, 1.0, is not among the points: the beam ends at the last of them")
-    if not np.any(np.abs(xi - blow_at(ds)) < SAME_PLACE):
+    if _is_struck(ds) and not np.any(np.abs(xi - blow_at(ds)) < SAME_PLACE):
         found.append(f"the place of the blow, {blow_at(ds):g}, is not among the points: no mass is drawn")
     if "case" in ds.dims and ds.sizes["case"] > 1:
         found.append(f"the film shows the first of {ds.sizes['case']} cases")

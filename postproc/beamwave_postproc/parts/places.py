@@ -21,6 +21,18 @@ def body_places(ds: xr.Dataset) -> np.ndarray:
     return places[np.isfinite(places)]
 
 
+def bodies_there(ds: xr.Dataset, times: np.ndarray) -> np.ndarray:
+    """Whether something is attached at each of `body_places` at times (s) of a single case, (times, places)."""
+    places = body_places(ds)
+    if places.size == 0:
+        return np.ones((times.size, 0), dtype=bool)
+    position = ds["body_position"].values
+    begin = ds["body_from"].fillna(-np.inf).values if "body_from" in ds else np.full(position.size, -np.inf)
+    end = ds["body_until"].fillna(np.inf).values if "body_until" in ds else np.full(position.size, np.inf)
+    here = (times[:, np.newaxis] >= begin) & (times[:, np.newaxis] < end)
+    return np.stack([here[:, position == place].any(axis=1) for place in places], axis=1)
+
+
 def struck_inside(ds: xr.Dataset) -> float | None:
     """Where the mass strikes, ξ; None at the tip, without an impact, and where cases differ in it."""
     if "impact_position" not in ds:

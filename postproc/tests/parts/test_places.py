@@ -6,7 +6,7 @@ import synthetic
 
 from beamwave_postproc import compare, mode_shapes, motion, open_result, page_of, pictures, space_time, velocity_jump
 from beamwave_postproc.film.frames import Film
-from beamwave_postproc.parts.places import body_places, struck_inside
+from beamwave_postproc.parts.places import bodies_there, body_places, struck_inside
 
 POINTS = [round(0.05 * i, 2) for i in range(21)]
 BODIES = {
@@ -96,3 +96,18 @@ def test_no_picture_fails_on_inputs_that_are_arrays(laden, struck):
 
 def page_words(fig):
     return " ".join(text.get_text() for text in fig.texts).replace("\n", " ")
+
+
+def test_bodies_are_there_from_when_they_come_until_they_leave(laden):
+    times = {"body_from": ("body", [0.1, np.nan, 0.2]), "body_until": ("body", [0.3, 0.15, np.nan])}
+    there = bodies_there(laden.assign(times), np.array([0.0, 0.1, 0.17, 0.2, 0.3]))
+    assert body_places(laden).tolist() == [0.4, 0.75]
+    assert there.T.tolist() == [[True, True, False, True, True], [False, True, True, True, False]]
+    assert bodies_there(laden, np.zeros(2)).all()
+
+
+def test_a_beam_that_nothing_strikes_is_filmed_with_its_bodies(laden):
+    kinds = laden["event_kind"].copy(data=[5, 6])
+    alone = laden.drop_vars([name for name in laden if name.startswith("impact_")])
+    shown = motion(alone.assign(event_kind=kinds, body_from=("body", [0.1, np.nan, 0.0])))
+    assert shown.mass is None and not shown.there[0, 1] and shown.there[-1].all()

@@ -15,7 +15,7 @@ module bw_initial_par
   end type initial_par
 
   type(input_group), parameter, public :: initial_group = input_group( &
-    'initial', excludes='contact recontact force base', is_event=.true., &
+    'initial', excludes='contact recontact record force base', is_event=.true., &
     absent='the beam is straight and at rest when the motion begins', &
     rules='Give `force`, `angular_velocity` or both. The deflection under a force is let go at t = 0, as a string that is '// &
     'plucked: nothing but the beam may hold it then, so that every mode has to be stable. The angular velocity is that of a '// &

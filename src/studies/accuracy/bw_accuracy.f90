@@ -12,7 +12,7 @@ module bw_accuracy
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_type
   use bw_price_report, only: price_report
-  use bw_scene, only: is_loaded, scene_type
+  use bw_scene, only: changes_in_time, is_loaded, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
   use bw_timed_runs, only: repeat_runs, run_once, timed_run
@@ -69,6 +69,10 @@ contains
     if (.not. allocated(scene%response)) then
       call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
                 'could be measured'//accepted)
+    else if (changes_in_time(scene)) then
+      call fail(error, status_bad_input, scene%file//': a body that comes or leaves, or &initial: its motion has no converged '// &
+                'run to measure errors against; its own result has them, by runs with fewer modes; accepted: a scene '// &
+                'without from and until of &body, and without &initial')
     else if (allocated(scene%contact)) then
       call fail(error, status_bad_input, scene%file//': &contact: has no converged run to measure errors against; its own '// &
                 'result has them, by runs with fewer modes and shorter steps; accepted: a scene without &contact')
