@@ -10,7 +10,7 @@ module bw_case_cost
   use bw_response, only: sum_tolerance
   use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, counts_in_its_run, is_loaded, scene_type
   use bw_sum_choice, only: sum_seconds
-  use bw_timeline, only: comes_back
+  use bw_timeline, only: comes_back, most_configurations, most_events
   implicit none (type, external)
   private
   public :: case_bytes, case_counts, case_shares, modes_seconds, seconds_of, shared_terms, stage_part
@@ -62,7 +62,9 @@ module bw_case_cost
   real(dp), parameter :: times_over = 2.0_dp         !! what all numbers of modes up to the last take, over that one
   integer, parameter :: most_loaded = 1024           !! modes that a default tolerance takes where accelerations are asked for
   real(dp), parameter :: gauss_stages = 8.0_dp       !! places in a half wave
-  real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: four runs of some contacts
+  real(dp), parameter :: changing_passes = 80.0_dp   !! of pairs before and after a change, of which a part is integrated: seven runs
+  real(dp), parameter :: changing_sums = 4.4_dp      !! of the modes of these runs over those of the whole
+  real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: three runs of some contacts
 
 contains
 
@@ -107,6 +109,11 @@ contains
       before = moving
     end if
     found = before + after
+    if (changes_in_time(scene)) then
+      after = merge(moving, real(scene%modes%after, dp), planning)
+      moving = max(before, after)
+      found = before + (most_configurations(scene) - 1)*after
+    end if
     if (planning .and. .not. counts_in_its_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
     counts = 0.0_dp
     if (closed) then
@@ -122,6 +129,7 @@ contains
       & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
     if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
+    if (changes_in_time(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
     if (allocated(scene%recontact)) counts(contacts) = scene%recontact%max_contacts*before
@@ -134,6 +142,7 @@ contains
     if (.not. allocated(scene%response)) return
     associate (response => scene%response, points => size(scene%response%points))
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
+      if (changes_in_time(scene)) counts([damped_sums, plain_sums]) = changing_sums*counts([damped_sums, plain_sums])
       counts(error_estimates) = moving*points
       if (is_loaded(scene)) then
         followed = 2.0_dp*moving                      ! as many more as are summed tell the error

@@ -2,7 +2,7 @@ module bw_changing_motion
   !! The motion of a beam that changes in time: from what it does first through all that happens, as segments and events. Modes are
   !! counted; a part of them may take part, so that several runs tell what modes add.
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, energy_of, hand_over, strike_beam
+  use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, hand_over, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
   use bw_initial_state, only: find_jump, initial_state
@@ -71,8 +71,6 @@ contains
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(body_type), allocatable :: bodies(:)
-    type(dd) :: speed
-    real(dp) :: radius, spin_squared
     integer :: b
     allocate (bodies(0))
     associate (joints => joints_of_bodies(scene))
@@ -83,12 +81,22 @@ contains
     end associate
     if (allocated(scene%capture)) bodies = [bodies, body_type(scene%impact%position, scene%impact%mass_ratio, &
       scene%capture%rotary_inertia/motion%units%mass/motion%units%length**2)]
+    call set_pull(scene, motion, bodies)
+  end function bodies_of
+
+  pure subroutine set_pull(scene, motion, bodies)
+    !! The tension that bodies bring into the beam.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(body_type), intent(inout) :: bodies(:)
+    type(dd) :: speed
+    real(dp) :: radius, spin_squared
     if (.not. allocated(scene%stiffening)) return
     speed = dimensionless_speed(scene%rotation, motion%units)
     spin_squared = speed%hi**2
     radius = scene%stiffening%hub_radius/motion%units%length
     bodies%pull = spin_squared*bodies%mass*(radius + bodies%position)
-  end function bodies_of
+  end subroutine set_pull
 
   pure function presence(scene, carried) result(there)
     !! Which bodies are there, (bodies).
@@ -252,16 +260,21 @@ contains
     type(event_type), intent(inout) :: event
     class(monitor_type), intent(inout), target :: monitor
     type(energy_type) :: energy
-    real(dp) :: moving
+    type(body_type) :: mass(1)
+    real(dp) :: moving, place, speed
     event%kind = impact_event
     associate (modes => motion%modes%configuration(now%configuration)%set, given => scene%impact, impact => motion%initial%impact, &
                state => now%state)
       moving = dot_product(modes%struck, state%rate)
       impact%gamma = given%mass_ratio
       impact%restitution = given%restitution
+      mass = body_type(position=given%position, mass=given%mass_ratio)
+      call set_pull(scene, motion, mass)
+      speed = speed_in_plane(scene%rotation, motion%units)
+      place = sum(energy_at(modes, state%q(:state%count), mass(1), dot_product(modes%struck, state%q), speed**2))
       if (limit) then
         energy = energy_of(modes, state) &
-          + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2, 0.0_dp)
+          + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2 + place, 0.0_dp)
         event%energy_before = known_energy(energy)
         event%energy_after = event%energy_before
         event%momentum_before = modes%modal_mass(1)*state%rate(1)/modes%struck(1) + given%mass_ratio*given%approach_velocity
@@ -271,7 +284,7 @@ contains
         impact%tip_velocity = moving + (1.0_dp + given%restitution)*(given%approach_velocity - moving)
       else
         call strike_beam(modes, state, given%mass_ratio, given%approach_velocity, given%restitution, &
-                         impact%mass_velocity, impact%modal_velocity, event)
+                         place, impact%mass_velocity, impact%modal_velocity, event)
         impact%impulse = event%impulse
         impact%tip_velocity = dot_product(modes%struck, state%rate)
       end if

@@ -20,7 +20,7 @@ module bw_change_of_bodies
   use bw_segment, only: energy_type, known_energy, shape_term, operator(+)
   implicit none (type, external)
   private
-  public :: energy_of, hand_over, strike_beam
+  public :: energy_at, energy_of, hand_over, strike_beam
 
   type, public :: body_type
     !! A body with its springs.
@@ -247,13 +247,23 @@ contains
         else if (.not. is_missing(body%velocity)) then
           part(1:2) = [0.5_dp*body%mass*body%velocity**2, 0.0_dp]
         end if
-        part(4) = -0.5_dp*body%mass*spin_squared*moved(b, 1)**2
-        if (body%pull > 0.0_dp) part(5) = body%pull*modes%energy_of_pull(body%position, bent)
+        part(4:5) = energy_at(modes, bent, body, moved(b, 1), spin_squared)
         energy = energy + [energy_type(sum(part(:2)), projection_rounding*sum(abs(part(:2)))), &
                            energy_type(sum(part(3:)), projection_rounding*sum(abs(part(3:))))]
       end associate
     end do
   end function brought
+
+  pure function energy_at(modes, bent, body, deflection, spin_squared) result(energy)
+    !! What a body has where it is of the centrifugal force: across the beam, and along it, as bending has drawn it inwards.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: bent(:)                 !! modal displacements
+    type(body_type), intent(in) :: body
+    real(dp), intent(in) :: deflection, spin_squared
+    real(dp) :: energy(2)
+    energy = [-0.5_dp*body%mass*spin_squared*deflection**2, 0.0_dp]
+    if (body%pull > 0.0_dp) energy(2) = body%pull*modes%energy_of_pull(body%position, bent)
+  end function energy_at
 
   pure type(energy_type) function energy_of(modes, state) result(energy)
     !! ½ΣM(q̇² + β²q²) about the equilibrium, and what that has itself.
@@ -306,11 +316,12 @@ contains
     end where
   end function equilibrium_of
 
-  subroutine strike_beam(modes, state, mass, velocity, restitution, speed_after, jump, event)
+  subroutine strike_beam(modes, state, mass, velocity, restitution, place, speed_after, jump, event)
     !! A mass strikes the beam, which may move, and rebounds: H = (1 + e)(V − v̇)/(1/m + ΣΦ_k²/M_k) of the modes that take part.
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(inout) :: state
     real(dp), intent(in) :: mass, velocity, restitution
+    real(dp), intent(in) :: place                   !! energy of the mass beside that of its motion
     real(dp), intent(out) :: speed_after            !! of the mass
     real(dp), allocatable, intent(out) :: jump(:)   !! of modal velocities, (modes)
     type(event_type), intent(inout) :: event
@@ -319,7 +330,7 @@ contains
     n = state%count
     k = first_struck(modes)
     associate (struck => modes%struck(:n), modal => modes%modal_mass(:n))
-      event%energy_before = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*velocity**2, 0.0_dp))
+      event%energy_before = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*velocity**2 + place, 0.0_dp))
       momentum = modes%modal_mass(k)*state%rate(k)/modes%struck(k)
       event%momentum_before = momentum + mass*velocity
       event%impulse = (1.0_dp + restitution)*mass*(velocity - accurate_sum(struck*state%rate(:n))) &
@@ -330,7 +341,7 @@ contains
       speed_after = velocity
       if (mass > 0.0_dp) speed_after = velocity - event%impulse/mass
       event%momentum_after = momentum + modes%modal_mass(k)*jump(k)/modes%struck(k) + mass*speed_after
-      event%energy_after = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*speed_after**2, 0.0_dp))
+      event%energy_after = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*speed_after**2 + place, 0.0_dp))
       event%hub_rate_change = mean_rate(modes, jump)
     end associate
   end subroutine strike_beam
