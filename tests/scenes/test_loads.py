@@ -250,7 +250,7 @@ def test_a_growing_mode_is_driven_too(here):
         ({"impact": {"mass_ratio": 0.1}, "modes": {"before": 5}}, "&contact makes the blow last"),
         ({"base": HALF_SINE, "hub": {"rotary_inertia": 1.0}}, "&base: excludes &hub"),
         ({"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}}, "&force: excludes &contact"),
-        ({}, "needs &impact, &force or &base"),
+        ({}, "needs &impact, &force, &base, &initial or &body"),
     ],
 )
 def test_what_has_no_meaning_is_refused_with_its_place(here, groups, words):
