@@ -115,13 +115,15 @@ contains
     type(body_type), intent(in) :: bodies(:)
     type(configuration_type), intent(in) :: configuration(:)
     type(shape_term), intent(in) :: terms(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(modes%count)
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+    real(dp) :: sums(modes%count), seen(modes%count)
     integer :: i
     sums = 0.0_dp
     do i = 1, size(terms)
       associate (term => terms(i), set => configuration(terms(i)%configuration)%set)
-        sums = sums + set_seen(modes, set, term%amplitude) &
+        seen = set_seen(modes, set, term%amplitude)
+        if (stops(monitor)) return
+        sums = sums + seen &
           + pushed_by(modes, bodies, max(0.0_dp, gains(bodies, term%there, is))*motions_at(bodies, configuration, terms(i:i)))
       end associate
     end do

@@ -67,8 +67,10 @@ contains
     integer :: g, r
     r = position_of(groups, 'response')
     if (r == 0) return
-    if (position_of(groups, 'impact') > 0) then
-      why = ''
+    why = ''
+    if (changes()) then
+      why = 'has no limit as modes are added where bodies come or leave, or a deflection is let go; accepted: .false.'
+    else if (position_of(groups, 'impact') > 0) then
       if (position_of(groups, 'contact') == 0) then
         why = 'has no limit as modes are added after an ideal blow, which takes no time; accepted: .false.; &contact makes the '// &
               'blow last'
@@ -76,11 +78,12 @@ contains
         why = 'has no limit as modes are added after a capture, when the force of the contact ends at once; accepted: .false., '// &
               'or no &capture'
       end if
-      if (why == '') return
+    end if
+    if (why /= '') then
       if (asked('acceleration')) call messages%add(groups(r)%line_of('acceleration'), 'response%acceleration', why)
       if (asked('shear_force')) call messages%add(groups(r)%line_of('shear_force'), 'response%shear_force', why)
-      return
     end if
+    if (why /= '' .or. position_of(groups, 'impact') > 0) return
     if (.not. asked('acceleration')) return
     do g = 1, size(groups)
       if (groups(g)%group /= 'force') cycle
@@ -89,6 +92,15 @@ contains
         '; accepted: another shape, a sine of whole half turns, or no acceleration')
     end do
   contains
+    pure logical function changes()
+      !! The motion begins or goes on by jumps that no load makes.
+      integer :: i
+      changes = position_of(groups, 'initial') > 0
+      do i = 1, size(groups)
+        if (groups(i)%group == 'body') changes = changes .or. groups(i)%given('from') .or. groups(i)%given('until')
+      end do
+    end function changes
+
     pure logical function asked(name)
       character(*), intent(in) :: name
       asked = groups(r)%known(name)
