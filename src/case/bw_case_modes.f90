@@ -19,6 +19,7 @@ module bw_case_modes
   use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
+  use bw_text, only: text_of
   use bw_timeline, only: carried_type, comes_back, configurations_of, number_of, start_of
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
@@ -65,6 +66,15 @@ contains
       done = done + part%share
       call find_set(scene, units, i == modes%moving .or. changes_in_time(scene), counts(i), part, modes%configuration(i), modes)
       if (monitor%stop_requested()) return
+      if (.not. modes%configuration(i)%set%resolved) cycle
+      associate (set => modes%configuration(i)%set)
+        if (i == modes%moving) then
+          call note_coupling(scene, units, set, modes%notes)
+          call note_growth(units, set, modes%notes)
+        else if (changes_in_time(scene)) then
+          call note_growth(units, set, modes%notes, ' of configuration '//text_of(i))
+        end if
+      end associate
     end do
   end subroutine find_modes
 
@@ -78,10 +88,10 @@ contains
   end function counts_of
 
   subroutine find_set(scene, units, moves, count, monitor, configuration, modes)
-    !! The first modes of a configuration, and what there is to say of those that move after t = 0.
+    !! The first modes of a configuration.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: moves
+    logical, intent(in) :: moves                   !! in a history
     integer, intent(in) :: count
     class(monitor_type), intent(inout) :: monitor
     type(configuration_type), intent(inout) :: configuration
@@ -96,9 +106,6 @@ contains
       return
     end if
     call configuration%set%forget_rigid_waves()
-    if (.not. moves) return
-    call note_coupling(scene, units, configuration%set, modes%notes)
-    call note_growth(units, configuration%set, modes%notes)
   end subroutine find_set
 
   subroutine find_sources(scene, units, monitor, modes, cache)

@@ -60,19 +60,22 @@ contains
     end if
   end subroutine note_coupling
 
-  subroutine note_growth(units, modes, notes)
+  subroutine note_growth(units, modes, notes, which)
     !! Which modes grow.
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes           !! in force after t = 0
     type(string), allocatable, intent(inout) :: notes(:)
-    character(:), allocatable :: reason
+    character(*), intent(in), optional :: which    !! modes these are; absent: those in force after t = 0
+    character(:), allocatable :: reason, of
     integer :: growing
+    of = ''
+    if (present(which)) of = which
     growing = count(modes%beta_squared%hi < 0.0_dp)
     if (growing == 0) return
     reason = 'the angular velocity being above '//shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s ('// &
       shortest(modes%critical_speed%hi*units%frequency*rpm, 4)//' rpm)'
     if (modes%grows_at_any_speed) reason = 'at any angular velocity: the beam can turn about its root, and nothing turns it back'
-    call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)//' modes grow without bound, '//reason)
+    call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)//' modes'//of//' grow without bound, '//reason)
   end subroutine note_growth
 
   subroutine note_no_effect(notes)

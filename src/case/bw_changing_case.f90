@@ -128,8 +128,8 @@ contains
   end subroutine follow_to_tolerance
 
   subroutine follow_fewer(scene, limit, motion, watch, monitor, workspace, histories, errors)
-    !! The motion with all modes, and with fewer: with ρ the ratio of the largest changes from n/2 on to those from n/4 to n/2, 2ρ/(1 − ρ) of
-    !! the former. Where bodies come later, what a few modes less change goes up and down: the largest of several counts is taken.
+    !! The motion with all modes, and with fewer, and how far those that are missing may be: `extrapolate`. Where bodies come later, what a few
+    !! modes less change goes up and down: the largest of several counts is taken.
     type(scene_type), intent(in) :: scene            !! that counts its modes
     logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion       !! its modes are known
@@ -138,9 +138,9 @@ contains
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
-    type(case_histories) :: half, other
+    type(case_histories) :: half, other, quarter
     type(case_motion) :: whole
-    type(history_errors) :: before                   ! that of half the modes
+    type(history_errors) :: before, early            ! changes up to half the modes, and up to a quarter
     integer :: eighths
     if (allocated(scene%response)) then
       call run_eighths(scene, 4, limit, motion, watch, monitor, workspace, half)
@@ -151,8 +151,8 @@ contains
     errors = history_errors(status=histories%status)
     call add_difference(histories%response, half%response, errors)
     whole = motion
-    do eighths = 7, 2, -1
-      if (eighths == 4 .or. (eighths /= 2 .and. size(motion%timeline%events) == 0)) cycle
+    do eighths = 7, 3, -1
+      if (eighths == 4 .or. size(motion%timeline%events) == 0) cycle
       call run_eighths(scene, eighths, limit, whole, watch, monitor, workspace, other)
       if (monitor%stop_requested()) return
       if (eighths > 4) then
@@ -161,27 +161,30 @@ contains
         call add_difference(half%response, other%response, before)
       end if
     end do
+    call run_eighths(scene, 2, limit, whole, watch, monitor, workspace, quarter)
+    if (monitor%stop_requested()) return
+    call add_difference(half%response, quarter%response, before)
+    call run_eighths(scene, 1, limit, whole, watch, monitor, workspace, other)
+    if (monitor%stop_requested()) return
+    call add_difference(quarter%response, other%response, early)
     call watch%lap(stage_response)
-    associate (regular => size(motion%timeline%events) == 0)
-      call extrapolate(regular, before%displacement, errors%displacement)
-      if (allocated(errors%velocity)) call extrapolate(regular, before%velocity, errors%velocity)
-      if (allocated(errors%bending_moment)) call extrapolate(regular, before%bending_moment, errors%bending_moment)
-    end associate
+    call extrapolate(early%displacement, before%displacement, errors%displacement)
+    if (allocated(errors%velocity)) call extrapolate(early%velocity, before%velocity, errors%velocity)
+    if (allocated(errors%bending_moment)) call extrapolate(early%bending_moment, before%bending_moment, errors%bending_moment)
   end subroutine follow_fewer
 
-  pure subroutine extrapolate(regular, before, error)
-    !! From changes to what is missing still. Changes that are small by chance count as they would if they fell as those before them.
-    logical, intent(in) :: regular                   !! they fall steadily
-    real(dp), intent(in) :: before(:)
+  pure subroutine extrapolate(early, before, error)
+    !! From the changes up to a quarter and a half of the modes and all of them to what is missing: as the changes of a geometric series,
+    !! 2ρ/(1 − ρ) of the last, ρ being the larger of the two ratios, and the last no less than ρ of the one before it.
+    real(dp), intent(in) :: early(:), before(:)
     real(dp), intent(inout) :: error(:)
-    real(dp), parameter :: least(2) = [0.1_dp, 0.35_dp], most = 0.75_dp    ! tuned
+    real(dp), parameter :: least = 0.1_dp, most = 0.7_dp       ! tuned
     real(dp) :: ratio
-    integer :: i
     if (maxval(before) <= 0.0_dp) return
-    i = merge(1, 2, regular)
-    ratio = min(most, max(least(i), maxval(error)/maxval(before)))
-    if (.not. regular) error = max(error, least(i)*before)
-    error = error*(2.0_dp*ratio/(1.0_dp - ratio))
+    ratio = maxval(error)/maxval(before)
+    if (maxval(early) > 0.0_dp) ratio = max(ratio, maxval(before)/maxval(early))
+    ratio = min(most, max(least, ratio))
+    error = max(error, ratio*before)*(2.0_dp*ratio/(1.0_dp - ratio))
   end subroutine extrapolate
 
   pure subroutine add_difference(response, other, errors)

@@ -236,9 +236,8 @@ def test_a_mass_strikes_a_moving_beam_with_the_closing_speed(here):
     assert ended.returncode == 2 and "impact%approach_velocity" in ended.stderr
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_errors_hold_through_all_events(here, seed):
-    """Against four times as many modes, of random scenes."""
+def random_groups(seed):
+    """A random scene in which bodies come and leave, without its modes."""
     draw = np.random.default_rng(seed)
     groups = [("beam", PAPER_BEAM)]
     if seed % 2:
@@ -255,14 +254,32 @@ def test_errors_hold_through_all_events(here, seed):
         groups.append(("body", body))
     groups.append(("initial", {"force": float(draw.uniform(-300, 300))}))
     groups.append(("response", HISTORY | {"bending_moment": True}))
-    few = run(here, "few", *groups, ("modes", {"before": 48, "after": 48}))
-    many = run(here, "many", *groups, ("modes", {"before": 192, "after": 192}))
-    for name in ("displacement", "velocity", "bending_moment"):
+    return groups
+
+
+QUANTITIES = ("displacement", "velocity", "bending_moment")
+
+
+def estimates_over_errors(few, many):
+    """By quantity, at the points where the error is above rounding and under a tenth of the motion."""
+    found = {}
+    for name in QUANTITIES:
         error = np.abs(few[name] - many[name]).max(axis=1)
         peak = np.abs(many[name]).max(axis=1)
-        estimate = few[f"{name}_error"]
-        small = (error < 0.1 * peak) & (peak > 0)
-        assert (estimate[small] >= 0.4 * error[small]).all(), (name, error, estimate)
+        small = (error < 0.1 * peak) & (error > 1e-9 * peak.max())
+        found[name] = few[f"{name}_error"][small] / error[small]
+    return found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_errors_hold_through_all_events(here, seed):
+    """Against four times as many modes. `python -m timelines` of bench/ draws hundreds: displacements may be off by up to three times
+    their estimate where velocities at the places of bodies have hardly begun to converge."""
+    groups = random_groups(seed)
+    few = run(here, "few", *groups, ("modes", {"before": 48, "after": 48}))
+    many = run(here, "many", *groups, ("modes", {"before": 192, "after": 192}))
+    for name, ratio in estimates_over_errors(few, many).items():
+        assert (ratio >= 0.4).all(), (name, ratio)
 
 
 def test_a_static_deflection_needs_a_beam_that_something_holds(here):
