@@ -14,7 +14,7 @@ module bw_scene
   use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_initial_par, only: build_initial, check_initial, complete_initial, initial_par, initial_text
-  use bw_input_name, only: is_simulated
+  use bw_input_name, only: has_word, is_simulated
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
@@ -72,6 +72,8 @@ module bw_scene
     type(sweep_par), allocatable :: sweeps(:)     !! &sweep, the first varying slowest; of size 0 for one case
     type(group_values), allocatable :: groups(:)  !! all values by name, from which the components were built
   end type scene_type
+
+  character(*), parameter :: movers(4) = [character(7) :: 'impact', 'initial', 'force', 'base']   !! groups that move the beam
 
 contains
 
@@ -199,20 +201,23 @@ contains
     !! What bodies that come or leave and a first motion have to do with other groups; and something has to move the beam.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    character(*), parameter :: refused(5) = [character(9) :: 'contact', 'recontact', 'record', 'force', 'base']
+    character(*), parameter :: elsewhere(5) = [character(9) :: 'contact', 'recontact', 'record', 'force', 'base']
     integer :: g, i, response
-    logical :: moves
-    moves = any([position_of(groups, 'impact'), position_of(groups, 'initial'), position_of(groups, 'force'), &
-                 position_of(groups, 'base')] > 0)
+    logical :: moves, timed
+    moves = any([(position_of(groups, trim(movers(i))) > 0, i=1, size(movers))])
     do g = 1, size(groups)
-      if (groups(g)%group /= 'body') cycle
-      moves = moves .or. groups(g)%given('velocity')
-      if (.not. (groups(g)%given('from') .or. groups(g)%given('until'))) cycle
-      do i = 1, size(refused)
-        if (position_of(groups, trim(refused(i))) > 0) call messages%add(groups(g)%line, '&body', &
-          'comes or leaves, which excludes &'//trim(refused(i))//' of line '// &
-          text_of(groups(position_of(groups, trim(refused(i))))%line)//'; accepted: without from and until, or without &'// &
-          trim(refused(i)))
+      timed = groups(g)%group == 'initial'
+      if (groups(g)%group == 'body') then
+        moves = moves .or. groups(g)%given('velocity')
+        timed = groups(g)%given('from') .or. groups(g)%given('until')
+      end if
+      if (.not. timed) cycle
+      do i = 1, size(elsewhere)
+        if (position_of(groups, trim(elsewhere(i))) == 0) cycle
+        if (has_word(group_table(groups(g)%row)%excludes, trim(elsewhere(i)))) cycle      ! told already
+        call messages%add(groups(g)%line, '&'//trim(groups(g)%group), 'begins a motion that changes in time, which excludes &'// &
+                          trim(elsewhere(i))//' of line '//text_of(groups(position_of(groups, trim(elsewhere(i))))%line)// &
+                          '; accepted: without one of them, or &body without from and until')
       end do
     end do
     response = position_of(groups, 'response')
