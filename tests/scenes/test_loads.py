@@ -249,7 +249,7 @@ def test_a_growing_mode_is_driven_too(here):
         ({"force": {"shape": "sine", "amplitude": 1.0, "frequency": 100.0, "duration": 0.0123}}, "response%acceleration: has no limit"),
         ({"impact": {"mass_ratio": 0.1}, "modes": {"before": 5}}, "&contact makes the blow last"),
         ({"initial": {"force": 1.0}}, "response%acceleration: has no limit as modes are added where bodies come or leave"),
-        ({"force": HALF_SINE, "body": {"position": 0.5, "mass": 1.0, "until": 0.01}}, "&body: comes or leaves, which excludes &force"),
+        ({"force": HALF_SINE, "body": {"position": 0.5, "mass": 1.0, "until": 0.01}}, "&body: begins a motion that changes in time, which excludes &force"),
         ({"base": HALF_SINE, "hub": {"rotary_inertia": 1.0}}, "&base: excludes &hub"),
         ({"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}}, "&force: excludes &contact"),
         ({}, "needs &impact, &force, &base, &initial or &body"),
