@@ -7,8 +7,8 @@ module bw_case_loads
   !! is bounded.
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
-  use bw_case_result, only: case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, history_errors, &
-    load_result
+  use bw_case_result, only: case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
+    history_errors, load_result
   use bw_error, only: error_type
   use bw_kinds, only: dp
   use bw_load_columns, only: placed_loads, quantities
@@ -16,11 +16,11 @@ module bw_case_loads
   use bw_load_courses, only: courses_of
   use bw_load_run, only: follow_loads, largest_of, loaded_run
   use bw_missing, only: is_missing, missing
-  use bw_modes_par, only: by_tolerance, relaxed_tolerance
+  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
-  use bw_note, only: remark
+  use bw_reached_tolerance, only: judge_tolerance
   use bw_scene, only: by_pieces, changes_shapes, scene_type
-  use bw_text, only: append, shortest, text_of
+  use bw_text, only: append, shortest
   implicit none (type, external)
   private
   public :: add_loads, without_tolerance
@@ -92,7 +92,8 @@ contains
       call append(errors%notes, 'overflow: a mode grows out of the range of numbers at t = '// &
         shortest(run%samples*(scene%response%duration/scene%response%samples), 6)//' s; the histories hold fill from there on')
     end if
-    if (by_tolerance(scene%modes)) call judge(scene, reached, run%count, errors)
+    if (by_tolerance(scene%modes)) call judge_tolerance(scene%modes, reached, run%count, &
+                                                         'fewer quantities, loads without jumps', errors)
     found%count = run%count
     motion%plan%reached = max(motion%plan%reached, part_of_peak(run))
   contains
@@ -129,27 +130,6 @@ contains
     end associate
     loads%until = maxval([(courses(l)%knot(size(courses(l)%knot)), l=1, size(courses))])*units%time%hi
   end function applied
-
-  subroutine judge(scene, reached, count, errors)
-    !! A tolerance that was not asked for relaxes to what was reached.
-    type(scene_type), intent(in) :: scene
-    real(dp), intent(in) :: reached
-    integer, intent(in) :: count                   !! modes that were summed
-    type(history_errors), intent(inout) :: errors
-    if (reached <= scene%modes%tolerance .or. errors%status /= case_done) return
-    if (scene%modes%asked) then
-      errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' is missed with '//text_of(count)// &
-                  ' modes; accepted: '//shortest(1.05_dp*reached, 2)//' or more, or before, which counts modes')
-    else if (is_missing(relaxed_tolerance(reached))) then
-      errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: fewer quantities, '// &
-                  'loads without jumps, or before, which counts modes')
-    else
-      call remark(errors%notes, 'tolerance: the default '//shortest(scene%modes%tolerance, 6)//' is out of reach; '// &
-        'under the loads the histories are found to '//shortest(relaxed_tolerance(reached), 6)//' of their peaks instead')
-    end if
-  end subroutine judge
 
   pure real(dp) function part_of_peak(run) result(part)
     !! The largest error of a quantity over its peak, and the bound of that of displacements over what it may be.

@@ -13,20 +13,21 @@ module bw_changing_case
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
   use bw_changing_motion, only: follow_changes
-  use bw_event, only: event_type, event_words
+  use bw_event, only: event_words
   use bw_contact_errors, only: add_rounding, largest_distance, part_of_peak
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing, scaled
-  use bw_mode_set, only: attend, configuration_type, curvatures, deflections, first_numbers, mode_set, search_failure, turns
-  use bw_modes_par, only: by_tolerance, relaxed_tolerance, shown_modes
+  use bw_mode_set, only: attend, deflections, first_numbers, mode_set, search_failure, turns
+  use bw_modes_par, only: by_tolerance, shown_modes
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
+  use bw_reached_tolerance, only: judge_tolerance
   use bw_scene, only: by_pieces, changes_shapes, scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: append, shortest, string, text_of
+  use bw_text, only: shortest, string
   implicit none (type, external)
   private
   public :: run_changing_case
@@ -62,7 +63,10 @@ contains
       call note_validity(counted, motion, histories%response, validity)
       call note_losses(motion)
       if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, foremost, validity)
-      call judge_tolerance(scene, motion, counted%modes%before, errors)
+      if (by_tolerance(scene%modes) .and. errors%status == case_done) then
+        motion%plan%within = motion%plan%reached <= scene%modes%tolerance
+        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', errors)
+      end if
     else
       errors%status = case_not_converged
     end if
@@ -251,29 +255,6 @@ contains
       end associate
     end associate
   end subroutine note_losses
-
-  subroutine judge_tolerance(scene, motion, count, errors)
-    !! A tolerance that was not asked for relaxes to what was reached.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
-    integer, intent(in) :: count                     !! modes that were summed
-    type(history_errors), intent(inout) :: errors
-    if (.not. by_tolerance(scene%modes) .or. errors%status /= case_done) return
-    motion%plan%within = motion%plan%reached <= scene%modes%tolerance
-    if (motion%plan%within) return
-    if (scene%modes%asked) then
-      errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' is missed with '//text_of(count)// &
-                  ' modes; accepted: '//shortest(1.05_dp*motion%plan%reached, 2)//' or more, or counts of modes')
-    else if (is_missing(relaxed_tolerance(motion%plan%reached))) then
-      errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: fewer quantities, '// &
-                  'or counts of modes')
-    else
-      call remark(errors%notes, 'tolerance: the default '//shortest(scene%modes%tolerance, 6)//' is out of reach; '// &
-        'the histories are found to '//shortest(relaxed_tolerance(motion%plan%reached), 6)//' of their peaks instead')
-    end if
-  end subroutine judge_tolerance
 
   subroutine compose(scene, motion, histories, errors, spectrum, result)
     !! The values of all stages in one; what is large is moved, not copied.

@@ -13,20 +13,20 @@ module bw_contact_case
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: missing
   use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
-  use bw_modes_par, only: by_tolerance, relaxed_tolerance, shown_modes, wanted_tolerance
+  use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
   use bw_contact_errors, only: add_rounding, find_force_errors, find_history_errors, part_of_peak
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
-  use bw_note, only: remark
   use bw_result_layout, only: result_layout
+  use bw_reached_tolerance, only: judge_tolerance
   use bw_scene, only: by_pieces, changes_shapes, scene_type
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: append, shortest, string, text_of
+  use bw_text, only: string
   implicit none (type, external)
   private
   public :: run_contact_case
@@ -63,7 +63,10 @@ contains
       call note_contact(counted, motion%units, run%result, motion%timeline%events, validity)
       call note_history_errors(counted, run%response, errors, foremost, validity)
       call note_lasting_contacts(scene, motion, run%result, run%cut, run%out_of_range, run%failed)
-      call judge_tolerance(scene, motion, counted%modes%before, errors)
+      if (by_tolerance(scene%modes) .and. errors%status == case_done) then
+        motion%plan%within = motion%plan%reached <= scene%modes%tolerance
+        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'a shorter duration', errors)
+      end if
     end if
     call watch%lap(stage_response)
     if (motion%modes%resolved .and. allocated(scene%spectrum)) then
@@ -182,29 +185,6 @@ contains
     steps = log(reached/tolerance)/log(before/reached)
     is_hopeless = steps*doubling > log(real(most, dp)/count) + far
   end function is_hopeless
-
-  subroutine judge_tolerance(scene, motion, count, errors)
-    !! A tolerance that was not asked for relaxes to what was reached.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
-    integer, intent(in) :: count                     !! modes that were summed
-    type(history_errors), intent(inout) :: errors
-    if (.not. by_tolerance(scene%modes) .or. errors%status /= case_done) return
-    motion%plan%within = motion%plan%reached <= scene%modes%tolerance
-    if (motion%plan%within) return
-    if (scene%modes%asked) then
-      errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' is missed with '//text_of(count)// &
-                  ' modes; accepted: '//shortest(1.05_dp*motion%plan%reached, 2)//' or more, or before, which counts modes')
-    else if (is_missing(relaxed_tolerance(motion%plan%reached))) then
-      errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: a shorter duration, '// &
-                  'or before, which counts modes')
-    else
-      call remark(errors%notes, 'tolerance: the default '//shortest(scene%modes%tolerance, 6)//' is out of reach; '// &
-        'the histories are found to '//shortest(relaxed_tolerance(motion%plan%reached), 6)//' of their peaks instead')
-    end if
-  end subroutine judge_tolerance
 
   subroutine compose(scene, motion, run, errors, spectrum, result)
     !! The values of all stages in one; what is large is moved, not copied.
