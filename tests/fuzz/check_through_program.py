@@ -77,8 +77,8 @@ def fault_of_meaning(text):
         held[group if group in held else f"{group}(1)"][PLACE.sub("", name)] = REPLACED
     for sweep in [*said_sweeps, *held_sweeps]:  # `body(02)%mass` is held as `body(2)%mass`, or `body%mass` of a single one
         sweep["parameter"] = PLACE.sub("", sweep["parameter"])
-    if "capture" not in held and "after" in said.get("modes", {}):  # may only repeat `before`, and goes unsaid
-        held["modes"]["after"] = held["modes"]["before"]
+    if "after" in said.get("modes", {}):  # where there is one set of modes, it may only repeat `before`, and goes unsaid
+        held["modes"].setdefault("after", held["modes"]["before"])
     added = set(held) - set(said) - {"scene", "modes"}
     pairs = [*zip(said_sweeps, held_sweeps), *((said[group], held.get(group, {})) for group in said)]
     differing = [name for one, other in pairs for name in one if not alike(one[name], other.get(name))]
