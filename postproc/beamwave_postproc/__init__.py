@@ -24,6 +24,7 @@ from .draw.space_time import space_time
 from .draw.spectrogram import spectrogram
 from .draw.spectrum import spectrum
 from .draw.sweep_map import sweep_map
+from .draw.transmission import transmission
 from .draw.wavenumber import wavenumber_spectrum
 from .draw.waves import dispersion, group_velocity, phase_velocity
 from .film.frames import save_film
@@ -81,6 +82,7 @@ __all__ = [
     "sweep_map",
     "swept_inputs",
     "to_grid",
+    "transmission",
     "velocity",
     "velocity_jump",
     "wavenumber_spectrum",

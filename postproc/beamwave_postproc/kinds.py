@@ -32,6 +32,7 @@ from .draw import (
     spectrogram,
     spectrum,
     sweep_map,
+    transmission,
     wavenumber,
     waves,
 )
@@ -56,6 +57,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "spectrogram": spectrogram.spectrogram,
     "spectrum": spectrum.spectrum,
     "frequency_response": frequency_response.frequency_response,
+    "transmission": transmission.transmission,
     **{f"measured_{name}": partial(measured.measured, name=name) for name in measured.QUANTITIES},
     "record_fit": record_fit.record_fit,
     "record_spectrum": record_spectrum.record_spectrum,

@@ -8,7 +8,7 @@ module bw_piece_beam
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: attach, cut_at, cut_all, holds_tip, is_held, joint_position, &
+  public :: attach, cut_at, cut_all, holds_tip, is_held, joint_position, junctions_of, &
     modes_at_rest, root_power, side_of_tip, operator(==)
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
@@ -97,6 +97,22 @@ contains
       position = position + beam%piece(j)%length
     end do
   end function joint_position
+
+  pure function junctions_of(beam) result(joints)
+    !! The joints within the beam that carry something, or at which its section changes, from the root outwards.
+    type(piece_beam), intent(in) :: beam
+    integer, allocatable :: joints(:)
+    type(uniform_piece) :: as_long
+    logical :: differs(size(beam%piece))
+    integer :: i
+    differs = .false.
+    do i = 1, size(beam%piece) - 1
+      as_long = beam%piece(i + 1)
+      as_long%length = beam%piece(i)%length
+      differs(i) = .not. (beam%piece(i) == as_long .and. beam%joint(i) == beam_joint())
+    end do
+    joints = pack([(i, i=1, size(differs))], differs)
+  end function junctions_of
 
   pure subroutine cut_at(beam, position, i)
     !! Make a joint at a position by cutting the piece there in two; none is cut where a joint already is, or as near as a place

@@ -13,11 +13,14 @@ module bw_case_frequency
   use bw_case_result, only: answer_type, case_done, case_modes, case_not_converged
   use bw_constants, only: two_pi
   use bw_damping, only: law_of
+  use bw_double_double, only: dd
   use bw_forced_beam, only: forced_beam
+  use bw_junction_waves, only: find_scattered
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: joint_position, junctions_of, piece_beam
   use bw_piece_source, only: source_of_pieces
   use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam
@@ -41,10 +44,11 @@ module bw_case_frequency
 
 contains
 
-  subroutine find_frequency_response(scene, units, monitor, cache, answer, notes, status)
+  subroutine find_frequency_response(scene, units, junctions, monitor, cache, answer, notes, status)
     !! The answer of all points at all frequencies, in SI units.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
+    integer, intent(in) :: junctions                 !! room for those of the beam; 0: they are not wanted
     class(monitor_type), intent(inout) :: monitor    !! the answer means nothing where it asks to stop
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), allocatable, intent(out) :: answer
@@ -56,6 +60,7 @@ contains
     complex(dp), allocatable :: factor(:)
     allocate (answer)
     pieces = pieces_of(scene, units, allocated(scene%capture))
+    if (junctions > 0) call scatter(pieces%beam, two_pi*scene%frequency_response%frequency*units%time%hi, junctions, answer)
     call in_uniform_parts(pieces)                    ! where it tapers
     associate (asked => scene%frequency_response)
       omega = two_pi*asked%frequency*units%time%hi
@@ -72,6 +77,31 @@ contains
     call keep_numbers(answer%value)
     if (allocated(answer%error)) call judge_error(answer, notes, status)
   end subroutine find_frequency_response
+
+  pure subroutine scatter(beam, omega, junctions, answer)
+    !! What bodies and steps do to waves.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: omega(:)                 !! in h/l²
+    integer, intent(in) :: junctions                 !! room for them
+    type(answer_type), intent(inout) :: answer
+    type(dd) :: place
+    integer, allocatable :: joints(:)
+    integer :: i, j
+    joints = junctions_of(beam)
+    allocate (answer%junction(junctions), source=missing)
+    allocate (answer%transmitted(size(omega), junctions), answer%reflected(size(omega), junctions), source=missing)
+    do i = 1, size(joints)
+      place = joint_position(beam, joints(i))
+      answer%junction(i) = place%hi
+      do j = 1, size(omega)
+        call find_scattered(beam, joints(i), omega(j)**2, answer%transmitted(j, i), answer%reflected(j, i))
+      end do
+    end do
+    where (.not. ieee_is_finite(answer%transmitted + answer%reflected))
+      answer%transmitted = missing
+      answer%reflected = missing
+    end where
+  end subroutine scatter
 
   subroutine by_boundary(scene, units, forced, omega, factor, monitor, value)
     !! Exactly.

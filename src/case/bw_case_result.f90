@@ -81,6 +81,8 @@ module bw_case_result
     !! How points answer to a harmonic force, SI units over N.
     complex(dp), allocatable :: value(:, :)         !! (frequencies, points)
     real(dp), allocatable :: error(:)               !! estimate of the largest error; unallocated where only rounding limits it, (points)
+    real(dp), allocatable :: junction(:)            !! ξ of the bodies and steps within a beam of uniform pieces; missing: there is none
+    real(dp), allocatable :: transmitted(:, :), reflected(:, :)   !! shares of a wave's power there, (frequencies, junctions)
   end type answer_type
 
   type, public :: case_spectrum

@@ -85,12 +85,14 @@ contains
         end if
       end do
     end if
-    if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, watch, monitor, cache, result, whole)
+    if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, layout, watch, monitor, cache, result, &
+                                                                            whole)
   end subroutine run_case
 
-  subroutine answer_force(scene, watch, monitor, cache, result, whole)
+  subroutine answer_force(scene, layout, watch, monitor, cache, result, whole)
     !! Add the response to a harmonic force to a result.
     type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout) :: monitor
     type(case_cache), intent(inout), target :: cache
@@ -98,8 +100,8 @@ contains
     logical, intent(out) :: whole
     type(part_monitor) :: part
     part = stage_part(monitor, case_shares(scene), answer_share)
-    call find_frequency_response(scene, result%units, part, cache%motion%modes, result%answer, result%notes, &
-                                 result%status)
+    call find_frequency_response(scene, result%units, layout%junctions, part, cache%motion%modes, result%answer, &
+                                 result%notes, result%status)
     whole = .not. monitor%stop_requested()
     call watch%lap(stage_response)
   end subroutine answer_force

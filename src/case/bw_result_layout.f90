@@ -1,13 +1,16 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
   use bw_beam_par, only: has_fibre
+  use bw_beam_units, only: units_of
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_start
   use bw_modes_par, only: by_tolerance
+  use bw_piece_beam, only: junctions_of
   use bw_record, only: sensor_type
   use bw_scene, only: answers_by_modes, changes_in_time, counts_in_its_run, is_loaded, scene_type, varies_along_pieces
   use bw_scene_cases, only: case_count
+  use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
   use bw_timeline, only: most_configurations, most_events
@@ -16,8 +19,8 @@ module bw_result_layout
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'response_frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', 'body', &
-    'force', 'base', 'configuration', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', &
+    'point', 'time', 'frequency', 'response_frequency', 'junction', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', &
+    'body', 'force', 'base', 'configuration', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', &
     'contact_sample']
 
   integer, parameter, public :: contact_samples = 128   !! of the force of a contact
@@ -56,6 +59,7 @@ module bw_result_layout
     integer :: answer_frequencies = 0 !! of a harmonic force
     character(12) :: answer = ''      !! quantity that answers to it
     logical :: by_modes = .false.     !! the answer is a sum of modes, and has an error
+    integer :: junctions = 0          !! bodies and steps within the beam, at which waves are transmitted and reflected
     integer :: peaks = 0
     integer :: pieces = 0             !! of a beam that has several
     integer :: stations = 0           !! of a beam that tapers
@@ -134,6 +138,7 @@ contains
       layout%answer_frequencies = size(scene%frequency_response%frequency)
       layout%answer = scene%frequency_response%quantity
       layout%by_modes = answers_by_modes(scene)
+      layout%junctions = junction_count(scene)
     end if
     if (.not. allocated(scene%response)) return
     layout%points = size(scene%response%points)
@@ -166,6 +171,22 @@ contains
     if (changes_in_time(scene)) layout%modes = max(before, after)
     layout%modes_before = merge(before, 0, allocated(scene%capture))      ! 0 with a tolerance
   end subroutine count_modes
+
+  pure integer function junction_count(scene) result(junctions)
+    !! At most as many as any case of a sweep has.
+    type(scene_type), intent(in) :: scene
+    type(struck_beam) :: pieces
+    junctions = 0
+    if (varies_along_pieces(scene)) return
+    if (size(scene%sweeps) > 0) then
+      if (allocated(scene%beam%pieces)) junctions = size(scene%beam%pieces) - 1
+      if (allocated(scene%bodies)) junctions = junctions + size(scene%bodies)
+      if (allocated(scene%capture)) junctions = junctions + 1
+    else
+      pieces = pieces_of(scene, units_of(scene%beam), allocated(scene%capture))
+      junctions = size(junctions_of(pieces%beam))
+    end if
+  end function junction_count
 
   pure subroutine plan_profile(scene, layout)
     !! Places along the beam: of the velocity jump, and of the mode shapes unless these are too many numbers.
@@ -206,6 +227,7 @@ contains
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
     case ('response_frequency'); length = layout%answer_frequencies
+    case ('junction'); length = layout%junctions
     case ('peak'); length = layout%peaks
     case ('window'); length = layout%windows
     case ('candidate'); length = layout%candidates

@@ -56,6 +56,7 @@ contains
     end do
     call note_rest(lines, count, shown)
     if (count == 0) call lines%append_line('  neither a resonance nor an antiresonance lies between these frequencies')
+    if (allocated(answer%junction)) call report_junctions(asked%frequency, answer, lines)
   contains
     subroutine put(xi, extreme)
       real(dp), intent(in) :: xi
@@ -73,6 +74,29 @@ contains
       end if
     end subroutine put
   end subroutine report_answer
+
+  subroutine report_junctions(frequency, answer, lines)
+    !! What the bodies and steps within the beam transmit, at least and at most.
+    real(dp), intent(in) :: frequency(:)             !! Hz
+    type(answer_type), intent(in) :: answer
+    type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
+    integer :: i, least, most
+    call lines%append_line('')
+    call lines%append_line('share of the power of bending waves that bodies and steps transmit')
+    table = table_of('xi|least|at|largest|at', '|%|Hz|%|Hz', [10, 13, 13, 13, 13])
+    call table%put_head(lines)
+    do i = 1, min(shown, size(answer%junction))
+      associate (share => answer%transmitted(:, i))
+        if (any(is_missing(share))) cycle
+        least = minloc(share, dim=1)
+        most = maxloc(share, dim=1)
+        call table%put_row(lines, fixed(answer%junction(i))//'|'//shortest(100.0_dp*share(least), 4)//'|'// &
+                           fixed(frequency(least))//'|'//shortest(100.0_dp*share(most), 4)//'|'//fixed(frequency(most)))
+      end associate
+    end do
+    call note_rest(lines, count(.not. is_missing(answer%junction)), shown)
+  end subroutine report_junctions
 
   pure type(extreme_type) function extreme_at(frequency, value, order) result(extreme)
     !! What three answers that follow each other show. The displacement H = value/(iΩ)ⁿ of one mode has |H|⁻² = (ω² − Ω²)² + (2ζωΩ)²

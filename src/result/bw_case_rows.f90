@@ -346,6 +346,16 @@ contains
       call table%put_columns(answer%value%im)
     if (table%real_row(name//'error', 'point', unit, estimate_of//'response to a harmonic force', needs='by_modes')) &
       call table%put(answer%error)
+    if (table%real_row('junction_position', 'junction', '1', 'x/l of a body or a step of the section within the beam')) &
+      call table%put(answer%junction)
+    if (scattered('transmitted')) call table%put_columns(answer%transmitted)
+    if (scattered('reflected')) call table%put_columns(answer%reflected)
+  contains
+    logical function scattered(way)
+      character(*), intent(in) :: way
+      scattered = table%real_row(way//'_power', 'junction response_frequency', '1', 'share of the power of a bending wave from '// &
+                                 'the root''s side that is '//way//' at the junction')
+    end function scattered
   end subroutine answer_rows
 
   pure function largest_of(histories) result(largest)

@@ -211,3 +211,38 @@ def test_no_number_is_infinite_at_a_resonance(here):
     here.scene("a", scene({"first": beta, "last": 2 * beta, "count": 2}))
     values = here.run("a")["frequency_response_real"]
     assert (np.isfinite(values) | results.is_fill(values)).all()
+
+
+def share_at_a_mass(mass, frequency):
+    """Share of a wave's power that a mass on an infinite beam transmits: ((4 + μ)/|4 + μ(1 + i)|)², μ = mP/ρA."""
+    mu = mass * np.sqrt(2 * np.pi * frequency * np.sqrt(MASS / STIFFNESS)) / MASS
+    return (4 + mu) ** 2 / np.abs(4 + mu * (1 + 1j)) ** 2
+
+
+def test_bodies_within_the_beam_transmit_and_reflect_waves(here):
+    bodies = {"body": {"position": 0.4, "mass": 3.0}, "impact": {"mass_ratio": 0.2, "position": 0.7}, "capture": {}}
+    here.scene("a", scene(damping={"mass_proportional": 1.0}, **bodies))
+    ended = here.beamwave("run", "a.nml")
+    result = here.result("a")
+    np.testing.assert_allclose(result["junction_position"], [0.4, 0.7], rtol=1e-15)
+    shares = [share_at_a_mass(mass, result["response_frequency"]) for mass in (3.0, 0.2 * MASS)]
+    np.testing.assert_allclose(result["transmitted_power"], shares, rtol=1e-12)
+    np.testing.assert_allclose(result["transmitted_power"] + result["reflected_power"], 1.0, rtol=1e-12)
+    rows = ended.stdout.split("that bodies and steps transmit")[1].splitlines()[3:5]
+    for row, share in zip(rows, shares):
+        np.testing.assert_allclose(np.array(row.split()[1:], float)[[0, 2]], 100 * share[[-1, 0]], rtol=1e-3)
+
+
+def test_a_swept_body_may_leave_the_inside_of_the_beam(here):
+    name = here.scene("a", scene(body={"mass": 3.0, "position": 0.5}), {"parameter": "body(1)%position", "values": [0.25, 1.0]})
+    assert here.beamwave("run", name).returncode == 0
+    result = here.result("a")
+    assert results.is_fill(result["transmitted_power"][1]).all() and results.is_fill(result["junction_position"][1]).all()
+    np.testing.assert_allclose(result["transmitted_power"][0, 0], share_at_a_mass(3.0, result["response_frequency"]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("group", [{"rotation": {"angular_velocity": 50.0}, "stiffening": {}}, {}])
+def test_waves_have_no_junction_where_none_is_or_tension_bends_them(here, group):
+    body = {"body": {"position": 0.4, "mass": 3.0}} if group else {}
+    here.scene("a", scene(**body, **group))
+    assert "transmitted_power" not in here.run("a").variables

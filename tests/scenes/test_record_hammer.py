@@ -62,13 +62,13 @@ def struck(dice, quantity, damping=0.004, noise=0.01, unit="N", scale=1.0, later
     return head + "\n" + "\n".join(",".join(f"{x:.10g}" for x in row) for row in rows) + "\n"
 
 
-def hammered(here, quantity, repeats=3, seed=1, unknowns=(), **options):
+def hammered(here, quantity, repeats=3, seed=1, unknowns=(), groups=None, **options):
     dice = np.random.default_rng(seed)
     files = [f"{i}.csv" for i in range(repeats)]
     for name in files:
         here.write(name, struck(dice, quantity, **options))
     record = {"file": files if repeats > 1 else files[0], "force": "force", "force_point": STRUCK, "points": POINTS}
-    scene = namelist({"beam": BEAM, "record": record, "spectrum": {}})
+    scene = namelist({"beam": BEAM, **(groups or {}), "record": record, "spectrum": {}})
     here.write("hammer.nml", scene + "".join(namelist({"identify": unknown}) for unknown in unknowns))
     ended = here.beamwave("run", "hammer.nml")
     assert ended.returncode == 0, ended.stderr
@@ -140,3 +140,25 @@ def test_a_force_that_is_none_is_refused_with_its_place(here):
     here.scene("bad", {"record": {"file": "two.csv", "force_point": 0.5}, "spectrum": {}})
     ended = here.beamwave("check", "bad.nml")
     assert ended.returncode == 2 and "record%force_point: is there without force" in ended.stderr
+
+
+@pytest.mark.parametrize("quantity", UNIT)
+def test_the_model_of_the_beam_has_a_response_beside_the_measured_one(here, quantity):
+    _, ended = hammered(here, quantity, groups={"damping": {"ratio": 0.004}})
+    result = here.result("hammer")
+    frequency = result["frequency"][1:]
+    found = (result["modelled_response_real"] + 1j * result["modelled_response_imag"])[0, :, 1:]  # of the first repeat
+    omega = 2 * np.pi * frequency[:, np.newaxis]
+    k = np.arange(1, 2001)
+    alpha = np.concatenate([ALPHA, (k[MODES:] - 0.5) * np.pi])
+    beta = H * (alpha / LENGTH) ** 2
+    terms = (1j * omega) ** DERIVATIVE[quantity] / (beta**2 - omega**2 + 0.008j * beta * omega) / MASS
+    # shapes of high modes without exponentials that grow: e^(-αξ) and, at the tip, e^(-α(1-ξ)) beside cos and sin
+    odd = (-1.0) ** k
+    phi = lambda xi: np.sin(alpha * xi) - np.cos(alpha * xi) + np.exp(-alpha * xi) - odd * np.exp(-alpha * (1 - xi))  # noqa: E731
+    for s, xi in enumerate(POINTS):
+        exact = shapes(xi)[0] * shapes(STRUCK)[0]
+        products = np.concatenate([exact, (phi(xi) * phi(STRUCK))[MODES:]])
+        expected = terms @ products
+        assert np.abs(found[s] - expected).max() <= 1e-6 * np.abs(expected).max()
+    assert results.is_fill(result["modelled_response_real"][0, :, 0]).all()

@@ -19,7 +19,7 @@ ROOM = 1e-5  # of the largest response, to which the axis goes down
 
 @styled
 def record_response(ds: xr.Dataset, *, ax: Given = None) -> Figure:
-    """Draw the size of each sensor's response over the force, and the sum of the lines' modal constants.
+    """Draw the size of each sensor's response over the force, the sum of the lines' modal constants, and the beam's model.
 
     Of repeats it is H1 over all of them, with H2 and their coherence beside it; else that of the record.
     """
@@ -46,6 +46,10 @@ def record_response(ds: xr.Dataset, *, ax: Given = None) -> Figure:
             row[1].set(ylim=(0.0, 1.03), ylabel="Coherence")
         if np.isfinite(known[sensor]).all():
             row[0].plot(frequency[shown], np.abs(known[sensor, shown]), color=COLOURS[2], linewidth=0.9, label="modal constants")
+        if "modelled_response_real" in case:
+            modelled = np.abs(_complex(case, "modelled_response")[sensor])
+            seen = shown & np.isfinite(modelled)
+            row[0].plot(frequency[seen], modelled[seen], color=COLOURS[3], linewidth=0.9, linestyle="--", label="model of the beam")
         top = 3.0 * np.nanmax(np.abs(first[sensor, shown]))
         logarithmic(row[0], "y", max(ROOM * top, 0.3 * np.nanmin(np.abs(first[sensor, shown]))), top)
         row[0].set_ylabel(f"{sensor_name(case, sensor)}\n{_unit(case, sensor)}")

@@ -59,6 +59,7 @@ module bw_beam_state
     character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns where they start
   contains
     procedure :: modes_at
+    procedure :: scene_at
     procedure :: shapes_along
     procedure :: is_twin_of
     procedure :: odds_left
@@ -137,6 +138,15 @@ contains
     call solve(self, values, number, rough, modes)
     self%last = modes
   end subroutine modes_at
+
+  subroutine scene_at(self, values, scene, error)
+    !! The scene with these values. **Errors**: they make none.
+    class(beam_state), intent(inout) :: self
+    real(dp), intent(in) :: values(:)            !! of the unknowns
+    type(scene_type), intent(out) :: scene
+    type(error_type), allocatable, intent(out) :: error
+    call scene_with(self%varied, values, scene, error)
+  end subroutine scene_at
 
   subroutine shapes_along(self, values, number, places, shapes)
     !! What sensors of the kind that there are would see of modes along the whole beam.

@@ -14,10 +14,13 @@ module bw_beam_supplement
   use bw_kinds, only: dp, i8
   use bw_model_comparison, only: compare_case, match_lines
   use bw_model_file, only: model_findings, model_rows, put_misfit
+  use bw_modelled_response, only: find_modelled_response
   use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_corrections
   use bw_monitor, only: monitor_type, part_monitor
   use bw_quantile, only: normal_quantile
+  use bw_record, only: sensor_type
   use bw_record_lines, only: status_words
+  use bw_result_layout, only: has
   use bw_result_lines, only: read_result_lines, result_lines
   use bw_result_supplement, only: result_supplement
   use bw_result_table, only: of_supplement, result_table
@@ -48,6 +51,8 @@ module bw_beam_supplement
     type(result_lines), allocatable :: lines(:)          !! (the same)
     integer :: own = 0                                   !! cases of the scene itself
     integer :: places = 0                                !! along the beam, of shapes that are written
+    type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: it is not
+    real(dp), allocatable :: frequencies(:)              !! of that response, Hz
   end type record_set
 
 contains
@@ -96,6 +101,10 @@ contains
     quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
     call read_all(self, draft%file%path, quantile, listener, set, error)
     set%places = draft%layout%profile
+    if (has(draft%layout, 'hammer places')) then
+      set%sensors = draft%layout%record%sensors
+      set%frequencies = draft%layout%record%frequencies
+    end if
     if (allocated(error)) return
     more = ''
     allocate (findings%scenes(0))
@@ -179,6 +188,8 @@ contains
         state%is_harmonic = btest(measured%status, harmonic)
         call match_lines(state, misfit)
         call compare_case(measured, state, nothing, set%places, findings%cases(c))
+        if (allocated(set%sensors)) call find_modelled_response(state, nothing, set%sensors, set%frequencies, state%monitor, &
+                                                                findings%cases(c)%response)
         if (size(measured%error) == 0 .or. c > shown_cases) cycle
         call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
         call lines%append_line('  Misfit: '//explained_text(misfit))
@@ -239,6 +250,8 @@ contains
                              findings%cases(c), lines)
     end do
     findings%cases = findings%cases(:set%own)
+    if (allocated(set%sensors)) call find_modelled_response(states(1), found%values, set%sensors, set%frequencies, &
+                                                            states(1)%monitor, findings%cases(1)%response)
     call report_identified(found, scene%spectrum%confidence, lines)
     call lines%append_line('  Misfit: '//explained_text(findings%misfits(1)))
     call note_misfit(findings%misfits(1), '', notes)

@@ -20,6 +20,7 @@ module bw_model_comparison
     real(dp), allocatable :: frequency_misfit(:) !! measured − computed over half the interval, (lines)
     real(dp), allocatable :: decay_misfit(:)     !! likewise; missing where nothing damps the modes, (lines)
     real(dp), allocatable :: shape(:, :)         !! of the mode along the beam, (places, lines)
+    complex(dp), allocatable :: response(:, :)   !! of the model where a hammer's force is measured, (frequencies, sensors)
   end type compared_lines
 
 contains

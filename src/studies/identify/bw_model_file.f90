@@ -10,7 +10,7 @@ module bw_model_file
   use bw_missing, only: is_missing, missing
   use bw_model_comparison, only: compared_lines
   use bw_number_file, only: whole_width
-  use bw_result_table, only: result_table
+  use bw_result_table, only: result_table, unit_of_sensors
   use bw_text, only: append, string
   implicit none (type, external)
   private
@@ -71,6 +71,8 @@ contains
       call table%put_columns(line_values(5, missing))
     if (table%real_row('modelled_shape', along//' profile', '1', 'shape of that mode along the beam, as the sensors measure it')) &
       call table%put_columns(line_shapes())
+    if (answer('real', 'response to a hammer''s force by the model, real part')) call table%put_columns(responses(.false.))
+    if (answer('imag', 'its imaginary part')) call table%put_columns(responses(.true.))
     if (table%real_row('misfit', each, '1', 'chi squared of the lines'' frequencies, and of lines that are taken for no modes')) &
       call table%put(findings%misfits%chi_squared)
     if (table%whole_row('misfit_freedom', each, 'degrees of freedom of it')) call table%put(findings%misfits%freedom)
@@ -80,6 +82,23 @@ contains
       call table%put(findings%misfits%scatter)
     if (is_identified) call identified_rows(table, findings)
   contains
+    logical function answer(part, long_name)
+      character(*), intent(in) :: part, long_name
+      answer = table%real_row('modelled_response_'//part, trim(adjustl(each//' point frequency')), unit_of_sensors//' N-1', &
+                              long_name, needs='hammer places')
+    end function answer
+    function responses(imaginary) result(values)
+      !! Of each sensor, and of each case unless all are of one beam, (frequencies, sensors·cases).
+      logical, intent(in) :: imaginary
+      real(dp), allocatable :: values(:, :)
+      integer :: c, n
+      n = table%layout%points
+      allocate (values(size(findings%cases(1)%response, 1), n*merge(1, size(findings%cases), is_identified)))
+      do c = 1, size(values, 2)/n
+        if (imaginary) values(:, (c - 1)*n + 1:c*n) = findings%cases(c)%response%im
+        if (.not. imaginary) values(:, (c - 1)*n + 1:c*n) = findings%cases(c)%response%re
+      end do
+    end function responses
     function line_shapes() result(values)
       !! Of each line of each case, (places, peaks·cases).
       real(dp), allocatable :: values(:, :)
