@@ -33,6 +33,7 @@ from .kinds import KINDS, pictures
 from .page.html import page_of
 from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
 from .run import ProgramWarning, RunFailed, Untrusted, run
+from .run_many import run_many
 from .stress import strain, stress
 
 __all__ = [
@@ -72,6 +73,7 @@ __all__ = [
     "record_spectrum",
     "record_windows",
     "run",
+    "run_many",
     "save_film",
     "shear_force",
     "space_time",

@@ -9,10 +9,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Callable, Union
 
 import numpy as np
 import xarray as xr
@@ -22,6 +23,14 @@ from .result import open_result
 DONE, UNTRUSTED = 0, 4  # exit statuses with a result
 PROGRAM = "BEAMWAVE"  # environment variable with the program's path
 CHECKOUT = Path("postproc", "beamwave_postproc", "__init__.py")  # by which the top of a checkout is known
+STREAMS: dict[str, Any] = {
+    "stdin": subprocess.DEVNULL,
+    "stdout": subprocess.DEVNULL,
+    "stderr": subprocess.PIPE,
+    "text": True,
+    "errors": "replace",
+}
+READING = threading.Lock()  # NetCDF's library knows no threads
 Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 
@@ -63,36 +72,55 @@ def run(
     where it ends without a result. Each warning of the program becomes a `ProgramWarning`; all together are one of
     `Untrusted` numbers where some cannot be trusted (exit status 4).
     """
-    if output is not None and not str(output):
-        raise ValueError("output is empty; accepted: a directory, or None")
+    check_output(output)
+    result, said = call_program(scene, output, overwrite, program, _waited_for)
+    for warning in said:
+        warnings.warn(warning, stacklevel=2)
+    return result
+
+
+def call_program(
+    scene: Scene,
+    output: str | Path | None,
+    overwrite: bool,
+    program: str | Path | None,
+    wait: Callable[[list[str]], tuple[int, str]],
+    name: str = "scene",
+) -> tuple[xr.Dataset, list[ProgramWarning]]:
+    """A scene's result and its warnings; raises as `run` does.
+
+    `wait` runs a command to its end, and returns its exit status and what it wrote to standard error. A scene that is
+    no file is called `name`.
+    """
     with tempfile.TemporaryDirectory(prefix="beamwave-") as scratch:
-        path = _scene_file(scene, Path(scratch))
+        path = _scene_file(scene, Path(scratch), name)
         command = find_program(program)
         directory = Path(scratch) / "output" if output is None else Path(output)
-        name = f".{os.sep}{path}" if str(path).startswith("-") else str(path)
-        words = [command, "run", name, "--output", str(directory), "--quiet", *(["--overwrite"] if overwrite else [])]
-        done = subprocess.run(
-            words,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        if done.returncode not in (DONE, UNTRUSTED):
-            raise RunFailed(done.returncode, done.stderr.replace(f"{scratch}{os.sep}", ""))
-        with open_result(directory / f"{path.stem}.nc") as ds:
+        word = f".{os.sep}{path}" if str(path).startswith("-") else str(path)
+        words = [command, "run", word, "--output", str(directory), "--quiet", *(["--overwrite"] if overwrite else [])]
+        status, text = wait(words)
+        if status not in (DONE, UNTRUSTED):
+            raise RunFailed(status, text.replace(f"{scratch}{os.sep}", ""))
+        with READING, open_result(directory / f"{path.stem}.nc") as ds:
             result = ds.load()
         if output is None:
             result.encoding.pop("source", None)  # a file that is gone
-    said = warnings_in(done.stderr)
-    if done.returncode == UNTRUSTED:
-        warnings.warn("\n".join(said), Untrusted, stacklevel=2)
-    else:
-        for text in said:
-            warnings.warn(text, ProgramWarning, stacklevel=2)
-    return result
+    said = warnings_in(text)
+    if status == UNTRUSTED:
+        return result, [Untrusted("\n".join(said))]
+    return result, [ProgramWarning(one) for one in said]
+
+
+def check_output(output: str | Path | None) -> None:
+    """Raise `ValueError` for a directory without a name."""
+    if output is not None and not str(output):
+        raise ValueError("output is empty; accepted: a directory, or None")
+
+
+def _waited_for(words: list[str]) -> tuple[int, str]:
+    """Run a command to its end."""
+    done = subprocess.run(words, check=False, **STREAMS)
+    return done.returncode, done.stderr
 
 
 def warnings_in(text: str) -> list[str]:
@@ -152,15 +180,15 @@ def _with_paths(groups: Mapping[str, Any]) -> Mapping[str, Any]:
     return {**groups, "record": {**groups["record"], "file": [str(Path(file).absolute()) for file in files]}}
 
 
-def _scene_file(scene: Scene, scratch: Path) -> Path:
-    """Path of the scene: as given, or a file of its text in `scratch`; raises as `run` does."""
+def _scene_file(scene: Scene, scratch: Path, name: str) -> Path:
+    """Path of the scene: as given, or a file of its text in `scratch`, of this name; raises as `run` does."""
     if not isinstance(scene, (str, os.PathLike, Mapping)):
         raise TypeError(f"a scene is a path, a text or a mapping of groups, and no {type(scene).__name__}")
     text = namelist(_with_paths(scene)) if isinstance(scene, Mapping) else scene
     if not str(text).strip():
         raise ValueError("the scene is empty; accepted: a path, the text of a namelist, or a mapping with a group")
-    if isinstance(text, str) and (isinstance(scene, Mapping) or _is_namelist(text)):
-        path = scratch / "scene.nml"
+    if is_text(scene):
+        path = scratch / f"{name}.nml"
         path.write_text(text, encoding="utf-8")
         return path
     path = Path(text)
@@ -169,6 +197,11 @@ def _scene_file(scene: Scene, scratch: Path) -> Path:
     if not path.exists():
         raise FileNotFoundError(errno.ENOENT, "no such scene", str(path))
     return path
+
+
+def is_text(scene: Scene) -> bool:
+    """Whether a scene is no file: a mapping, or the text of a namelist."""
+    return isinstance(scene, Mapping) or (isinstance(scene, str) and _is_namelist(scene))
 
 
 def _is_namelist(text: str) -> bool:
