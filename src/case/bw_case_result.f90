@@ -20,7 +20,7 @@ module bw_case_result
   use bw_timeline, only: timeline_type
   implicit none (type, external)
   private
-  public :: add_notes, octave_of
+  public :: add_notes, octave_of, put_together
 
   integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3, &
     case_misfit = 4, case_no_free_decay = 5
@@ -157,6 +157,35 @@ module bw_case_result
   end type case_result
 
 contains
+
+  subroutine put_together(motion, response, errors, spectrum, result)
+    !! What every simulated case has of its stages; what is large is moved, not copied.
+    type(case_motion), intent(inout) :: motion
+    type(response_type), allocatable, intent(inout) :: response
+    type(history_errors), intent(inout) :: errors
+    type(case_spectrum), intent(inout) :: spectrum
+    type(case_result), intent(inout) :: result
+    result%units = motion%units
+    result%can_grow = motion%modes%can_grow
+    result%reached = motion%plan%reached
+    result%within = motion%plan%within
+    result%status = errors%status
+    call move_alloc(motion%timeline%events, result%events)
+    call move_alloc(motion%timeline%segments, result%segments)
+    if (.not. allocated(result%events)) allocate (result%events(0))
+    if (.not. allocated(result%segments)) allocate (result%segments(0))
+    call move_alloc(response, result%response)
+    if (allocated(result%response)) then
+      call move_alloc(errors%displacement, result%response%displacement_error)
+      call move_alloc(errors%displacement_bound, result%response%displacement_bound)
+      call move_alloc(errors%velocity, result%response%velocity_error)
+      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
+      call move_alloc(errors%acceleration, result%response%acceleration_error)
+      call move_alloc(errors%shear_force, result%response%shear_force_error)
+    end if
+    call move_alloc(spectrum%amplitude, result%amplitude)
+    call move_alloc(spectrum%measured, result%measured)
+  end subroutine put_together
 
   pure function octave_of(histories, points, rates) result(largest)
     !! The largest value that the last octave of modes comes to in any segment, or the largest velocity, (points).

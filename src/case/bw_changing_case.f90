@@ -9,7 +9,7 @@ module bw_changing_case
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_moments, only: find_moments
   use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, case_result, case_spectrum, &
-    history_errors
+    history_errors, put_together
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
   use bw_changing_motion, only: follow_changes
@@ -264,16 +264,9 @@ contains
     type(history_errors), intent(inout) :: errors
     type(case_spectrum), intent(inout) :: spectrum
     type(case_result), intent(inout) :: result
-    result%units = motion%units
-    result%can_grow = motion%modes%can_grow
-    result%reached = motion%plan%reached
-    result%within = motion%plan%within
-    result%status = errors%status
+    call put_together(motion, histories%response, errors, spectrum, result)
     result%approach_velocity = 1.0_dp                ! m/s: what velocities are in
-    allocate (result%events(0), result%segments(0))
     if (motion%modes%resolved) then
-      call move_alloc(motion%timeline%events, result%events)
-      call move_alloc(motion%timeline%segments, result%segments)
       if (allocated(scene%hub)) then
         result%lever = scene%hub%radius + motion%units%length
         if (allocated(scene%impact)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
@@ -285,14 +278,6 @@ contains
     end if
     call compose_modes(scene, motion, result)
     call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
-    call move_alloc(histories%response, result%response)
-    if (allocated(result%response)) then
-      call move_alloc(errors%displacement, result%response%displacement_error)
-      call move_alloc(errors%velocity, result%response%velocity_error)
-      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
-    end if
-    call move_alloc(spectrum%amplitude, result%amplitude)
-    call move_alloc(spectrum%measured, result%measured)
   end subroutine compose
 
   subroutine compose_modes(scene, motion, result)

@@ -10,7 +10,8 @@ module bw_contact_case
   use bw_case_contacts, only: follow_run, run_type
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_notes, only: note_lasting_contacts
-  use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors
+  use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors, &
+    put_together
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
   use bw_missing, only: missing
@@ -196,11 +197,7 @@ contains
     type(case_result), intent(inout) :: result
     class(mode_set), allocatable :: shown
     integer :: moving
-    result%units = motion%units
-    result%can_grow = motion%modes%can_grow
-    result%reached = motion%plan%reached
-    result%within = motion%plan%within
-    result%status = errors%status
+    call put_together(motion, run%response, errors, spectrum, result)
     if (.not. motion%modes%resolved) result%status = case_not_converged
     result%approach_velocity = scene%impact%approach_velocity
     moving = motion%modes%moving
@@ -213,22 +210,7 @@ contains
       if (moving /= alone) call move_alloc(motion%modes%configuration(alone)%set, result%before)
       call move_alloc(motion%modes%configuration(moving)%set, result%modes)
     end if
-    allocate (result%events(0), result%segments(0))
-    if (motion%modes%resolved) then
-      call move_alloc(motion%timeline%events, result%events)
-      call move_alloc(motion%timeline%segments, result%segments)
-      call move_alloc(run%result, result%contact)
-    end if
-    call move_alloc(run%response, result%response)
-    if (allocated(result%response)) then
-      call move_alloc(errors%displacement, result%response%displacement_error)
-      call move_alloc(errors%velocity, result%response%velocity_error)
-      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
-      call move_alloc(errors%acceleration, result%response%acceleration_error)
-      call move_alloc(errors%shear_force, result%response%shear_force_error)
-    end if
-    call move_alloc(spectrum%amplitude, result%amplitude)
-    call move_alloc(spectrum%measured, result%measured)
+    if (motion%modes%resolved) call move_alloc(run%result, result%contact)
   end subroutine compose
 
 end module bw_contact_case

@@ -12,7 +12,8 @@ module bw_one_case
   use bw_case_moments, only: find_moments
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_undecided
-  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors, load_result
+  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors, load_result, &
+    put_together
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
@@ -221,13 +222,7 @@ contains
     call add_notes(result%notes, histories%notes)
     call add_notes(result%notes, errors%notes)
     call add_notes(result%notes, spectrum%notes)
-    result%units = motion%units
-    result%can_grow = motion%modes%can_grow
-    result%reached = motion%plan%reached
-    result%within = motion%plan%within
-    result%status = errors%status
-    call move_alloc(motion%timeline%events, result%events)
-    call move_alloc(motion%timeline%segments, result%segments)
+    call put_together(motion, histories%response, errors, spectrum, result)
     call compose_modes(motion, result)
     if (size(result%events) > 0) then
       result%impact = motion%initial%impact
@@ -240,17 +235,6 @@ contains
       call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
       call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
     end if
-    call move_alloc(histories%response, result%response)
-    if (allocated(result%response)) then
-      call move_alloc(errors%displacement, result%response%displacement_error)
-      call move_alloc(errors%displacement_bound, result%response%displacement_bound)
-      call move_alloc(errors%velocity, result%response%velocity_error)
-      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
-      call move_alloc(errors%acceleration, result%response%acceleration_error)
-      call move_alloc(errors%shear_force, result%response%shear_force_error)
-    end if
-    call move_alloc(spectrum%amplitude, result%amplitude)
-    call move_alloc(spectrum%measured, result%measured)
   end subroutine compose
 
   subroutine compose_modes(motion, result)
