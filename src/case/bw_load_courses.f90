@@ -95,7 +95,7 @@ contains
       else
         checksums = ''
       end if
-      checksums = checksums//file_digits(path_beside(scene, load%file), error)
+      checksums = checksums//file_digits(path_beside(scene%file, load%file), error)
     end subroutine check
 
     subroutine check_limit(load, course)
@@ -123,7 +123,7 @@ contains
     real(dp) :: scale
     integer(i8) :: j, rows
     integer :: column, time
-    path = path_beside(scene, load%file)
+    path = path_beside(scene%file, load%file)
     call choose_source(path, source, error)
     if (.not. allocated(error)) call source%open(path, error)
     if (.not. allocated(error)) then

@@ -2,7 +2,7 @@ module bw_read_record
   !! From a file to a record: the columns that the scene means, the part that it uses, in SI, with what there is to say of it.
   use bw_descriptors, only: close_file, open_regular, read_bytes
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
-  use bw_files, only: cannot_be_read, directory_of
+  use bw_files, only: cannot_be_read, path_beside
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing
@@ -32,19 +32,8 @@ contains
     type(scene_type), intent(in) :: scene              !! with a record
     integer, intent(in) :: number                      !! of the file, from 1
     character(:), allocatable :: path
-    path = path_beside(scene, scene%record%files(number)%text)
+    path = path_beside(scene%file, scene%record%files(number)%text)
   end function record_path
-
-  pure function path_beside(scene, file) result(path)
-    !! Where a file lies that a scene names: beside it.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: file                   !! as the user wrote it
-    character(:), allocatable :: path
-    path = file
-    if (path(1:1) == '/' .or. index(scene%file, '/') == 0) return
-    if (index(scene%file, '/dev/fd/') == 1) return     ! the scene came through a pipe, beside which nothing lies
-    path = directory_of(scene%file)//path
-  end function path_beside
 
   subroutine read_record(scene, number, record, error)
     !! Read one file of a scene's record.

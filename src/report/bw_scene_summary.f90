@@ -56,7 +56,8 @@ contains
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (allocated(scene%frequency_response)) call lines%append_line('  harmonic   '//harmonic_text(scene))
     call lines%append(unknowns_text(scene))
-    if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
+    if (size(scene%sweeps) > 0) call lines%append_line('  '//merge('design', 'sweep ', allocated(scene%design))//'     '// &
+                                                       sweep_text(scene))
     hints = .not. allocated(scene%record)
     if (present(hint)) hints = hints .and. hint
     if (hints) call lines%append(hint_line(scene))
@@ -165,14 +166,23 @@ contains
   end function places_text
 
   function sweep_text(scene) result(text)
-    !! How many cases there are, and what they are the product of.
+    !! How many cases there are, and what they are the product of, or which table they are the rows of.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
+    character(2) :: mark
     integer :: s
     text = text_of(case_count(scene))//' cases:'
+    if (allocated(scene%design)) text = text//' the rows of '//scene%design%file//' with'
+    mark = ''
     do s = 1, size(scene%sweeps)
-      if (s > 1) text = text//' x'
-      text = text//' '//text_of(size(scene%sweeps(s)%values))//' of '//scene%sweeps(s)%parameter//span_text(scene%sweeps(s)%values)
+      associate (sweep => scene%sweeps(s))
+        if (s > 1) mark = merge(', ', ' x', sweep%designed)
+        text = text//trim(mark)//' '
+        if (.not. sweep%designed) text = text//text_of(size(sweep%values))//' of '
+        text = text//sweep%parameter
+        if (sweep%designed) text = text//' ('//shortest(minval(sweep%values), 6)//' to '//shortest(maxval(sweep%values), 6)//')'
+        if (.not. sweep%designed) text = text//span_text(sweep%values)
+      end associate
     end do
   end function sweep_text
 

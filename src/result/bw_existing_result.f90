@@ -73,13 +73,17 @@ contains
     character(*), intent(in), optional :: study, checksums
     type(classic_reader) :: reader
     character(:), allocatable :: start, statuses   ! integers of four bytes, the most significant first
+    character(:), allocatable :: of_design
     integer :: i, problem
+    of_design = ''
+    if (allocated(scene%design)) of_design = scene%design%checksum
     call reader%read_file(descriptor, length, 'case_status', start, problem)
     if (problem /= 0) call cannot_be_read(error, path, problem)
     if (allocated(error)) return
     if (reader%is_sound .and. reader%length <= length) then
       existing%is_there = is_text('scene', resolved_text(scene)) .and. is_text('source', source_text()) .and. &
-        is_text('study', study) .and. (is_text('record_checksum', checksums) .or. is_text('load_checksum', checksums))
+        is_text('study', study) .and. is_text('design_checksum', of_design) .and. &
+        (is_text('record_checksum', checksums) .or. is_text('load_checksum', checksums))
       existing%report = reader%text_of('report')
       existing%notes = reader%text_of('notes')
       call read_letters(path, descriptor, reader%place, merge(reader%bytes, 0_i8, existing%is_there), statuses, error)

@@ -34,6 +34,7 @@ contains
     call head%add_room('history', history_room)
     if (present(study)) call put('study', study)
     call put('scene', trim(resolved_text(scene)))
+    if (allocated(scene%design)) call put('design_checksum', scene%design%checksum)
     call put('given', given_names(scene))
     call put('effects', effect_names(scene))
     call put('method', trim(method_name(scene)))

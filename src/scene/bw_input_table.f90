@@ -8,6 +8,7 @@ module bw_input_table
   use bw_capture_par, only: capture_group, capture_names
   use bw_contact_par, only: contact_group, contact_names
   use bw_damping_par, only: damping_group, damping_names
+  use bw_design_par, only: design_group, design_names
   use bw_force_par, only: force_group, force_names
   use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
   use bw_hub_par, only: hub_group, hub_names
@@ -57,6 +58,7 @@ module bw_input_table
     record_group, &
     spectrum_group, &
     identify_group, &
+    design_group, &
     sweep_group]
 
   type(input_name), parameter, public :: name_table(*) = [ &
@@ -84,6 +86,7 @@ module bw_input_table
     record_names, &
     spectrum_names, &
     identify_names, &
+    design_names, &
     sweep_names]
 
 contains

@@ -23,6 +23,7 @@ module bw_input_values
     integer, allocatable :: sweeps(:)          !! number of the sweep that each of them follows; 0: none, (n)
   contains
     procedure :: set_numbers
+    procedure :: follow
     procedure :: follows_sweep
   end type input_value
 
@@ -61,6 +62,23 @@ contains
     self%lines = [(line, i=1, size(numbers))]
     self%sweeps = [(0, i=1, size(numbers))]
   end subroutine set_numbers
+
+  pure subroutine follow(self, element, sweep, line, numbers, is_known)
+    !! Let a sweep give one of the numbers, whose value is that of the first case from here on.
+    class(input_value), intent(inout) :: self
+    integer, intent(in) :: element             !! which of the numbers
+    integer, intent(in) :: sweep               !! its number
+    integer, intent(in) :: line                !! of the scene, which says so
+    real(dp), intent(in) :: numbers(:)         !! of the sweep, (n); of size 0 where they are not known
+    logical, intent(in) :: is_known            !! they are right
+    if (.not. allocated(self%numbers)) call self%set_numbers([0.0_dp], line)
+    self%known = (self%known .or. size(self%numbers) == 1) .and. is_known
+    self%given = .true.
+    self%sweeps(element) = sweep
+    self%lines(element) = line
+    if (size(self%numbers) == 1) self%line = line
+    if (size(numbers) > 0) self%numbers(element) = numbers(1)
+  end subroutine follow
 
   elemental logical function follows_sweep(self)
     !! A sweep gives one of its numbers, or what that follows from.

@@ -7,6 +7,7 @@ module bw_scene
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_contact_par, only: build_contact, check_contact, check_contact_place, complete_contact, contact_par, contact_text
   use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
+  use bw_design_par, only: design_par
   use bw_force_par, only: build_force, force_par, forces_text
   use bw_frequency_response_par, only: build_frequency_response, check_frequency_response, complete_frequency_response, &
     frequency_response_par
@@ -69,6 +70,7 @@ module bw_scene
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
     type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 where nothing is fitted
     integer :: further_unknowns = 0               !! of the scenes that these name, once they are read
+    type(design_par), allocatable :: design       !! &design, whose columns are among the sweeps; absent: none
     type(sweep_par), allocatable :: sweeps(:)     !! &sweep, the first varying slowest; of size 0 for one case
     type(group_values), allocatable :: groups(:)  !! all values by name, from which the components were built
   end type scene_type
@@ -360,28 +362,42 @@ contains
     integer(i8), intent(out) :: closed
     integer(i8), intent(out) :: cases              !! 1 without sweeps
     type(scene_type) :: rest                       ! with the plain numbers in the place of swept ones
-    integer :: g, v, s
+    logical, allocatable :: plain(:)               ! along an axis
+    integer :: axis, s
     rest%groups = scene%groups
     rest%beam = scene%beam
     cases = 1
-    do s = 1, size(scene%sweeps)
-      cases = cases*size(scene%sweeps(s)%values)
+    closed = 1
+    do axis = 1, maxval([0, scene%sweeps%axis])
+      s = findloc(scene%sweeps%axis, axis, dim=1)
+      allocate (plain(size(scene%sweeps(s)%values)), source=.true.)
+      call put_plain(scene, axis, rest%groups, plain)
+      cases = cases*size(plain)
+      closed = closed*count(plain)
+      deallocate (plain)
     end do
-    closed = cases
-    do g = 1, size(rest%groups)
-      do v = 1, size(rest%groups(g)%values)
-        associate (value => rest%groups(g)%values(v), row => name_table(rest%groups(g)%values(v)%row))
+    if (changes_shapes(rest)) closed = 0
+  end subroutine count_methods
+
+  pure subroutine put_plain(scene, axis, groups, plain)
+    !! Put the plain number in the place of every one that changes shapes and follows an axis of the sweeps.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: axis
+    type(group_values), intent(inout) :: groups(:)
+    logical, intent(inout) :: plain(:)             !! no longer true where one of them is another, along the axis
+    integer :: g, v
+    do g = 1, size(groups)
+      do v = 1, size(groups(g)%values)
+        associate (value => groups(g)%values(v), row => name_table(groups(g)%values(v)%row))
           if (.not. (row%changes_shapes .and. value%follows_sweep())) cycle
-          associate (values => scene%sweeps(value%sweeps(1))%values)
-            closed = closed/size(values)*count(values == row%plain)
-          end associate
+          if (scene%sweeps(value%sweeps(1))%axis /= axis) cycle
+          plain = plain .and. scene%sweeps(value%sweeps(1))%values == row%plain
           value%numbers = row%plain
           value%sweeps = 0
         end associate
       end do
     end do
-    if (changes_shapes(rest)) closed = 0
-  end subroutine count_methods
+  end subroutine put_plain
 
   pure logical function by_pieces(scene)
     !! Its modes have no closed form, but are found exactly, piece by piece: nothing varies along a piece, as tension does.

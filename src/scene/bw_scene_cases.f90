@@ -1,5 +1,6 @@
 module bw_scene_cases
-  !! The cases of a scene with sweeps: the product of their values, the first sweep varying slowest.
+  !! The cases of a scene with sweeps: the product of their axes, the first varying slowest. A `&sweep` is an axis by itself; the
+  !! columns of a `&design` share one, whose places are the rows.
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
@@ -18,42 +19,51 @@ contains
   pure integer(i8) function case_count(scene)
     !! Number of cases, 1 without sweeps.
     type(scene_type), intent(in) :: scene
-    integer :: i
-    case_count = 1
-    do i = 1, size(scene%sweeps)
-      case_count = case_count*size(scene%sweeps(i)%values)
-    end do
+    case_count = product(int(axis_lengths(scene), i8))
   end function case_count
+
+  pure function axis_lengths(scene) result(lengths)
+    !! How many places each axis has, (axes).
+    type(scene_type), intent(in) :: scene
+    integer, allocatable :: lengths(:)
+    integer :: i
+    allocate (lengths(maxval([0, scene%sweeps%axis])))
+    do i = 1, size(scene%sweeps)
+      lengths(scene%sweeps(i)%axis) = size(scene%sweeps(i)%values)
+    end do
+  end function axis_lengths
 
   pure function case_positions(scene, index) result(positions)
     !! Which value of each sweep a case has, (n_sweeps).
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
     integer :: positions(size(scene%sweeps))
+    integer, allocatable :: places(:)             ! along each axis
     integer(i8) :: remainder
     integer :: i, n
     remainder = index - 1
-    do i = size(positions), 1, -1
-      n = size(scene%sweeps(i)%values)
-      positions(i) = 1 + int(mod(remainder, int(n, i8)))
+    places = axis_lengths(scene)
+    do i = size(places), 1, -1
+      n = places(i)
+      places(i) = 1 + int(mod(remainder, int(n, i8)))
       remainder = remainder/n
     end do
+    positions = places(scene%sweeps%axis)
   end function case_positions
 
   pure integer function times_in_a_row(scene, sweep) result(cases)
     !! In how many neighbouring cases a sweep takes the same value.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: sweep                  !! its number
-    integer :: i
-    cases = 1
-    do i = sweep + 1, size(scene%sweeps)
-      cases = cases*size(scene%sweeps(i)%values)
-    end do
+    integer, allocatable :: lengths(:)
+    lengths = axis_lengths(scene)
+    cases = product(lengths(scene%sweeps(sweep)%axis + 1:))
   end function times_in_a_row
 
   pure subroutine case_scene(scene, index, one, error)
     !! The scene of one case, without sweeps. Cheap: nothing is read again, what no sweep changes stays as it is, and the
-    !! scales of all cases were checked at the corners of their sweeps when the scene was read, unless the sweeps are too many.
+    !! scales of all cases were checked when the scene was read, at the corners of its sweeps, unless these are too many, or row by
+    !! row of its design.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
     type(scene_type), intent(inout) :: one
@@ -67,7 +77,7 @@ contains
     end if
     messages%file = scene%file
     call set_case(scene, case_positions(scene, index), one, messages)
-    if (size(scene%sweeps) > most_free_ends) then
+    if (size(axis_lengths(scene)) > most_free_ends) then
       messages%case = case_words(scene, index)
       if (messages%count == 0) call check_case(one, messages)
     end if
@@ -80,7 +90,7 @@ contains
     integer, intent(in) :: positions(:)           !! (n_sweeps)
     type(scene_type), intent(inout) :: one        !! as that of `case_scene`
     type(message_list), intent(inout) :: messages
-    integer :: g
+    integer :: g, before
     if (.not. allocated(one%groups)) then
       one%file = scene%file
       one%name = scene%name
@@ -95,7 +105,9 @@ contains
     do g = 1, size(one%groups)
       if (one%groups(g)%changed) call set_values(scene, scene%groups(g)%values, positions, one%groups(g)%values)
     end do
-    call build(one, messages)
+    before = messages%count
+    call complete_groups(one%groups, messages)
+    if (messages%count == before) call build_scene(one, messages)
   end subroutine set_case
 
   pure logical function differs(scene, given, positions, values)
@@ -142,50 +154,110 @@ contains
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
     integer :: modes
-    call build(scene, messages)
+    if (allocated(scene%design)) call enter_row_of_case(scene, 1_i8, messages)
+    call complete_groups(scene%groups, messages)
+    if (messages%count == 0) call build_scene(scene, messages)
+    if (messages%count == 0) call check_case(scene, messages)
+    call messages%leave_row()
     if (messages%count > 0) return
-    call check_case(scene, messages)
     modes = position_of(scene%groups, 'modes')
     if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. counts_in_its_run(scene))) &
       & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact that lasts, or loads
   end subroutine complete
 
-  pure subroutine build(scene, messages)
-    !! The same without a look at the scales.
-    type(scene_type), intent(inout) :: scene
+  pure subroutine enter_row_of_case(scene, index, messages)
+    !! Messages are on the row of a design from which a case comes.
+    type(scene_type), intent(in) :: scene         !! with a design
+    integer(i8), intent(in) :: index              !! of the case
     type(message_list), intent(inout) :: messages
-    call complete_groups(scene%groups, messages)
-    if (messages%count == 0) call build_scene(scene, messages)
-  end subroutine build
+    integer :: positions(size(scene%sweeps))
+    if (size(scene%sweeps) == 0) return
+    if (size(scene%sweeps(1)%values) == 0) return
+    positions = case_positions(scene, index)
+    call messages%enter_row(scene%design%path, scene%design%lines(positions(1)), scene%design%line)
+  end subroutine enter_row_of_case
 
   pure subroutine check_corners(scene, messages)
     !! Check the cases at the corners. What is checked of a case (products, equal counts) is monotone in each input, so that
     !! these stand for all. Of many sweeps some take their ends together; what these corners miss is found in the case itself.
+    !! Where the corners of a design do not stand for its rows, or are no fewer, each row is checked.
     type(scene_type), intent(in) :: scene         !! with sweeps
     type(message_list), intent(inout) :: messages
+    type(message_list) :: corners
+    integer :: n
+    n = size(scene%sweeps)
+    if (.not. allocated(scene%design)) then
+      call check_ends(scene, messages)
+    else
+      if (n <= most_free_ends .and. 2_i8**min(n, most_free_ends) < size(scene%design%lines)) then
+        corners%file = scene%file
+        call check_ends(scene, corners)
+        if (corners%count == 0) return
+      end if
+      call check_rows(scene, messages)
+    end if
+  end subroutine check_corners
+
+  pure subroutine check_ends(scene, messages)
+    !! Check what comes of the least and the largest values of all sweeps, up to the first error.
+    type(scene_type), intent(in) :: scene         !! with sweeps; of a design, what need not be one of its cases
+    type(message_list), intent(inout) :: messages
     type(scene_type) :: one
-    integer(i8) :: corner
-    integer :: ends(2, size(scene%sweeps)), i, k, free
+    integer :: ends(2, size(scene%sweeps)), positions(size(scene%sweeps)), i, k, side
     ends = sweep_ends(scene)
-    free = min(most_free_ends, size(scene%sweeps))
-    do k = 0, 2**free - 1
-      corner = corner_case(scene, ends, [(btest(k, mod(i - 1, most_free_ends)), i=1, size(scene%sweeps))])
-      messages%case = case_words(scene, corner)
-      call set_case(scene, case_positions(scene, corner), one, messages)
+    do k = 0, 2**min(most_free_ends, size(scene%sweeps)) - 1
+      do i = 1, size(scene%sweeps)
+        side = merge(2, 1, btest(k, mod(i - 1, most_free_ends)))
+        positions(i) = ends(side, i)
+      end do
+      messages%case = position_words(scene, positions)
+      call set_case(scene, positions, one, messages)
       if (messages%count == 0) call check_case(one, messages)
       if (messages%count > 0) return
     end do
-  end subroutine check_corners
+  end subroutine check_ends
+
+  pure subroutine check_rows(scene, messages)
+    !! Check a case of every row of a design, and say of all that is wrong with it.
+    type(scene_type), intent(in) :: scene         !! with a design
+    type(message_list), intent(inout) :: messages
+    type(scene_type), allocatable :: one
+    integer(i8) :: each, row
+    integer :: before
+    each = times_in_a_row(scene, 1)
+    allocate (one)
+    do row = 1, size(scene%design%lines)
+      if (messages%cut) exit
+      before = messages%count
+      call enter_row_of_case(scene, 1 + (row - 1)*each, messages)
+      call set_case(scene, case_positions(scene, 1 + (row - 1)*each), one, messages)
+      if (messages%count == before) call check_case(one, messages)
+      if (messages%count == before) cycle
+      deallocate (one)                            ! after an error of no use
+      allocate (one)
+    end do
+    call messages%leave_row()
+  end subroutine check_rows
 
   pure function few_corners(scene) result(cases)
     !! The cases in which every sweep takes its least value, or every one its largest, and those in which one sweep does not: of up
-    !! to three sweeps all corners, and of many no more than twice their number.
+    !! to three sweeps all corners, and of many no more than twice their number. Of a design the rows in which a column has its
+    !! least value or its largest.
     type(scene_type), intent(in) :: scene
     integer(i8), allocatable :: cases(:)
     integer(i8) :: corner
     integer :: ends(2, size(scene%sweeps)), i, side, other
     ends = sweep_ends(scene)
     allocate (cases(0))
+    if (allocated(scene%design)) then
+      do i = 1, size(scene%sweeps)
+        do side = 1, 2
+          corner = 1 + (ends(side, i) - 1)*times_in_a_row(scene, i)
+          if (scene%sweeps(i)%designed .and. all(cases /= corner)) cases = [cases, corner]
+        end do
+      end do
+      return
+    end if
     do other = 0, size(scene%sweeps)
       do side = 1, 2
         corner = corner_case(scene, ends, [((side == 2) .neqv. (i == other), i=1, size(scene%sweeps))])
@@ -221,14 +293,27 @@ contains
     type(scene_type), intent(in) :: scene         !! with sweeps
     integer(i8), intent(in) :: index              !! of the case
     character(:), allocatable :: text
-    integer :: positions(size(scene%sweeps)), i
+    integer :: positions(size(scene%sweeps))
     positions = case_positions(scene, index)
+    if (allocated(scene%design)) then
+      text = ' (with '//scene%design%path//':'//text_of(scene%design%lines(positions(1)))//')'
+      return
+    end if
+    text = position_words(scene, positions)
+  end function case_words
+
+  pure function position_words(scene, positions) result(text)
+    !! The same by the value that each sweep has.
+    type(scene_type), intent(in) :: scene         !! with sweeps
+    integer, intent(in) :: positions(:)           !! (n_sweeps)
+    character(:), allocatable :: text
+    integer :: i
     text = ' (in the case '
     do i = 1, size(positions)
       if (i > 1) text = text//', '
       text = text//scene%sweeps(i)%parameter//' = '//shortest(scene%sweeps(i)%values(positions(i)), 15)
     end do
     text = text//')'
-  end function case_words
+  end function position_words
 
 end module bw_scene_cases

@@ -32,7 +32,7 @@ module bw_scene_resolved
 contains
 
   pure function resolved_text(scene) result(text)
-    !! All groups of a scene, each name on its line, sweeps at the end; ends with a line end.
+    !! All groups of a scene, each name on its line, a design or sweeps at the end; ends with a line end.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     type(text_builder) :: builder
@@ -44,8 +44,13 @@ contains
         call put_group(builder, scene%groups(places(g)))
       end do
     end do
+    if (allocated(scene%design)) then
+      call builder%append_line('&design')
+      call builder%append_line('  file = '//quoted(scene%design%file))
+      call builder%append_line('/')
+    end if
     do i = 1, size(scene%sweeps)
-      if (.not. scene%sweeps(i)%implied) call put_sweep(builder, scene%sweeps(i))
+      if (.not. (scene%sweeps(i)%implied .or. scene%sweeps(i)%designed)) call put_sweep(builder, scene%sweeps(i))
     end do
     text = builder%text()
   end function resolved_text

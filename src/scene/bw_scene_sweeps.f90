@@ -11,7 +11,7 @@ module bw_scene_sweeps
   use bw_text, only: lower, text_of
   implicit none (type, external)
   private
-  public :: excuse_missing, extract_sweeps
+  public :: accepts, add_repeats, excuse_missing, extract_sweeps, groups_where
 
   real(dp), parameter :: most_cases = 1e9_dp   !! in the product of all sweeps
 
@@ -32,7 +32,6 @@ contains
       call apply_sweep(sources(i), i, groups, sweeps(i), messages)
     end do
     call check_case_count(sources, sweeps, messages)
-    call add_repeats(groups, sweeps)
   end subroutine extract_sweeps
 
   pure subroutine add_repeats(groups, sweeps)
@@ -52,6 +51,8 @@ contains
       more(n + 1)%spacing = ''
       more(n + 1)%values = [(real(i, dp), i=1, size(file%texts))]
       more(n + 1)%implied = .true.
+      more(n + 1)%axis = 1
+      if (n > 0) more(n + 1)%axis = sweeps(n)%axis + 1
       call move_alloc(more, sweeps)
       file%sweeps(1) = n + 1
       file%numbers(1) = 1.0_dp
@@ -81,30 +82,26 @@ contains
     type(sweep_par), intent(out) :: sweep
     type(message_list), intent(inout) :: messages
     type(sweep_target) :: target
+    character(:), allocatable :: problem
     integer :: before
     before = messages%count
     allocate (sweep%values(0))
     call check_group(source, messages)
     if (.not. source%known('parameter')) return
-    call find_target(source, groups, target, messages)
-    if (target%group == 0) then
+    call find_target('sweep', source%text('parameter'), groups, target, problem)
+    if (problem /= '') then
+      call messages%add(source%line_of('parameter'), 'sweep%parameter', problem)
       call excuse_missing(lower(source%text('parameter')), groups)
       return
     end if
     associate (value => groups(target%group)%values(target%value))
-      if (.not. allocated(value%numbers)) call value%set_numbers([0.0_dp], source%line_of('parameter'))
-      value%known = value%known .or. size(value%numbers) == 1
-      value%given = .true.
-      value%sweeps(target%element) = number
-      value%lines(target%element) = source%line_of('parameter')
-      if (size(value%numbers) == 1) value%line = source%line_of('parameter')
       if (.not. any(source%values%given .and. .not. source%values%known) .and. messages%count == before) then
         call build_sweep(source, sweep)
         sweep%parameter = target%place
         call check_values(source, sweep, name_table(value%row), messages)
-        value%numbers(target%element) = sweep%values(1)
       end if
-      value%known = value%known .and. messages%count == before
+      sweep%axis = number
+      call value%follow(target%element, number, source%line_of('parameter'), sweep%values, messages%count == before)
     end associate
   end subroutine apply_sweep
 

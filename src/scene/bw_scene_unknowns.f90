@@ -35,7 +35,8 @@ contains
                         '; accepted: at most '//text_of(most_unknowns))
       return
     end if
-    if (size(places) > 0 .and. .not. all(sweeps%implied)) call messages%add(groups(places(1))%line, '&identify', &
+    if (size(places) > 0 .and. .not. all(sweeps%implied .or. sweeps%designed)) &
+      call messages%add(groups(places(1))%line, '&identify', &
       'excludes &sweep: all records are fitted together; accepted: one or the other')
     do i = 1, size(places)
       if (.not. groups(places(i))%known('parameter')) cycle
@@ -56,10 +57,12 @@ contains
     type(identify_par), intent(out) :: unknown
     type(message_list), intent(inout) :: messages
     type(sweep_target) :: target
-    call find_target(source, groups, target, messages)
+    character(:), allocatable :: problem
+    call find_target('identify', source%text('parameter'), groups, target, problem)
     unknown%parameter = lower(source%text('parameter'))
     unknown%unit = ''
-    if (target%group == 0) then
+    if (problem /= '') then
+      call messages%add(source%line_of('parameter'), 'identify%parameter', problem)
       call excuse_missing(unknown%parameter, groups)
       return
     end if
@@ -147,6 +150,7 @@ contains
       sweeps(i)%parameter = unknowns(i)%parameter
       sweeps(i)%spacing = ''
       sweeps(i)%values = [unknowns(i)%start]
+      sweeps(i)%axis = i
       if (unknowns(i)%group == 0) cycle
       varied%groups(unknowns(i)%group)%values(unknowns(i)%value)%sweeps(unknowns(i)%element) = i
     end do

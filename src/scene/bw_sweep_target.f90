@@ -1,9 +1,9 @@
 module bw_sweep_target
-  !! Which number of a scene a `&sweep` varies, or an `&identify` does not know: `group%name`, or one of several as `body(2)%mass` and `beam%length(1)`.
+  !! Which number of a scene a `&sweep` or a `&design` varies, or an `&identify` does not know: `group%name`, or one of several as `body(2)%mass` and `beam%length(1)`.
   use bw_input_name, only: input_name, integer_input, is_number, is_sweepable, place_of
   use bw_input_table, only: group_row, group_table, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of, positions_of
-  use bw_scene_messages, only: message_list, shown
+  use bw_scene_messages, only: shown
   use bw_text, only: lower, text_of
   implicit none (type, external)
   private
@@ -19,34 +19,34 @@ module bw_sweep_target
 
 contains
 
-  pure subroutine find_target(source, groups, target, messages)
-    !! The number that a sweep varies; none, with a message, where it cannot.
-    type(group_values), intent(in) :: source         !! `&sweep`, or `&identify`, which takes fewer
+  pure subroutine find_target(by, named, groups, target, problem)
+    !! The number that a sweep varies; none, and why, where it cannot.
+    character(*), intent(in) :: by                   !! `sweep`, `design`, or `identify`, which takes fewer
+    character(*), intent(in) :: named                !! as the user wrote it
     type(group_values), intent(in) :: groups(:)
     type(sweep_target), intent(out) :: target
-    type(message_list), intent(inout) :: messages
-    character(:), allocatable :: parameter, group, name, problem
+    character(:), allocatable, intent(out) :: problem   !! empty: none
+    character(:), allocatable :: parameter, group, name
     integer :: mark, group_number, name_number
-    parameter = lower(source%text('parameter'))
+    parameter = lower(named)
     mark = index(parameter, '%')
     call split(parameter(:mark - 1), group, group_number)
     call split(parameter(mark + 1:), name, name_number)
     if (index(parameter, '&') == 1) then
       problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
     else if (mark == 0 .or. scan(parameter, ' ') > 0) then
-      problem = "names no input"//likely_target(source%group, parameter, groups)//"; accepted: 'group%name'"
+      problem = "names no input"//likely_target(by, parameter, groups)//"; accepted: 'group%name'"
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
     else if (name_row(group, name) == 0) then
       problem = unknown_name(group, name, to_sweep=.true.)
     else
-      problem = obstacle(source%group, name_table(name_row(group, name)), groups)
-      if (problem == '') call resolve(source%group, groups, name_table(name_row(group, name)), group_number, name_number, &
-                                      target, problem)
+      problem = obstacle(by, name_table(name_row(group, name)), groups)
+      if (problem == '') call resolve(by, groups, name_table(name_row(group, name)), group_number, name_number, target, problem)
     end if
     if (problem == '') return
     target = sweep_target()
-    call messages%add(source%line_of('parameter'), trim(source%group)//'%parameter', shown(parameter)//' '//problem)
+    problem = shown(parameter)//' '//problem
   end subroutine find_target
 
   elemental logical function is_taken(by, row)
@@ -129,6 +129,7 @@ contains
       if (value%sweeps(target%element) == 0) return
       problem = 'is swept twice; accepted: each name once'
       if (by == 'identify') problem = 'is swept, too; accepted: a sweep or an unknown'
+      if (by == 'design') problem = 'has two columns; accepted: each name once'
     end associate
   end subroutine resolve
 

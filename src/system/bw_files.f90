@@ -10,7 +10,7 @@ module bw_files
   implicit none (type, external)
   private
   public :: look_at, directory_is_there, same_file, files_in, make_directory, may_write, remove_file, remove_directory, rename_file
-  public :: link_file, flush_directory, directory_of, reason, cannot_be_read, cannot_be_written
+  public :: link_file, flush_directory, directory_of, path_beside, reason, cannot_be_read, cannot_be_written
 
   integer, parameter :: longest_reason = 200
 
@@ -112,6 +112,17 @@ contains
     if (last == 0) directory = '.'
     if (last > 0) directory = path(:last)
   end function directory_of
+
+  pure function path_beside(scene, file) result(path)
+    !! Where a file lies that a scene names: beside it.
+    character(*), intent(in) :: scene              !! path of the scene
+    character(*), intent(in) :: file               !! as the user wrote it
+    character(:), allocatable :: path
+    path = file
+    if (path(1:1) == '/' .or. index(scene, '/') == 0) return
+    if (index(scene, '/dev/fd/') == 1) return      ! the scene came through a pipe, beside which nothing lies
+    path = directory_of(scene)//path
+  end function path_beside
 
   integer function remove_file(path) result(problem)
     !! Remove a file; that nothing is there is no problem.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from workplace import PAPER_BEAM, example, namelist
 
-NOT_EFFECTS = {"scene", "beam", "impact", "modes", "response", "frequency_response", "record", "spectrum", "identify", "sweep"}
+NOT_EFFECTS = {"scene", "beam", "impact", "modes", "response", "frequency_response", "record", "spectrum", "identify", "design", "sweep"}
 SAMPLES = {  # each effect group's variants; of one that is not here that of a scene in input/
     "rotation": [{"angular_velocity": 50.0, "plane": "in"}, {"angular_velocity": 50.0, "plane": "out"}],
     "stiffening": [{"hub_radius": 0.1}],

@@ -5,10 +5,11 @@ module bw_text_source
   use bw_kinds, only: dp, i1, i8
   use bw_line_reader, only: line_reader, text_between
   use bw_record_source, only: record_source
+  use bw_table_row, only: row_form, says_nothing, scan_row
   use bw_text, only: append, string, text_of
   use bw_text_header, only: is_comment
   use bw_text_layout, only: find_layout, most_probed, text_layout
-  use bw_text_rows, only: prepared, row_form, row_problem, says_nothing, scan_row
+  use bw_text_rows, only: prepared, row_problem
   implicit none (type, external)
   private
 

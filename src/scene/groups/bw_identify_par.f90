@@ -30,8 +30,8 @@ module bw_identify_par
     'identify', needs='record spectrum beam', repeatable=.true., along='unknown', absent='nothing is fitted', &
     rules='One group for each unknown. Its group must be present; a value given there that lies in the range is one of the '// &
     'places where the search begins. One of several is named by its number, as `body(2)%mass`. An unknown whose '// &
-    'range is above 0 and spans a factor of 10 or more is searched by its logarithm. It excludes `&sweep`; several '// &
-    'files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of '// &
+    'range is above 0 and spans a factor of 10 or more is searched by its logarithm. It excludes `&sweep` and `&design`; '// &
+    'several files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of '// &
     'its own and the same beam in another state (with a mass, or of another length); an unknown has one value in '// &
     'every scene that gives a value to its name. `&identify` of a further scene is for what is unknown of that scene alone.')
 

@@ -1,5 +1,5 @@
 module bw_sweep_par
-  !! `&sweep`: one number takes several values, each of them a case.
+  !! `&sweep`: one number takes several values, each of them a case; the columns of a `&design` are sweeps, too.
   use bw_input_name, only: any_number, input_group, input_name, integer_input, number_range, real_input, reals_input, &
                            text_input
   use bw_input_values, only: group_values
@@ -14,7 +14,9 @@ module bw_sweep_par
     character(:), allocatable :: parameter   !! 'group%name', in lower case
     real(dp), allocatable :: values(:)       !! one per value of the parameter, (n)
     character(:), allocatable :: spacing     !! 'linear' or 'log' between the ends; '' where the values were listed
+    integer :: axis = 0                      !! which factor of the product of cases it is: sweeps of one axis go together
     logical :: implied = .false.             !! no `&sweep` says it: the values are numbers of the files of a record
+    logical :: designed = .false.            !! no `&sweep` says it: the values are a column of a `&design`
   end type sweep_par
 
   integer, parameter :: most_values = 1000000

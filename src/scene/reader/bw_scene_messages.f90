@@ -12,24 +12,30 @@ module bw_scene_messages
 
   type :: located_message
     integer :: line = 0
+    integer :: row = 0
     character(:), allocatable :: text
   end type located_message
 
   type, public :: message_list
     character(:), allocatable :: file         !! the scene's path, as the user wrote it
     character(:), allocatable :: case         !! that is looked at, as ` (in the case a = 1)`; unallocated: the scene as it is
+    character(:), allocatable :: table        !! of which a row is looked at, its path; unallocated: none is
+    integer :: table_line = 0                 !! of the scene, which names the table
+    integer :: row = 0                        !! line of the table; 0: all of it is looked at
     integer :: count = 0                      !! of all errors, listed or not
     logical :: cut = .false.                  !! more is wrong than is listed: whoever reads on may stop
     type(located_message), allocatable, private :: items(:)
   contains
     procedure :: add
+    procedure :: enter_row
+    procedure :: leave_row
     procedure :: text => text_of_list
   end type message_list
 
 contains
 
   pure subroutine add(self, line, place, what)
-    !! Add `FILE:LINE: place: what`.
+    !! Add `FILE:LINE: place: what`. Of what comes from the row of a table that is looked at, FILE:LINE is that of the row.
     class(message_list), intent(inout) :: self
     integer, intent(in) :: line               !! 0 for something absent: `FILE: place: what`
     character(*), intent(in) :: place         !! `group%name` or `&group`
@@ -39,14 +45,44 @@ contains
     if (self%cut) return
     if (.not. allocated(self%items)) allocate (self%items(8))
     if (self%count > size(self%items)) call grow(self%items)
-    self%items(self%count)%line = line
     associate (message => self%items(self%count))
-      message%text = self%file
-      if (line > 0) message%text = message%text//':'//text_of(line)
+      message%line = line
+      message%row = self%row
+      message%text = placed(self%file, line)
+      if (allocated(self%table) .and. line == self%table_line) message%text = placed(self%table, self%row)
       message%text = message%text//': '//place//': '//what
+      if (allocated(self%table) .and. line /= self%table_line) message%text = message%text//' (with '// &
+        placed(self%table, self%row)//')'
       if (allocated(self%case)) message%text = message%text//self%case
     end associate
   end subroutine add
+
+  pure function placed(file, line) result(text)
+    !! `FILE:LINE`, or the file alone with the line 0.
+    character(*), intent(in) :: file
+    integer, intent(in) :: line
+    character(:), allocatable :: text
+    text = file
+    if (line > 0) text = text//':'//text_of(line)
+  end function placed
+
+  pure subroutine enter_row(self, table, row, line)
+    !! From here on a row of a table is looked at.
+    class(message_list), intent(inout) :: self
+    character(*), intent(in) :: table         !! its path
+    integer, intent(in) :: row                !! line of the table; 0: all of it is looked at
+    integer, intent(in) :: line               !! of the scene, which names the table
+    self%table = table
+    self%row = row
+    self%table_line = line
+  end subroutine enter_row
+
+  pure subroutine leave_row(self)
+    !! From here on the scene itself is looked at.
+    class(message_list), intent(inout) :: self
+    self%row = 0
+    if (allocated(self%table)) deallocate (self%table)
+  end subroutine leave_row
 
   pure subroutine grow(items)
     !! Twice as much room.
@@ -56,6 +92,7 @@ contains
     allocate (more(2*size(items)))
     do i = 1, size(items)
       more(i)%line = items(i)%line
+      more(i)%row = items(i)%row
       call move_alloc(items(i)%text, more(i)%text)
     end do
     call move_alloc(more, items)
@@ -67,7 +104,7 @@ contains
     character(:), allocatable :: text
     type(text_builder) :: builder
     integer :: order(min(self%count, most_messages)), i
-    order = by_line(self%items(:size(order))%line)
+    order = by_line(self%items(:size(order)))
     do i = 1, size(order)
       if (i > 1) call builder%append(new_line('a'))
       call builder%append(self%items(order(i))%text)
@@ -77,21 +114,27 @@ contains
     text = builder%text()
   end function text_of_list
 
-  pure function by_line(lines) result(order)
-    !! Stable insertion sort; line 0 counts as the last. The lists are short or nearly in order.
-    integer, intent(in) :: lines(:)
-    integer :: order(size(lines))
+  pure function by_line(items) result(order)
+    !! Stable insertion sort by line, and by row of a table; line 0 counts as the last. The lists are short or nearly in order.
+    type(located_message), intent(in) :: items(:)
+    integer :: order(size(items))
     integer :: i, j
-    do i = 1, size(lines)
+    do i = 1, size(items)
       j = i
       do while (j > 1)
-        if (key(lines(order(j - 1))) <= key(lines(i))) exit
+        if (.not. is_later(items(order(j - 1)), items(i))) exit
         order(j) = order(j - 1)
         j = j - 1
       end do
       order(j) = i
     end do
   end function by_line
+
+  pure logical function is_later(one, other)
+    !! The one message stands behind the other.
+    type(located_message), intent(in) :: one, other
+    is_later = key(one%line) > key(other%line) .or. (one%line == other%line .and. one%row > other%row)
+  end function is_later
 
   pure integer function key(line)
     !! What messages are sorted by.

@@ -12,11 +12,12 @@ module bw_scene_reader
   use bw_scene, only: scene_type
   use bw_scene_cases, only: check_corners, complete
   use bw_scene_checks, only: check_groups
+  use bw_scene_design, only: extract_design
   use bw_scene_fill, only: fill_groups
   use bw_scene_lexer, only: tokenise
   use bw_scene_messages, only: message_list
   use bw_scene_parser, only: parse, parsed_scene
-  use bw_scene_sweeps, only: extract_sweeps
+  use bw_scene_sweeps, only: add_repeats, extract_sweeps
   use bw_scene_tokens, only: token
   use bw_scene_unknowns, only: check_ranges, extract_unknowns
   use bw_system_calls, only: bw_listen, is_directory, is_file
@@ -36,15 +37,15 @@ contains
     character(*), intent(in) :: path
     type(scene_type), intent(out) :: scene
     type(error_type), allocatable, intent(out) :: error
-      !! `status_bad_file` where the file cannot be read; `status_bad_input` where the scene is wrong, with one line
+      !! `status_bad_file` where the file, or the table of its `&design`, cannot be read; `status_bad_input` where the scene is wrong, with one line
       !! `FILE:LINE: group%name: what is wrong, what would be accepted` for each error
     character(:), allocatable :: text
     call read_scene_bytes(path, text, error)
     if (.not. allocated(error)) call read_scene_text(text, path, scene, error)
   end subroutine read_scene
 
-  pure subroutine read_scene_text(text, path, scene, error)
-    !! The same for a text; `path` names it in messages.
+  subroutine read_scene_text(text, path, scene, error)
+    !! The same for a text; `path` names it in messages, and beside it lies the table of a `&design`.
     character(*), intent(in) :: text
     character(*), intent(in) :: path
     type(scene_type), intent(out) :: scene
@@ -60,13 +61,19 @@ contains
     if (.not. messages%cut) then
       call fill_groups(text, tokens, parsed, scene%groups, messages)
       call extract_sweeps(scene%groups, scene%sweeps, messages)
+      call extract_design(path, scene%groups, scene%sweeps, scene%design, messages, error)
+      call add_repeats(scene%groups, scene%sweeps)
       call extract_unknowns(scene%groups, scene%sweeps, scene%unknowns, messages)
-      call check_groups(scene%groups, messages)
-      call complete(scene, messages)
+      if (.not. allocated(scene%design) .or. any(scene%sweeps%designed)) then     ! else what the table gives is not known
+        call check_groups(scene%groups, messages)
+        call complete(scene, messages)
+        if (messages%count == 0) call check_corners(scene, messages)
+        if (messages%count == 0) call check_ranges(scene, messages)
+      end if
     end if
-    if (messages%count == 0) call check_corners(scene, messages)
-    if (messages%count == 0) call check_ranges(scene, messages)
-    if (messages%count > 0) call fail(error, status_bad_input, messages%text())
+    if (messages%count == 0) return
+    if (allocated(error)) error%message = error%message//new_line('a')//messages%text()
+    if (.not. allocated(error)) call fail(error, status_bad_input, messages%text())
   end subroutine read_scene_text
 
   pure function stem(path) result(name)

@@ -1,0 +1,27 @@
+module bw_design_par
+  !! `&design`: a table has a column for each number that varies and a row for each case.
+  use bw_input_name, only: input_group, input_name, text_input
+  implicit none (type, external)
+  private
+
+  type, public :: design_par
+    character(:), allocatable :: file        !! as the user wrote it, beside the scene
+    integer :: line = 0                      !! of the scene, which says so
+    character(:), allocatable :: path        !! where that is
+    character(:), allocatable :: checksum    !! of the table's bytes, in hexadecimal digits
+    integer, allocatable :: lines(:)         !! line of the table that each row stands in, (rows)
+  end type design_par
+
+  type(input_group), parameter, public :: design_group = input_group( &
+    'design', absent='one case, or those of &sweep', &
+    rules='The table is a text: a line of names, then a line of numbers for each case, separated by commas, semicolons, '// &
+    'tabs or blanks. A name is `group%name`, with the rules of `sweep%parameter`: a number that `&sweep` may vary, of a group '// &
+    'that is present; a value given there is replaced. Empty lines and lines that begin with `#` are comments; names and '// &
+    'numbers may stand in quotes; the decimal mark is a point. All rows are checked before the first case is run. '// &
+    'It excludes `&sweep` and `&identify`.')
+
+  type(input_name), parameter, public :: design_names(*) = [ &
+    input_name('design', 'file', text_input, required=.true., &
+               meaning='the table, beside the scene: a column for each number, a row for each case')]
+
+end module bw_design_par
