@@ -14,6 +14,7 @@ from beamwave_postproc import (
     compare,
     displacement,
     motion,
+    ranking,
     run,
     save_film,
     space_time,
@@ -35,6 +36,7 @@ def main() -> None:
         save("fig6", displacement(result("paper/fig6", scratch), 0.5))
         save("critical_speed", sweep_map(result("critical_speed", scratch)))
         save("campbell", campbell(tension()))
+        save("ranking", ranking(result("design", scratch)))
         waves = result("waves", scratch)
         save("space_time", space_time(waves), DPI_OF_IMAGES)
         save("wavenumber_spectrum", wavenumber_spectrum(waves), DPI_OF_IMAGES)

@@ -22,6 +22,7 @@ from common.machine import describe
 from overview import put_overview
 
 from . import sweeps
+from .designs import designs
 from .jobs import JOBS, Job
 from .section import FIRST, WAYS, section
 from .with_numpy import case, loop, pooled, save
@@ -29,7 +30,7 @@ from .with_numpy import case, loop, pooled, save
 DATA = Path(__file__).with_name("measured.json")
 MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None  # no disk is measured
 ROUNDS, NUMPY_PART = 9, 10  # numpy does a part of the cases, spread over all of them
-PARTS = ["rows", "ranks", "memory", "predictions", "scenes"]
+PARTS = ["rows", "designs", "ranks", "memory", "predictions", "scenes"]
 AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
 
 
@@ -131,8 +132,9 @@ def part_of(part: str, program: Path, small: bool) -> list[dict[str, Any]]:
     """Measure one part."""
     if part == "rows":
         return measure(program, small)
+    measures = designs if part == "designs" else getattr(sweeps, part)
     with tempfile.TemporaryDirectory(dir=MEMORY) as name:
-        return getattr(sweeps, part)(program, Path(name), small)
+        return measures(program, Path(name), small)
 
 
 if __name__ == "__main__":

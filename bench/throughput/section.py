@@ -51,6 +51,12 @@ def ranks(rows: list[dict[str, Any]]) -> str:
     )
 
 
+def designs(rows: list[dict[str, Any]]) -> str:
+    lines = [["cases of a sweep", "cases", "as a sweep, CPU s", "as rows of a table, CPU s", "more"]]
+    lines += [[row["what"], str(row["cases"]), f"{row['sweep']:g}", f"{row['design']:g}", f"{row['ratio']:.2f}"] for row in rows]
+    return "A `&design` reads its table and finds quantiles; its cases are those of a sweep.\n\n" + table(lines)
+
+
 def memory(rows: list[dict[str, Any]]) -> str:
     lines = [["cases", "CPU, s", "peak, MB"], *([str(row["cases"]), f"{row['cpu']:g}", f"{row['peak_mb']:g}"] for row in rows)]
     return "Memory of a sweep of very small cases (one mode), against their number.\n\n" + table(lines)
@@ -74,4 +80,4 @@ def small_scenes(rows: list[dict[str, Any]]) -> str:
     return "What one of 200 small scenes costs, and what it costs to start the program alone.\n\n" + table(lines)
 
 
-DRAWN = {"rows": rates, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": small_scenes}
+DRAWN = {"rows": rates, "designs": designs, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": small_scenes}

@@ -10,7 +10,9 @@ from .draw.jump import velocity_jump
 from .draw.lines import lines
 from .draw.measured import measured
 from .draw.mode_shapes import mode_shapes
+from .draw.outcome_map import outcome_map
 from .draw.prices import work_precision
+from .draw.ranking import ranking
 from .draw.record_dispersion import record_dispersion
 from .draw.record_envelopes import record_envelopes
 from .draw.record_fit import record_fit
@@ -31,6 +33,7 @@ from .film.frames import save_film
 from .film.motion import motion
 from .kinds import KINDS, pictures
 from .page.html import page_of
+from .parts.outcome import rankings
 from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
 from .run import ProgramWarning, RunFailed, Untrusted, run
 from .run_many import run_many
@@ -60,9 +63,12 @@ __all__ = [
     "mode_shapes",
     "motion",
     "open_result",
+    "outcome_map",
     "page_of",
     "phase_velocity",
     "pictures",
+    "ranking",
+    "rankings",
     "record_dispersion",
     "record_envelopes",
     "record_fit",

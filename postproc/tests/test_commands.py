@@ -16,6 +16,8 @@ ELSEWHERE = {
     "frequency_response",
     "campbell",
     "sweep_map",
+    "ranking",
+    "outcome_map",
     "impulses",
     "record_fit",
     "record_envelopes",

@@ -32,6 +32,8 @@ def sweep_map(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figu
     names = swept_inputs(ds)
     if len(names) != 2 or any(np.unique(ds[name]).size < 2 for name in names):
         raise NothingToDraw("the result is not a sweep of two inputs, each of two values or more")
+    if np.prod([np.unique(ds[name]).size for name in names]) != ds.sizes["case"]:
+        raise NothingToDraw("the cases are no grid of two inputs")
     held = [name for name in ("angular_frequency", "growth_rate") if name in ds]
     grid = to_grid(ds[held].isel(mode=slice(MAX_MODES if modes is None else None)))
     require_numbers(grid["angular_frequency"].values, "angular_frequency")

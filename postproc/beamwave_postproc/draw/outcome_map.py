@@ -1,0 +1,88 @@
+"""The largest displacement, stress and contact force over two inputs, as maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..parts.labels import input_label
+from ..parts.outcome import LARGEST, Outcome, first_order_index, outcomes_of
+from ..parts.sheet import Given, sheet_for
+from ..parts.units import si_prefix, unit_text, units_of
+from ..result import NothingToDraw, swept_inputs
+from ..style import styled
+
+FEWEST = 4  # cases
+
+
+@styled
+def outcome_map(ds: xr.Dataset, *, inputs: Sequence[str] | None = None, ax: Given = None) -> Figure:
+    """Map the largest displacement, stress and contact force over two inputs that a sweep or a design varies.
+
+    `inputs` are two of their variables, for x and y; else the two that explain most of the spread of what is drawn first. A
+    grid of a sweep of two inputs is filled, of other cases each is a dot.
+    """
+    outcomes = [one for one in outcomes_of(ds) if one.variable.name in LARGEST] if "case" in ds.dims else []
+    if not outcomes:
+        raise NothingToDraw("no largest displacement, stress or contact force that differs from case to case")
+    names = _inputs(ds, outcomes[0], inputs)
+    sheet = sheet_for(ax, 1, len(outcomes), width=5.0 * len(outcomes), height=3.7)
+    for axes, outcome in zip(sheet.axes, outcomes):
+        _draw(axes, ds, outcome, names)
+        axes.set_title(outcome.words)
+    others = len(swept_inputs(ds)) - 2
+    lacking = int(max(np.isnan(outcome.variable.values).sum() for outcome in outcomes))
+    notes = [
+        f"{ds.sizes['case']} cases",
+        f"{others} more input{'s' if others > 1 else ''} vary from case to case" if others > 0 else "",
+        f"{lacking} without numbers" if lacking else "",
+    ]
+    return sheet.finish(ds, notes)
+
+
+def _inputs(ds: xr.Dataset, outcome: Outcome, given: Sequence[str] | None) -> list[str]:
+    names = [name for name in swept_inputs(ds) if np.ptp(ds[name].values) > 0.0]
+    if given is not None:
+        if len(given) != 2 or not set(given) <= set(names):
+            raise NothingToDraw(f"inputs are two of those that vary: {', '.join(names)}")
+        return list(given)
+    if len(names) < 2 or ds.sizes["case"] < FEWEST:
+        raise NothingToDraw("the cases do not vary two inputs")
+    if len(names) == 2:
+        return names[::-1]
+    held = np.isfinite(outcome.variable.values)
+    shares = [first_order_index(ds[name].values[held].astype(float), outcome.variable.values[held]) for name in names]
+    order = np.argsort(np.nan_to_num(shares))[::-1]
+    return [names[order[0]], names[order[1]]]
+
+
+def _draw(axes: Axes, ds: xr.Dataset, outcome: Outcome, names: list[str]) -> None:
+    x, y = (ds[name] for name in names)
+    values = outcome.variable.values
+    held = np.isfinite(values)
+    prefix, factor = si_prefix(values, units_of(outcome.variable))
+    order = np.argsort(values[held])  # the largest on top
+    columns, rows = np.unique(x.values), np.unique(y.values)
+    if columns.size * rows.size == values.size and len(set(zip(x.values, y.values))) == values.size:
+        grid = np.full((rows.size, columns.size), np.nan)
+        grid[np.searchsorted(rows, y.values), np.searchsorted(columns, x.values)] = values * factor
+        drawn = axes.pcolormesh(columns, rows, np.ma.masked_invalid(grid), shading="nearest", cmap="cividis", rasterized=True)
+        axes.set_facecolor("0.75")
+    else:
+        size = float(np.clip(4000.0 / values.size, 3.0, 40.0))
+        drawn = axes.scatter(
+            x.values[held][order],
+            y.values[held][order],
+            c=(values[held] * factor)[order],
+            s=size,
+            cmap="cividis",
+            linewidths=0.0,
+            rasterized=values.size > 2000,
+        )
+    axes.figure.colorbar(drawn, ax=axes, label=unit_text(prefix + units_of(outcome.variable)))
+    axes.grid(visible=False)
+    axes.set(xlabel=input_label(x), ylabel=input_label(y))
