@@ -2,9 +2,11 @@
 
 from .compare import compare
 from .draw.campbell import campbell, crossings
+from .draw.contact_force import contact_force
 from .draw.effect_table import changes
 from .draw.frequency_response import frequency_response
 from .draw.history import acceleration, bending_moment, displacement, shear_force, velocity
+from .draw.identified import identified
 from .draw.impulses import impulses
 from .draw.jump import velocity_jump
 from .draw.lines import lines
@@ -16,7 +18,7 @@ from .draw.ranking import ranking
 from .draw.record_dispersion import record_dispersion
 from .draw.record_envelopes import record_envelopes
 from .draw.record_fit import record_fit
-from .draw.record_model import identified, record_model
+from .draw.record_model import record_model
 from .draw.record_repeats import record_repeats
 from .draw.record_response import record_response
 from .draw.record_shapes import record_shapes
@@ -51,6 +53,7 @@ __all__ = [
     "campbell",
     "changes",
     "compare",
+    "contact_force",
     "crossings",
     "dispersion",
     "displacement",

@@ -105,7 +105,7 @@ def _save_picture(tool: Tool, path: Path, draw: Callable[[], Figure]) -> None:
 
 
 def _save_figure(tool: Tool, path: Path, fig: Figure) -> None:
-    tool.save(path, lambda draft: fig.savefig(draft, dpi=DPI, metadata={"Software": MARK}), MARK)
+    tool.save(path, lambda draft: fig.savefig(draft, dpi=DPI, metadata={"Software": MARK, "Description": fig.get_label()}), MARK)
 
 
 def _save_text(tool: Tool, path: Path, write: Callable[[], str]) -> None:

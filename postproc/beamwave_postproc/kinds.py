@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 
 from .draw import (
     campbell,
+    contact_force,
     effect_table,
     frequency_response,
     history,
+    identified,
     impulses,
     jump,
     lines,
@@ -51,6 +53,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "mode_shapes": mode_shapes.mode_shapes,
     "velocity_jump": jump.velocity_jump,
     "impulses": impulses.impulses,
+    "contact_force": contact_force.contact_force,
     "displacement": history.displacement,
     "velocity": history.velocity,
     "acceleration": history.acceleration,
@@ -73,7 +76,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "record_shapes": record_shapes.record_shapes,
     "record_dispersion": record_dispersion.record_dispersion,
     "record_model": record_model.record_model,
-    "identified": record_model.identified,
+    "identified": identified.identified,
     "changes": effect_table.changes,
     "work_precision": prices.work_precision,
 }

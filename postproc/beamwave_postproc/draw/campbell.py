@@ -9,8 +9,6 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 from ..parts.follow import eigenvalues, followed
 from ..parts.labels import value_text
@@ -144,6 +142,8 @@ def _draw_mode(axes: Axes, speed: np.ndarray, values: np.ndarray, label: str, nu
 
 def _between(speed: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """Eigenvalues of a mode as a function of the speed, through those that are known."""
+    from scipy.interpolate import PchipInterpolator  # here, since few pictures need it and it takes 0.7 s to import
+
     known = np.isfinite(values)
     through = PchipInterpolator(_signed(speed[known]), values[known])
     return lambda at: through(_signed(at))
@@ -151,6 +151,8 @@ def _between(speed: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np
 
 def _meetings(speed: np.ndarray, values: np.ndarray, order: float) -> list[tuple[float, float]]:
     """Speeds (rad/s) other than 0 at which a mode's frequency (Hz) is that multiple of the speed, and that frequency."""
+    from scipy.optimize import brentq
+
     known = np.isfinite(values)
     if np.count_nonzero(known) < 2:
         return []

@@ -16,6 +16,8 @@ from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, require
 from ..style import styled
 
+ROOM = 1.3  # times the end of the last contact, up to which time is drawn
+
 
 @styled
 def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figure:
@@ -32,7 +34,9 @@ def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figur
     sheet = sheet_for(ax, height=3.2)
     axes = sheet.axes[0]
     last = max(_end(ds), *(event.time for events in blows for event in events))
-    clock, ticks = si_prefix(np.array([last]), units_of(ds["event_time"]))
+    latest = max(min(event.end, last) for events in blows for event in events)
+    shown = min(last, ROOM * latest)
+    clock, ticks = si_prefix(np.array([shown]), units_of(ds["event_time"]))
     prefix, factor = si_prefix(
         np.array([event.impulse for events in blows for event in events]), units_of(ds["event_impulse"])
     )
@@ -49,7 +53,7 @@ def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figur
         )
     axes.axhline(0.0, color="0.3", linewidth=0.8)
     axes.margins(y=0.1)
-    axes.set_xlim(-0.015 * ticks * last, 1.015 * ticks * last)
+    axes.set_xlim(-0.015 * ticks * shown, 1.015 * ticks * shown)
     axes.set(xlabel=f"Time $t$ ({clock}s)", ylabel=axis_label(ds["event_impulse"], prefix))
     counts = f"{len(blows[0]) - 1} contacts" if len(blows) == 1 else ""
     return sheet.finish(ds, [*drawn.notes, counts])

@@ -12,7 +12,7 @@ from ..parts.labels import axis_label
 from ..parts.places import mark_places
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
-from ..result import require
+from ..result import NothingToDraw, require
 from ..style import markers_to_end, say_zero, styled
 
 SAMPLES_PER_WAVE = 6  # of the shortest wave, that a line through the samples shows its form
@@ -22,13 +22,15 @@ SAMPLES_PER_WAVE = 6  # of the shortest wave, that a line through the samples sh
 def velocity_jump(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Draw `velocity_jump` (case, profile) in m/s against the position ξ along the beam.
 
-    A jump of a single place (infinitely many modes) is a mark there, and one whose waves have too few samples is drawn
-    as samples alone, with a note. Inputs of a sweep that do not change it make no curves.
+    One whose waves have too few samples is drawn as samples alone, with a note. Inputs of a sweep that do not change it
+    make no curves. Raises `NothingToDraw` where of infinitely many modes (`modes%tolerance`) the struck place alone jumps.
     """
     ds = chosen(ds, cases=cases)
     require(ds, "velocity_jump", "profile_position")
     varying, same = where_it_varies(ds, "velocity_jump")
     drawn = panels_of(varying, "velocity_jump")
+    if all(np.count_nonzero(curve.data["velocity_jump"].values) == 1 for curve in drawn.curves):
+        raise NothingToDraw("of infinitely many modes the struck place alone jumps: modes by counts show a form")
     sheet = sheet_for(ax, len(drawn.panels), height=4.0 if len(drawn.panels) == 1 else 2.6, share="x")
     position = ds["profile_position"].values
     notes = [same, *drawn.notes]

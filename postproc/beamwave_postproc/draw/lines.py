@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from ..parts.curves import Curve, panels_of
 from ..parts.select import Chosen, chosen
-from ..parts.sensors import common_label, sensor_name, status_words
+from ..parts.sensors import common_label, sensor_label, sensor_name, shown_sensors, status_words
 from ..parts.sheet import Given, sheet_for
 from ..result import require
 from ..style import MARKERS, curve_style, logarithmic, styled
@@ -19,35 +19,48 @@ FREQUENCY, DECAY, AMPLITUDE = "measured_angular_frequency", "measured_decay_rate
 
 @styled
 def lines(ds: xr.Dataset, *, points: Chosen = None, cases: Chosen = None, ax: Given = None) -> Figure:
-    """Amplitude and decay rate of the lines of a record over their frequency (Hz): two axes.
+    """Amplitude and decay rate of the lines of a record over their frequency (Hz), above each other.
 
-    Bars are the intervals of the file (`_error`) where it has them. In the lower axes the marker tells the status of a
-    line (one of a close pair, a harmonic, drifting, …); in the upper one it tells the point.
+    Bars are the intervals of the file (`_error`) where it has them. In the lowest axes the marker tells the status of a
+    line (one of a close pair, a harmonic, drifting, …); in the upper ones it tells the sensor, or of several cases the case, and each
+    sensor has axes of its own.
     """
     ds = chosen(ds, points=points, cases=cases)
     require(ds, FREQUENCY, DECAY)
     drawn = panels_of(ds, FREQUENCY, panels=1)
-    sheet = sheet_for(ax, 2, 1, height=2.7, share="x")
-    above, below = sheet.axes
-    sizes = [size for curve in drawn.curves for size in _draw_amplitudes(above, curve, len(drawn.curves))]
+    several = len(drawn.curves) > 1
+    every = list(range(ds.sizes["point"])) if AMPLITUDE in ds and "point" in ds[AMPLITUDE].dims else []
+    sensors, left = shown_sensors(ds) if several and every else (every, "")
+    groups = [[sensor] for sensor in sensors] if several and every else [every]
+    sheet = sheet_for(ax, len(groups) + 1, 1, height=2.7 if len(groups) == 1 else 2.1, share="x")
+    *above, below = sheet.axes
+    for axes, group in zip(above, groups):
+        _draw_sensors(axes, ds, drawn.curves, group, own=sheet.own)
     for curve in drawn.curves:
         _draw_decay(below, curve, len(drawn.curves))
-    if sizes:
-        logarithmic(above, "y", 0.4 * min(sizes), 2.5 * max(sizes))
-        above.set_ylabel(common_label(ds, AMPLITUDE, "Amplitude"))
-    elif sheet.own:
-        above.set_visible(False)
     below.axhline(0.0, color="0.5", linewidth=0.8, zorder=0)
     below.set(xlabel="Frequency (Hz)", ylabel="Decay rate (1/s)")
-    return sheet.finish(ds, [*drawn.notes, "negative decay rates grow" if float(ds[DECAY].min()) < 0.0 else ""])
+    notes = ["bars: intervals" if f"{FREQUENCY}_error" in ds else "", left]
+    return sheet.finish(ds, [*drawn.notes, *notes, "negative decay rates grow" if float(ds[DECAY].min()) < 0.0 else ""])
 
 
-def _draw_amplitudes(axes: Axes, curve: Curve, cases: int) -> list[float]:
-    """Stems of the amplitudes at each point; those drawn."""
+def _draw_sensors(axes: Axes, ds: xr.Dataset, curves: list[Curve], sensors: list[int], *, own: bool) -> None:
+    """Amplitudes of all cases at these sensors."""
+    sizes = [size for curve in curves for size in _draw_amplitudes(axes, curve, len(curves), sensors)]
+    if sizes:
+        logarithmic(axes, "y", 0.4 * min(sizes), 2.5 * max(sizes))
+        if len(curves) > 1:
+            axes.set_ylabel(sensor_label(ds, sensors[0]))
+        else:
+            axes.set_ylabel(common_label(ds, AMPLITUDE, "Amplitude"))
+    elif own:
+        axes.set_visible(False)
+
+
+def _draw_amplitudes(axes: Axes, curve: Curve, cases: int, sensors: list[int]) -> list[float]:
+    """Stems of the amplitudes at these sensors; those drawn."""
     case, found = curve.data, []
-    if AMPLITUDE not in case or "point" not in case[AMPLITUDE].dims:
-        return found
-    for point in range(case.sizes["point"]):
+    for point in sensors:
         frequency, size, bar = (_values(case, name, point) for name in (FREQUENCY, AMPLITUDE, f"{AMPLITUDE}_error"))
         known = np.isfinite(frequency) & (size > 0.0)
         style = curve_style(point) if cases == 1 else curve.style

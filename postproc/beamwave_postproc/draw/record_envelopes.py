@@ -7,11 +7,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ..parts.envelope import is_thinned
-from ..parts.sensors import one_record, sensor_name
+from ..parts.sensors import one_record, sensor_label, sensor_name
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import with_unit
 from ..result import NothingToDraw, require
-from ..style import COLOURS, GREY, logarithmic, styled
+from ..style import COLOURS, logarithmic, styled
 
 MAX_LINES = 6
 NARROW = 3.0  # periods of the distance to the nearest line, or of the lowest frequency, over which is averaged
@@ -40,13 +40,13 @@ def record_envelopes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     shown = np.sort(lines[np.argsort(-size[:, lines].max(axis=0))][:MAX_LINES])
     left = f"the {shown.size} strongest of {lines.size} lines" if shown.size < lines.size else ""
     columns = min(2, shown.size)
-    sheet = sheet_for(ax, -(-shown.size // columns), columns, width=4.8 * columns, height=2.1, share="x")
+    sheet = sheet_for(ax, -(-shown.size // columns), columns, width=4.8 * columns, height=2.3, share="x")
     drawn = time >= blow
     for axes, line in zip(sheet.axes, shown):
         sensor = int(np.nan_to_num(size[:, line]).argmax())
         seen = _demodulated(time[drawn], recorded[sensor, drawn], beta, line)
         if seen is not None:
-            axes.plot(*seen, color=GREY, linewidth=1.2, label="record about the line")
+            axes.plot(*seen, color="0.7", linewidth=4.0, label="record about the line")
         since = time[drawn] - blow
         envelope = size[sensor, line] * np.exp(-decay[line] * since)
         axes.plot(time[drawn], envelope, color=COLOURS[2], linewidth=1.2, label=r"line, $A\,\mathrm{e}^{-\delta t}$")
@@ -57,7 +57,8 @@ def record_envelopes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         low = 0.5 * np.nanpercentile(seen[1], 5) if seen is not None else envelope[-1]
         logarithmic(axes, "y", max(low, 1e-5 * top), top)
         axes.set_xlim(time[0], time[-1])
-        axes.set_ylabel(f"line {line + 1}, {with_unit(beta[line] / (2.0 * np.pi), 'Hz')}\n{sensor_name(case, sensor)}")
+        axes.set_title(f"line {line + 1}, {with_unit(beta[line] / (2.0 * np.pi), 'Hz')}; {sensor_name(case, sensor)}")
+        axes.set_ylabel(sensor_label(case, sensor).splitlines()[-1])
     for axes in list(sheet.axes)[shown.size :]:
         axes.set_visible(False)
     for axes in list(sheet.axes)[shown.size - columns : shown.size]:

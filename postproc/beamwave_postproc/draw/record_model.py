@@ -1,4 +1,4 @@
-"""A record's lines beside the modes of a beam, and the numbers of the beam that were found from them."""
+"""A record's lines beside the modes of a beam."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..parts.curves import Curve, panels_of
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import number_text
-from ..result import NothingToDraw, require
+from ..result import require
 from ..style import COLOURS, GREY, styled
 
 MODEL = "modelled_angular_frequency"
@@ -33,7 +33,7 @@ def record_model(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     above.set_ylabel("Measured − modelled\nfrequency (%)")
     below.set(xlabel="Mode", ylabel="Decay rate (1/s)")
     below.xaxis.get_major_locator().set_params(integer=True)
-    return sheet.finish(ds, [*drawn.notes, "bars: intervals of the lines", *_verdict(ds)])
+    return sheet.finish(ds, [*drawn.notes, "bars: intervals of the lines", *verdict(ds)])
 
 
 def _paired(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -64,71 +64,10 @@ def _draw_decays(axes: Axes, curve: Curve, aside: float) -> None:
         axes.plot(mode + aside, modelled, linestyle="", marker="_", markersize=14, color=COLOURS[2])
 
 
-def _verdict(ds: xr.Dataset) -> list[str]:
+def verdict(ds: xr.Dataset) -> list[str]:
     """Whether noise explains the differences."""
     if "misfit_probability" not in ds or ds["misfit_probability"].ndim or int(ds["misfit_freedom"]) < 1:
         return []
     if float(ds["misfit_probability"]) >= 1e-3:
         return ["noise explains the differences"]
     return [f"noise does not explain the differences: frequencies are off by {number_text(100 * float(ds['model_scatter']), 2)} %"]
-
-
-@styled
-def identified(ds: xr.Dataset, *, ax: Given = None) -> Figure:
-    """Draw the identified numbers with their intervals over their ranges, and the correlations of each two."""
-    require(ds, "identified", "identified_low", "identified_high", "identified_correlation")
-    if "identified_first" not in ds or not np.isfinite(ds["identified"].values).any():
-        raise NothingToDraw("no range of what was identified")
-    count = ds.sizes["unknown"]
-    sheet = sheet_for(ax, 1, 2, width=9.0, height=1.8 + 0.5 * count)
-    left, right = sheet.axes
-    names = [_name(ds, i) for i in range(count)]
-    for i in range(count):
-        _draw_interval(left, ds, i)
-    left.set(xlim=(0.0, 1.0), ylim=(count - 0.5, -0.5), yticks=range(count), xticks=[0.0, 1.0])
-    left.set_yticklabels(names)
-    left.set_xticklabels(["first", "last"])
-    left.set_xlabel("Range")
-    correlation = ds["identified_correlation"].values
-    right.imshow(correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-    for i in range(count):
-        for j in range(count):
-            dark = abs(correlation[i, j]) > 0.6
-            right.text(j, i, f"{correlation[i, j]:.2f}", ha="center", va="center", color="white" if dark else "black")
-    right.set(xticks=range(count), yticks=range(count))
-    right.grid(False)
-    right.set_xticklabels(range(1, count + 1))
-    right.set_yticklabels(range(1, count + 1))
-    right.set_xlabel("Correlation")
-    return sheet.finish(ds, _verdict(ds))
-
-
-def _text(value: object) -> str:
-    """A text of the file, which may be bytes."""
-    return (value.decode() if isinstance(value, bytes) else str(value)).strip()
-
-
-def _name(ds: xr.Dataset, i: int) -> str:
-    """Number, name, value and interval of an unknown."""
-    name, unit = (_text(ds[f"identified_{word}"].values[i]) for word in ("parameter", "unit"))
-    numbers = [float(ds[f"identified{end}"].values[i]) for end in ("", "_low", "_high")]
-    value, low, high = (number_text(number, _digits(number, numbers[2] - numbers[1])) for number in numbers)
-    unit = "" if unit == "1" else f" {unit}"
-    return f"{i + 1}  {name}\n{value} ({low} … {high}){unit}"
-
-
-def _digits(number: float, width: float) -> int:
-    """How many digits of a number an interval of this width tells, two of its own at least."""
-    if not (width > 0.0 and np.isfinite(number) and number != 0.0):
-        return 15
-    return max(2, min(15, 3 + int(np.floor(np.log10(abs(number))) - np.floor(np.log10(width)))))
-
-
-def _draw_interval(axes: Axes, ds: xr.Dataset, i: int) -> None:
-    """Where value and interval are in the range, by logarithms where that spans a factor of 10."""
-    first, last = (float(ds[f"identified_{word}"].values[i]) for word in ("first", "last"))
-    ends = np.array([float(ds[name].values[i]) for name in ("identified_low", "identified", "identified_high")])
-    if first > 0.0 and last >= 10.0 * first:
-        ends, first, last = np.log(ends), np.log(first), np.log(last)
-    low, value, high = (ends - first) / (last - first)
-    axes.errorbar([value], [i], xerr=[[max(0.0, value - low)], [max(0.0, high - value)]], capsize=4, marker="o", color=COLOURS[1])

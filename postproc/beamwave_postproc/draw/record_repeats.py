@@ -39,7 +39,8 @@ def record_repeats(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         row[1].set_ylabel("Decay rate (1/s)")
     for axes in sheet.grid[-1]:
         axes.set_xlabel("Repeat")
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+        axes.set_xlim(0.5, ds.sizes["case"] + 0.5)
     count = int((ds["pooled_count"].values > 0).sum())
     words = "band: interval from all repeats; between the dashed lines lies what one more measures"
     return sheet.finish(ds, [left_out(lines.size, count, "lines"), words])

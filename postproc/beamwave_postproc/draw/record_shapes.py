@@ -23,7 +23,7 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw the amplitude of each of the strongest lines at each sensor, with its interval, each on its own zero line.
 
     The sign is that of the motion when the sensor of the largest amplitude is at its crest. What is a quarter of a period
-    away from that, as in a wave that travels, is drawn as an open marker. Through them goes the shape of the mode that the line is
+    away from that, as in a wave that travels, is drawn as an open marker. A stem joins each to its zero line. Through them goes the shape of the mode that the line is
     taken for in the beam, which may be identified; else that of the line's wave number where all but the mass at the tip is known
     of the ends. Of a sweep the first case is drawn.
     """
@@ -63,6 +63,9 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
             axes.plot(shape[0], row + scale * shape[1], color=GREY, linewidth=1.0, label=words, zorder=1)
         look = {"color": COLOURS[1], "linestyle": "", "marker": "o", "capsize": 3}
         label = "in phase with the largest" if row == 0 else None
+        axes.vlines(place, row, row + scale * value.real, color=COLOURS[1], linewidth=1.6, alpha=0.5)
+        if shape is None and told.sum() > 2:
+            axes.plot(place[order], row + scale * value.real[order], color=COLOURS[1], linewidth=0.7, linestyle=":")
         axes.errorbar(place[order], row + scale * value.real[order], scale * error[order], label=label, **look)
         if np.abs(value.imag).max() > 0.1 * size[largest, line]:
             aside = {**look, "color": COLOURS[2], "marker": "s", "markerfacecolor": "white"}

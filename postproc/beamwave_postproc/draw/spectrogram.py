@@ -8,8 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.signal import ShortTimeFFT
-from scipy.signal.windows import hann
 
 from ..parts.events import ROW, mark_events
 from ..parts.growth import grows
@@ -118,13 +116,25 @@ def levels(
     last = min(history.size, int(until / step) + samples)
     acceleration = np.diff(history[:last], n=2, prepend=(0.0, 0.0))
     hop = max(int(until / step) // SLICES, 1)
-    transform = ShortTimeFFT(hann(samples, sym=False), hop, 1.0 / step, mfft=FINER * samples, scale_to="magnitude")
-    moments = transform.t(last)
-    shown = (moments >= 0.0) & (moments <= min(until, (last - samples / 2) * step))
-    frequency, amplitude = highest_in_rows(transform.f, np.abs(transform.stft(acceleration))[:, shown])
-    after = amplitude[:, moments[shown] >= min(window, 0.5 * until)]
+    moments = step * np.arange(0, last, hop)
+    moments = moments[moments <= min(until, (last - samples / 2) * step)]
+    frequency = np.fft.rfftfreq(FINER * samples, step)
+    frequency, amplitude = highest_in_rows(frequency, short_transform(acceleration, samples, hop)[:, : moments.size])
+    after = amplitude[:, moments >= min(window, 0.5 * until)]
     over = after.max(axis=1, keepdims=True) if each else after.max(keepdims=True)
-    return decibels(amplitude, over), frequency, moments[shown]
+    return decibels(amplitude, over), frequency, moments
+
+
+def short_transform(values: np.ndarray, samples: int, hop: int) -> np.ndarray:
+    """Magnitudes (frequency, time) of the transform under Hann's window of so many samples, about each `hop`-th value.
+
+    Beyond the ends the values are taken as 0. A sine of amplitude A in the middle of a bin reads A/2.
+    """
+    window = np.hanning(samples + 1)[:-1]
+    padded = np.pad(values, (samples // 2, samples))
+    parts = np.lib.stride_tricks.sliding_window_view(padded, samples)[: values.size : hop]
+    window /= window.sum()
+    return np.array([np.abs(np.fft.rfft(part * window, FINER * samples)) for part in parts]).T
 
 
 def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float, lowest: float) -> None:

@@ -14,18 +14,22 @@ from ..parts.moving import folded_frequencies, folding_note
 from ..parts.points import FEW, MAX_POINTS, error_warning, point_label, sheet_of_points, shown_points
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given
+from ..parts.tail import spectrum_after_events
 from ..result import NothingToDraw, require
 from ..style import COLOURS, logarithmic, say_zero, styled, write_in_middle
 
 DEPTH = 1e-9  # what lies further below the highest line is rounding, and not shown
 FOLDED = {"color": COLOURS[2], "markersize": 5.0, "markeredgewidth": 1.1}  # of lines that are folded back
 COLUMNS = 3  # panels of cases beside each other
+Tail = tuple[np.ndarray, np.ndarray, str]  # frequencies, amplitudes (point, frequency), what they are of
 ALIKE = 1e3  # times the smallest of the panels' highest lines, up to which a row has one scale
 
 
 @styled
 def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Draw `amplitude` (case, point, frequency) in m against frequency in Hz, a row of panels for each point.
+
+    Where something happens within the record the spectrum is that of the samples after the last event.
 
     Lines that are folded back from above half the sampling rate are marked, and the head says so. Of a motion that
     grows the spectrum is that of the growth, and not drawn: raises `NothingToDraw` where all grow.
@@ -38,12 +42,13 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
         raise NothingToDraw("the spectrum has fewer than two frequencies above 0")
     drawn = panels_of(ds, "amplitude", panels=COLUMNS)
     panels, growing = _bounded(drawn.panels)
+    tails = {id(curve): spectrum_after_events(curve.data) for panel in panels for curve in panel.curves}
     cases = [curve.data for panel in panels for curve in panel.curves]
     limit = None if points is not None else MAX_POINTS if len(panels) == 1 else FEW
     shown, left = shown_points(ds, cases, "amplitude", limit)
     sheet = sheet_of_points(ax, len(shown), len(panels))
     for row, point in zip(sheet.grid, shown):
-        _draw_row(list(row), ds, panels, point)
+        _draw_row(list(row), ds, panels, point, tails)
     for axes, panel in zip(sheet.grid[0], panels):
         axes.set_title(panel.title)
     for axes in sheet.grid[-1]:
@@ -52,7 +57,7 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
     peaks = "markers: measured peaks" if measured else ""
     folding = folding_note([case.assign_attrs(ds.attrs) for case in cases], "×")
     warning = error_warning(cases, "displacement", shown)
-    return sheet.finish(ds, (*drawn.notes, left, growing, peaks, folding), warning=warning)
+    return sheet.finish(ds, (*drawn.notes, *dict.fromkeys(words for _, _, words in tails.values()), left, growing, peaks, folding), warning=warning)
 
 
 def _bounded(panels: list[Panel]) -> tuple[list[Panel], str]:
@@ -65,15 +70,15 @@ def _bounded(panels: list[Panel]) -> tuple[list[Panel], str]:
     return kept, f"{gone} of these {'grows and has' if gone == 1 else 'grow and have'} no spectrum" if gone else ""
 
 
-def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int) -> None:
+def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int, tails: dict[int, Tail]) -> None:
     """Spectra of all cases at one point, with one scale where that suits all; the frequency 0 has no place on it."""
-    frequency = ds["frequency"].values
-    values = [np.array([curve.data["amplitude"][point].values for curve in panel.curves]) for panel in panels]
-    peaks = [float(np.nanmax(rows, initial=0.0)) for rows in values]
+    lowest = max((frequency[1] for frequency, _, _ in tails.values()), default=1.0)
+    rows = [[tails[id(curve)][1][point] for curve in panel.curves] for panel in panels]
+    peaks = [max((float(np.nanmax(one, initial=0.0)) for one in some), default=0.0) for some in rows]
     alike = max(peaks) < ALIKE * min(filter(None, peaks), default=1.0)
     for axes, panel, peak in zip(row, panels, peaks):
         highest = max(peaks) if alike else peak
-        logarithmic(axes, "x", frequency[frequency > 0.0][0], frequency[-1])
+        logarithmic(axes, "x", lowest, float(ds["frequency"][-1]))
         if not panel.curves:
             axes.set_yticks([])
             write_in_middle(axes, "all grow")
@@ -82,7 +87,8 @@ def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int) 
         else:
             say_zero(axes)
         for curve in panel.curves:
-            _draw_spectrum(axes, curve, frequency, curve.data["amplitude"][point].values)
+            frequency, amplitude, _ = tails[id(curve)]
+            _draw_spectrum(axes, curve, frequency, amplitude[point])
     row[0].set_ylabel(point_label(ds, "amplitude", point))
 
 

@@ -6,8 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy import fft
-from scipy.signal import get_window
 
 from ..parts.growth import grows
 from ..parts.labels import axis_label
@@ -68,12 +66,12 @@ def transform(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     xi, history = whole_line(case, "displacement")
     places = places_of_line(case, xi, xi.size + 1)
     line = beam_line(case, xi, history)(places)
-    across, along = get_window("hann", places.size, fftbins=False), get_window("hann", history.shape[0])
+    across, along = np.hanning(places.size), np.hanning(history.shape[0] + 1)[:-1]
     windowed = line * across[:, None] * along[None, :]
     size = FINER * places.size
-    both = fft.fftshift(fft.fft(fft.rfft(windowed, axis=1), n=size, axis=0), axes=0)
-    wave = 2.0 * np.pi * fft.fftshift(fft.fftfreq(size, length_of(case) * float(places[1] - places[0])))
-    frequency = fft.rfftfreq(history.shape[0], float(case["time"][1] - case["time"][0]))
+    both = np.fft.fftshift(np.fft.fft(np.fft.rfft(windowed, axis=1), n=size, axis=0), axes=0)
+    wave = 2.0 * np.pi * np.fft.fftshift(np.fft.fftfreq(size, length_of(case) * float(places[1] - places[0])))
+    frequency = np.fft.rfftfreq(history.shape[0], float(case["time"][1] - case["time"][0]))
     amplitude = 4.0 * np.pi * frequency[:, None] * np.abs(both).T / (across.sum() * along.sum())
     return -wave[::-1], frequency, amplitude[:, ::-1]  # e^(i(βt − Px)): a positive P turns backwards in x
 

@@ -59,7 +59,7 @@ class Film:
         turning = shown.angle is not None
         figure = Figure(figsize=(8.6 if turning else 6.4, BELOW), dpi=DPI)
         self.canvas = FigureCanvasAgg(figure)
-        share = BELOW / (BELOW + grow_by_head(figure, Head(shown.title, [shown.label], warning=shown.warning)))
+        share = BELOW / (BELOW + grow_by_head(figure, Head(shown.title, [], [shown.scene], warning=shown.warning)))
         self.limits = limits(shown)
         left, right = LEFT / figure.get_figwidth(), 0.65 if turning else 0.96
         self.beam = _BeamView(figure.add_axes((left, 0.16 * share, right - left, 0.72 * share)), shown)

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from ..parts.describe import turns_out_of_plane
+from ..parts.contacts import free_flight, guide_rate, mass_in_contact, struck_mass
 from ..parts.events import events_of
-from ..parts.section import beam_mass
-
 
 BODIES = ("arrival", "departure", "exchange")  # events of bodies, which the mass that strikes has no part in
 
@@ -45,15 +43,10 @@ class Tip:
         )
 
 
-def guide_rate(case: xr.Dataset) -> float:
-    """Rate ω at which the turning guide drives the mass outward, y'' = ω²y; 0 out of plane or without rotation."""
-    if "rotation_angular_velocity" not in case or turns_out_of_plane(case):
-        return 0.0
-    return abs(float(case["rotation_angular_velocity"]))
-
-
 def mass_path(case: xr.Dataset, tip: Tip, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position of the mass (m) at `times`, and whether the tip holds it then; before the impact it approaches."""
+    if "contact_force" in case:
+        return _in_contact(case, tip, times)
     legs, rate = _legs(case, tip), guide_rate(case)
     position, held = np.empty(times.size), np.zeros(times.size, dtype=bool)
     for leg, following in zip(legs, [*legs[1:], None]):
@@ -67,14 +60,17 @@ def mass_path(case: xr.Dataset, tip: Tip, times: np.ndarray) -> tuple[np.ndarray
     return position, held
 
 
+def _in_contact(case: xr.Dataset, tip: Tip, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same where contacts last, whose forces move the mass; once it is captured it is on the tip."""
+    captured = [event.time for event in events_of(case) if event.kind == "capture"]
+    held = times >= min(captured, default=np.inf)
+    return np.where(held, np.interp(times, tip.time, tip.displacement), mass_in_contact(case, times)), held
+
+
 def _free(leg: Leg, rate: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position and velocity in the guide."""
     since = times - (leg.start if np.isfinite(leg.start) else 0.0)
-    if rate == 0.0:
-        return leg.position + leg.velocity * since, np.full(times.shape, leg.velocity)
-    angle = np.clip(rate * since, -300.0, 300.0)
-    grown, moved = np.cosh(angle), np.sinh(angle)
-    return leg.position * grown + leg.velocity / rate * moved, leg.velocity * grown + leg.position * rate * moved
+    return free_flight(leg.position, leg.velocity, rate, since)
 
 
 def _legs(case: xr.Dataset, tip: Tip) -> list[Leg]:
@@ -97,10 +93,3 @@ def _legs(case: xr.Dataset, tip: Tip) -> list[Leg]:
             before = _free(legs[-1], guide_rate(case), np.array([event.time]))[1]
             legs.append(Leg(event.time, tip.at(event.time)[0], float(before[0]) - event.impulse / struck_mass(case)))
     return legs
-
-
-def struck_mass(case: xr.Dataset) -> float:
-    """Mass m_j (kg), given itself or by its ratio to the beam's."""
-    if "impact_mass" in case:
-        return float(case["impact_mass"])
-    return float(case["impact_mass_ratio"]) * beam_mass(case)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from ..parts.describe import description_of, title_of, turns_out_of_plane
+from ..parts.describe import brief_of, title_of, turns_out_of_plane
 from ..parts.events import Event, events_of
 from ..parts.growth import grows, samples_held
 from ..parts.line import FEW_POINTS, SAME_PLACE, beam_line, is_clamped, moving_points, places_of_line
@@ -44,7 +44,7 @@ class Motion:
     bodies: np.ndarray  # x of what is attached to the beam, m, (places)
     there: np.ndarray  # whether it is, (frames, places)
     title: str  # of the scene
-    label: str  # effects and inputs, of a sweep those of the case
+    scene: list[str]  # its file, effects and inputs, of a sweep those of the case
     warning: str  # of a motion that may be nothing but error
     remarks: list[str]  # what the film cannot show
 
@@ -85,7 +85,7 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
         bodies=body_places(case) * length,
         there=bodies_there(case, moments),
         title=title_of(ds),
-        label=description_of(case),
+        scene=brief_of(case),
         warning=error_warning([case], "displacement"),
         remarks=_remarks(ds, xi),
     )

@@ -32,17 +32,31 @@ def file_of(ds: xr.Dataset) -> str:
 
 
 def description_of(ds: xr.Dataset) -> str:
-    """The scene of a result in one line, groups apart by semicolons, and its file.
+    """All of the scene of a result in a text, groups apart by semicolons, and its file.
 
     Of the beam and the effects it has what was given and what is not at its default, of other groups what was given.
     Inputs that were identified are left out: what the scene gives for them is where the search began.
     """
+    beam, effects, others = _told(ds)
+    return "; ".join(filter(None, [*beam, *effects, *others, file_of(ds)]))
+
+
+def brief_of(ds: xr.Dataset) -> list[str]:
+    """The file of a result, and the groups of its scene, those first that tell one scene from another: its effects."""
+    beam, effects, others = _told(ds)
+    return list(filter(None, [file_of(ds), *effects, *others[:1], *beam, *others[1:]]))
+
+
+def _told(ds: xr.Dataset) -> tuple[list[str], list[str], list[str]]:
+    """The groups of a scene in words: the beam, its effects, and its modes with what else was given."""
     ds, hidden = _without_unknowns(ds)
     scene = groups_of(ds)
-    told = [_groups(ds, name, scene, hidden) for name in ("beam", *effects_of(ds))]
     others = dict.fromkeys(group.name for group in scene if group.name not in ("beam", *effects_of(ds), *ELSEWHERE))
-    told += [_modes(ds), *(_groups(ds, name, scene, hidden, only_given=True) for name in others)]
-    return "; ".join(filter(None, [*told, file_of(ds)]))
+    return (
+        [_groups(ds, "beam", scene, hidden)],
+        [_groups(ds, name, scene, hidden) for name in effects_of(ds)],
+        [_modes(ds), *(_groups(ds, name, scene, hidden, only_given=True) for name in others)],
+    )
 
 
 def _without_unknowns(ds: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
@@ -101,7 +115,7 @@ def _group(ds: xr.Dataset, group: Group, hidden: set[str], only_given: bool, lab
     for name in dict.fromkeys([*group.inputs, *variables]):
         values = group.inputs.get(name, [])
         variable = None if values and isinstance(values[0], str) else ds.get(before + name)
-        if variable is not None and "unknown" in variable.dims:  # of all groups together
+        if variable is not None and {"unknown", "event"} & set(variable.dims):  # of all groups together, or found
             variable = None
         if name in WORDS and values and values[0] in WORDS[name]:
             words.append(WORDS[name][values[0]])
@@ -163,7 +177,9 @@ def _input(variable: xr.DataArray) -> str:
 
 
 def _modes(ds: xr.Dataset) -> str:
-    """How many modes were summed, or by which tolerance."""
+    """How many modes were summed, or by which tolerance; of a record, in which none were, nothing."""
+    if str(ds.attrs.get("method", "")) == "record":
+        return ""
     if "modes_tolerance" in ds:
         return f"{_input(ds['modes_tolerance'])}" + (
             f" ({_count(ds['mode_count'])} modes)" if "mode_count" in ds else ""

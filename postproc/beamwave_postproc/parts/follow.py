@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import linear_sum_assignment
 
 NOWHERE = 1e6  # cost of joining a mode to one that is not there
 
@@ -25,6 +24,8 @@ def followed(ds: xr.Dataset, along: np.ndarray) -> np.ndarray:
     `along` ascends with the cases. Where `mode_shape` is there the shapes decide that are most alike, by their modal
     assurance criterion; elsewhere the eigenvalue, which goes on as its last two values say.
     """
+    from scipy.optimize import linear_sum_assignment  # here, since few pictures need it and it takes 0.6 s to import
+
     values = eigenvalues(ds)
     shapes = ds["mode_shape"].values if "mode_shape" in ds else None
     order = np.tile(np.arange(values.shape[1]), (values.shape[0], 1))

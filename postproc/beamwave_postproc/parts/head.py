@@ -8,9 +8,9 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from .describe import description_of, title_of
+from .describe import brief_of, description_of, title_of
 from .labels import plain
-from .text import broken, width_of
+from .text import broken, fitting, width_of
 
 MARGIN = 0.12  # inches, left and right and at the top
 GAP = 0.05  # inches, between the parts
@@ -24,10 +24,16 @@ HANDLE, TEXT_PAD, COLUMN_GAP = 3.4, 0.6, 1.6  # of a legend, in its font's size
 
 @dataclass
 class Head:
-    """What stands above the axes: a warning, lines of words, and a legend of these handles and labels."""
+    """What stands above the axes: a warning, lines of words, and a legend of these handles and labels.
+
+    Of each list in `scenes`, groups of a scene, one line shows what has room; `about` is all that there is to say of the scene, which
+    the figure's label holds.
+    """
 
     title: str
     lines: list[str]
+    scenes: list[list[str]] = field(default_factory=list)
+    about: str = ""
     handles: list[Any] = field(default_factory=list)
     labels: list[str] = field(default_factory=list)
     warning: str = ""
@@ -35,7 +41,8 @@ class Head:
 
 def head_of(ds: xr.Dataset, notes: list[str], warning: str = "") -> Head:
     """Head of a picture of `ds`: which scene, which effects and inputs, and what has to be said of this picture."""
-    return Head(title_of(ds), [description_of(ds), "; ".join(filter(None, notes))], warning=warning)
+    lines = ["; ".join(filter(None, notes))]
+    return Head(title_of(ds), lines, [brief_of(ds)], description_of(ds), warning=warning)
 
 
 def add_head(fig: Figure, head: Head) -> None:
@@ -49,7 +56,10 @@ def grow_by_head(fig: Figure, head: Head) -> float:
     width = fig.get_figwidth() - 2.0 * MARGIN
     above = MARGIN
     placed = []
-    for text, style in [(head.title, TITLE), (plain(head.warning), WARNING), *((plain(line), SMALL) for line in head.lines)]:
+    fig.set_label(plain(f"{head.title}: {head.about}"))
+    scenes = [fitting(fig, [plain(part) for part in scene], width, **SMALL) for scene in head.scenes]
+    small = [*scenes, *map(plain, head.lines)]
+    for text, style in [(head.title, TITLE), (plain(head.warning), WARNING), *((line, SMALL) for line in small)]:
         if text:
             artist = fig.text(0.0, 0.0, broken(fig, text, width, **style), va="top", linespacing=1.25, **style)
             placed.append((artist, above))

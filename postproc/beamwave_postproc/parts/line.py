@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import xarray as xr
-from scipy.interpolate import CubicSpline
 
 from ..result import NothingToDraw
 from .describe import effects_of
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 FEW_POINTS = 9  # a line through fewer has not the beam's form
 SAME_PLACE = 1e-9  # positions are typed as decimals
@@ -43,6 +47,8 @@ def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> Cubic
     The cubic spline through the points, without curvature at a last one that is a free tip. A clamped root
     is one of its points, with no slope; on an elastic support the line starts at the first point.
     """
+    from scipy.interpolate import CubicSpline  # here, since few pictures need it and it takes 0.7 s to import
+
     none = np.zeros(len(deflection))
     tip = "not-a-knot" if "tip_support" in effects_of(case) else (2, none)
     if is_clamped(case):

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..result import NothingToDraw, swept_inputs
-from .describe import description_of, effects_of, file_of, title_of
+from .describe import brief_of, description_of, effects_of, file_of, title_of
 from .head import Head
 from .labels import symbol_of, value_text
 from .scene import groups_of
@@ -68,9 +68,12 @@ def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str], warnin
     gone = [name for name in effects_of(first) if name not in effects_of(second)]
     rest = [f"without {' and '.join(gone)}"] if gone else []
     rest += ["else as A"] if len(own) < len(others) else []
-    lines = [f"A: {'; '.join(mine)}", f"B: {'; '.join([*own, *rest])}"]
-    lines.append("; ".join(filter(None, [differences(first, second), *notes])))
-    return Head(title, lines, warning="; ".join(f"{letter}: {words}" for letter, words in zip("AB", warnings) if words))
+    about = f"A: {'; '.join(mine)}. B: {'; '.join([*own, *rest])}"
+    scenes = [brief_of(first), [file_of(second), *[part for part in own if part != file_of(second)], *rest]]
+    for letter, scene in zip("AB", scenes):
+        scene[0] = f"{letter}: {scene[0]}"
+    doubts = "; ".join(f"{letter}: {words}" for letter, words in zip("AB", warnings) if words)
+    return Head(title, ["; ".join(filter(None, [differences(first, second), *notes]))], scenes, about, warning=doubts)
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> str:

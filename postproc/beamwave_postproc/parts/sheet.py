@@ -53,16 +53,24 @@ class Sheet:
 
 
 def sheet_for(
-    ax: Given, rows: int = 1, columns: int = 1, *, width: float = 6.4, height: float = 4.0, share: str = ""
+    ax: Given,
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    width: float = 6.4,
+    height: float = 4.0,
+    share: str = "",
+    ratios: list[float] | None = None,
 ) -> Sheet:
     """Axes in `rows` × `columns`: those in `ax` where given, else of a new figure.
 
-    `width` of the figure and `height` of a row are in inches; `share` holds 'x' and 'y' where the axes of a column or
+    `width` of the figure and mean `height` of a row are in inches, `ratios` the heights of the rows to each other; `share` holds 'x' and 'y' where the axes of a column or
     of a row share a scale. Raises `ValueError` where `ax` is not as many axes as the picture has.
     """
     if ax is not None:
         return Sheet(given_axes(ax, rows * columns).reshape(rows, columns), own=False)
     shared = {"sharex": "col" if "x" in share else False, "sharey": "row" if "y" in share else False}
+    shared |= {"height_ratios": ratios} if ratios else {}
     return Sheet(new_figure(width, height * rows).subplots(rows, columns, squeeze=False, **shared), own=True)
 
 

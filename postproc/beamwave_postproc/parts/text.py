@@ -16,6 +16,20 @@ def width_of(fig: Figure, text: str, **style: Any) -> float:
     return float(width)
 
 
+def fitting(fig: Figure, parts: list[str], width: float, **style: Any) -> str:
+    """As many of `parts`, the first ones foremost, as fit a line of `width` inches, with `…` for those left out."""
+    gap, room = width_of(fig, "; ;", **style) - width_of(fig, ";", **style), width - width_of(fig, "; …", **style)
+    shown: list[str] = []
+    for part in parts:
+        size = width_of(fig, part, **style) + gap
+        if size <= room or not shown:
+            shown.append(part)
+            room -= size
+    line = "; ".join([*shown, *["…"] * (len(shown) < len(parts))])
+    whole = "; ".join(parts)
+    return whole if width_of(fig, whole, **style) <= width else line
+
+
 def broken(fig: Figure, text: str, width: float, **style: Any) -> str:
     """Break `text` at blanks outside formulas into lines of at most `width` inches, where its words allow it."""
     if width_of(fig, text, **style) <= width:

@@ -5,9 +5,11 @@ import warnings
 import numpy as np
 import pytest
 import synthetic
+from scipy.signal import ShortTimeFFT
+from scipy.signal.windows import hann
 
 from beamwave_postproc import NothingToDraw, open_result, space_time, spectrogram, spectrum, wavenumber_spectrum
-from beamwave_postproc.draw.spectrogram import WINDOWS, levels
+from beamwave_postproc.draw.spectrogram import WINDOWS, levels, short_transform
 from beamwave_postproc.draw.wavenumber import transform
 from beamwave_postproc.parts.level import ROWS, decibels, highest_in_rows
 from beamwave_postproc.parts.passage import arrivals, way_times
@@ -173,3 +175,12 @@ def test_a_lasting_contact_lets_the_image_be_seen(whole):
     for axes in (axes for axes in space_time(lasting).axes if axes.get_xlabel()):
         spans = [artist for artist in axes.patches if artist.get_width() > 0.0]
         assert spans and all(span.get_alpha() < 0.3 for span in spans)
+
+
+@pytest.mark.parametrize(("samples", "hop"), [(64, 3), (65, 1), (8, 2)])
+def test_the_transform_in_parts_is_that_of_scipy(samples, hop):
+    values = np.random.default_rng(1).normal(size=1000)
+    theirs = ShortTimeFFT(hann(samples, sym=False), hop, 1.0, mfft=2 * samples, scale_to="magnitude")
+    moments = theirs.t(values.size)
+    inside = (moments >= 0.0) & (moments < values.size)
+    np.testing.assert_allclose(short_transform(values, samples, hop), np.abs(theirs.stft(values))[:, inside], atol=1e-14)

@@ -63,3 +63,13 @@ def test_a_record_that_is_a_sweep_of_repeats_has_a_colour_for_each(record):
 def test_a_simulation_has_no_decay_to_draw(record):
     with pytest.raises(NothingToDraw, match="measured_decay_rate"):
         lines(record.drop_vars("measured_decay_rate"))
+
+
+def test_repeats_have_axes_for_each_sensor_and_a_marker_for_each_file(record):
+    repeats = xr.concat([record, record], dim="case", data_vars="all", coords="minimal")
+    repeats = repeats.assign_coords(case=[1, 2], record_file=("case", [1, 2], {"units": "1", "long_name": "file"}))
+    first, second, decay = lines(repeats).axes
+    for axes, sizes in ((first, [1e-3, 1e-4, 1e-5]), (second, [2e-3, 3e-4])):
+        assert len(axes.containers) == 2
+        np.testing.assert_array_equal(axes.containers[1].lines[0].get_ydata(), sizes)
+    assert decay.get_ylabel().startswith("Decay rate")

@@ -19,9 +19,10 @@ def test_each_shape_stands_on_its_own_line_at_one_size(full_result):
     drawn = shapes_drawn(axes)
     assert len(drawn) == 6
     for row, line in enumerate(drawn):
-        np.testing.assert_allclose(
-            line.get_ydata(), row + HALF * expected[row] / np.abs(expected[row]).max(), atol=1e-15 * 6
-        )
+        sign = -1.0 if row == 0 else np.sign(expected[row][20])  # the first has the tip below, by (−1)^k
+        shape = sign * expected[row] / np.abs(expected[row]).max()
+        np.testing.assert_allclose(line.get_ydata(), row + HALF * shape, atol=1e-15 * 6)
+        assert shape[np.flatnonzero(np.abs(shape) > 0.1)[0]] > 0.0  # every mode rises from the root
 
 
 def test_the_head_says_how_many_modes_are_left_out(full_result):
@@ -59,10 +60,23 @@ def test_a_shape_with_too_few_samples_is_drawn_as_samples(full_result):
     assert any("21 samples do not show modes 20" in text.get_text() for text in fig.texts)
 
 
-def test_cases_share_the_axes(paper_results):
+def test_cases_share_the_axes_of_each_mode_and_what_is_one_line_is_drawn_once(paper_results):
     with open_result(paper_results / "fig7.nc") as ds:
         fig = mode_shapes(ds, modes=[1, 2])
-    assert len(shapes_drawn(fig.axes[0])) == 8 and len(fig.legends[0].get_texts()) == 4
+        shapes = ds["mode_shape"].sel(mode=1).values
+    first, second = fig.axes
+    scaled = shapes / np.abs(shapes).max(axis=1, keepdims=True)
+    assert np.ptp(np.abs(scaled), axis=0).max() < 0.02 and "all alike" in first.get_title(loc="left")
+    assert len(shapes_drawn(first)) == 1 and len(shapes_drawn(second)) == 4
+    assert len(fig.legends[0].get_texts()) == 4
+
+
+def test_a_turn_of_the_whole_that_leaves_rounding_is_a_straight_line(full_result):
+    with open_result(full_result) as ds:
+        shapes = ds["mode_shape"].values.copy()
+        shapes[0] = 1e-15 * np.sign(shapes[1])
+        (axes,) = mode_shapes(ds.assign(mode_shape=ds["mode_shape"].copy(data=shapes))).axes
+    assert not shapes_drawn(axes)[0].get_ydata().any()
 
 
 def test_without_shapes_there_is_nothing_to_draw(full_result):

@@ -50,29 +50,43 @@ def test_lines_that_are_modes_stand_at_their_numbers_in_per_cent(held):
     assert any("off by 0.2 %" in text.get_text() for text in fig.texts)
 
 
-def test_intervals_lie_in_their_ranges_by_logarithms_over_decades(held):
-    left, right = identified(held).axes
-    marks = [box.lines[0].get_xdata()[0] for box in left.containers]
-    np.testing.assert_allclose(marks, [0.5, 0.5])
-    bars = [np.ptp(box.lines[2][0].get_segments()[0][:, 0]) for box in left.containers]
-    np.testing.assert_allclose(bars, [0.1, 1.0])
-    assert [text.get_text() for text in right.texts] == ["1.00", "-0.90", "-0.90", "1.00"]
+def test_each_number_has_an_axis_of_its_own_over_its_range(held):
+    modulus, correlation, stiffness = identified(held).axes
+    assert modulus.get_xlim() == pytest.approx((60.0, 80.0)) and modulus.get_xscale() == "linear"
+    assert stiffness.get_xlim() == pytest.approx((1e3, 1e5)) and stiffness.get_xscale() == "log"
+    for axes, (low, high) in ((modulus, (69.0, 71.0)), (stiffness, (1e3, 1e5))):
+        (bar,) = axes.containers[0].lines[2][0].get_segments()
+        np.testing.assert_allclose(bar[:, 0], [low, high])
+    assert [line.get_marker() for line in stiffness.lines if line.get_marker() in "<>"] == ["<", ">"]  # beyond the range
+    assert [text.get_text() for text in correlation.texts] == ["−0.90"]
+
+
+def test_numbers_on_the_correlations_are_read_on_every_colour(held):
+    for value in (-1.0, 0.0, 1.0):
+        (image,) = identified(held.assign(identified_correlation=held["identified_correlation"] * 0 + value)).axes[1].images
+        red, green, blue = image.cmap(image.norm(value))[:3]
+        assert 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.35  # bright enough for black letters
+
+
+def test_a_single_unknown_has_no_correlation(held):
+    alone = held.isel(unknown=[0], unknown_too=[0])
+    assert len(identified(alone).axes) == 1
 
 
 def test_numbers_have_the_digits_that_their_intervals_tell(held):
-    left, _ = identified(held).axes
-    assert [label.get_text().splitlines()[1] for label in left.get_yticklabels()] == [
-        "7e10 (6.9e10 … 7.1e10) Pa",
-        "10000 (1000 … 100000) N m-1",
-    ]
+    def titles(ds):
+        axes = identified(ds).axes
+        return [axes[i].get_title(loc="left").split(":  ")[1] for i in (0, 2)]
+
+    assert titles(held) == ["70.0 (69.0 … 71.0) GPa", "10000 (not fixed within the range) N/m"]
     sharp = held.assign(
         identified=("unknown", [6.98765432e10, 0.5]),
         identified_low=("unknown", [6.98765e10, 0.4]),
-        identified_high=("unknown", [6.98767e10, 0.6]),
+        identified_high=("unknown", [6.98767e10, 1e5]),
+        identified_first=("unknown", [6e10, 0.1]),
         identified_unit=("unknown", ["Pa", "1"]),
     )
-    labels = [label.get_text().splitlines()[1] for label in identified(sharp).axes[0].get_yticklabels()]
-    assert labels == ["6.9876543e10 (6.98765e10 … 6.98767e10) Pa", "0.5 (0.4 … 0.6)"]
+    assert titles(sharp) == ["69.87654 (69.87650 … 69.87670) GPa", "0.5 (at least 0.4)"]
 
 
 def test_the_head_does_not_tell_where_a_search_began(held):
@@ -82,7 +96,7 @@ def test_the_head_does_not_tell_where_a_search_began(held):
         identified_parameter=("unknown", ["beam%youngs_modulus", "body(2)%mass"]),
     )  # fmt: skip
     scene.attrs["effects"] = "beam body"
-    head = " ".join(text.get_text() for text in identified(scene).texts)
+    head = identified(scene).get_label()
     assert "0.5\u00a0m" in head and "0.3\u00a0kg" in head
     assert "GPa" not in head and "0.4\u00a0kg" not in head
     # nor of one piece; what is unknown of a further scene is none of this one
@@ -90,7 +104,7 @@ def test_the_head_does_not_tell_where_a_search_began(held):
         beam_youngs_modulus=("piece", [6.5e10, 7.1e10], {"units": "Pa"}),
         identified_parameter=("unknown", ["beam%youngs_modulus(1)", "beam%length (other)"]),
     )
-    head = " ".join(text.get_text() for text in identified(pieces).texts)
+    head = identified(pieces).get_label()
     assert "0.5\u00a0m" in head and "–,\u00a07.1e10\u00a0Pa" in head
 
 

@@ -88,16 +88,29 @@ def test_a_sensor_in_a_unit_of_no_motion_is_shown_in_it_alone(record):
     units = {"sensor_unit": ("point", ["V/1000", "m s-2 "])}
     axes = record_fit(record.assign(units)).axes
     assert axes[0].get_ylabel() == "mid, $\\xi$ = 0.5\n(V/1000)"
-    assert axes[2].get_ylabel().endswith("Acceleration (m/s²)")
+    assert axes[4].get_ylabel().endswith("Acceleration (m/s²)") and axes[6].get_ylabel() == "Residual\n(m/s²)"
 
 
 def test_a_fit_has_a_row_for_each_sensor_and_its_beginning_beside_it(record):
     fig = record_fit(record)
-    whole, near = fig.axes[:2]
-    assert len(fig.axes) == 4
+    whole, near, left = fig.axes[:3]
+    assert len(fig.axes) == 8  # record and residual of two sensors, whole and from near
+    residual = record["recorded"].values[0] - record["fitted"].values[0]
+    assert left.get_ylim()[1] == pytest.approx(1.15 * np.abs(residual).max()) and left.get_ylabel() == "Residual\n(m/s²)"
     assert near.get_xlim()[1] < 0.5 * whole.get_xlim()[1]
     assert whole.get_ylabel().startswith("mid") and whole.get_ylabel().endswith("Acceleration (m/s²)")
-    assert {text.get_text() for text in fig.legends[0].get_texts()} == {"record", "its lines", "what they leave"}
+    assert {text.get_text() for text in fig.legends[0].get_texts()} == {"record", "fit: sum of its lines", "residual: record − fit"}
+
+
+def test_from_near_the_fit_is_drawn_between_the_samples_where_the_lines_make_it(record):
+    exact = record.assign(
+        measured_phase=(("point", "peak"), np.zeros((2, 3))),
+        measured_amplitude=(("point", "peak"), [[1.0, 0.0, np.nan], [0.0, 0.5, np.nan]]),
+        measured_decay_rate=("peak", [1.0, 0.0, np.nan]),
+    )
+    fine, coarse = (record_fit(ds).axes[1].lines[1] for ds in (exact, record))
+    np.testing.assert_allclose(fine.get_ydata(), np.cos(2 * np.pi * 10 * fine.get_xdata()) * np.exp(-fine.get_xdata()), atol=1e-12)
+    assert len(fine.get_xdata()) > 5 * len(coarse.get_xdata())
 
 
 def test_a_thinned_record_is_a_band(record):
@@ -230,7 +243,7 @@ def test_an_envelope_is_straight_and_the_record_lies_on_it(record):
     np.testing.assert_allclose(line.get_ydata(), np.exp(-TIME), rtol=1e-12)
     seen = by_label["record about the line"]
     np.testing.assert_allclose(seen.get_ydata(), np.exp(-seen.get_xdata()), rtol=0.03)
-    assert axes.get_yscale() == "log" and axes.get_ylabel().startswith("line 1")
+    assert axes.get_yscale() == "log" and axes.get_title(loc="left").startswith("line 1")
 
 
 def test_the_models_shape_goes_through_the_dots(record):

@@ -7,6 +7,7 @@ import xarray as xr
 
 from beamwave_postproc import NothingToDraw, displacement, measured, open_result, spectrogram, spectrum
 from beamwave_postproc.draw.measured import QUANTITIES
+from beamwave_postproc.parts.tail import spectrum_after_events
 
 
 def drawn_lines(fig):
@@ -155,3 +156,21 @@ def test_markers_stand_on_no_line_that_is_zero(full_result):
     assert len(fig.axes) == 1 and says(fig, "zero throughout at ξ = 0.5")
     assert [text.get_text() for text in chosen.axes[0].texts] == ["zero"]
     assert all(line.get_marker() in ("", "None") for line in drawn_lines(chosen))
+
+
+def test_after_an_event_the_spectrum_is_that_of_the_samples_behind_it(full_result):
+    with open_result(full_result) as ds:
+        ds.load()
+    time, last = ds["time"].values, 0.25
+    before, after = 40.0, 100.0  # Hz, whole numbers of periods in the three quarters that follow
+    tone = np.where(time <= last, np.sin(2 * np.pi * before * time), 0.5 * np.sin(2 * np.pi * after * time))
+    kind = ds["event_kind"].copy(data=[1, 3][: ds.sizes["event"]])
+    sounding = ds.assign(
+        displacement=ds["displacement"].copy(data=np.tile(tone, (ds.sizes["point"], 1))),
+        event_time=ds["event_time"].copy(data=[0.0, last]), event_end=ds["event_end"].copy(data=[0.0, last]), event_kind=kind,
+    )  # fmt: skip
+    frequency, amplitude, words = spectrum_after_events(sounding)
+    assert amplitude[0][np.abs(frequency - after).argmin()] == pytest.approx(0.5, rel=2e-3)
+    assert amplitude[0][np.abs(frequency - before) < 5.0].max() < 1e-5  # Hann's window falls by the cube of the distance
+    assert says(spectrum(sounding), "of the samples after the last event, at 250\u00a0ms") and "last event" in words
+    assert not spectrum_after_events(ds)[2]  # what happens at t = 0 leaves the whole record

@@ -173,7 +173,7 @@ def test_what_cannot_be_filmed_is_said(tmp_path, capsys):
 def test_the_first_case_of_a_sweep_is_filmed(paper_results):
     with open_result(paper_results / "fig6.nc") as ds:
         shown = motion(ds, frames=5)
-    assert shown.angle is None and "first of 3 cases" in shown.remarks[-1] and "omega" in shown.label
+    assert shown.angle is None and "first of 3 cases" in shown.remarks[-1] and any("omega" in part for part in shown.scene)
     assert shown.title == "synthetic"
 
 

@@ -17,14 +17,27 @@ def read(text):
     return plain(text).replace("\u00a0", " ").replace("\n", " ")
 
 
-def test_the_head_names_scene_effects_inputs_and_file(full_result):
+def test_the_label_of_a_picture_names_scene_effects_inputs_and_file(full_result):
     with open_result(full_result) as ds:
-        texts = read(" ".join(text.get_text() for text in dispersion(ds).texts))
+        texts = read(dispersion(ds).get_label())
     for word in ("synthetic", "l = 1 m", "D = 37 mm", "ρ = 7870 kg/m³", "E = 200 GPa", "rotation ω = 50 rad/s"):
         assert word in texts
     assert "impact γ = 0.2, V = 1 m/s" in texts and "capture; 40 modes before, 40 after; response" in texts
     assert "response duration = 1 s, samples = 16384, velocity; spectrum max peaks = 10; struck.nc" in texts
     assert "e = 0" not in texts and "rotary" not in texts  # what is left at nothing is not told
+
+
+def test_the_head_has_one_line_of_the_scene_its_file_and_effects_first(full_result):
+    with open_result(full_result) as ds:
+        title, scene, *_ = (read(text.get_text()) for text in dispersion(ds).texts)
+    assert title == "synthetic" and "\n" not in scene
+    assert scene.startswith("struck.nc; rotation ω = 50 rad/s; impact γ = 0.2, V = 1 m/s; capture") and scene.endswith("; …")
+
+
+def test_forces_and_times_of_events_are_no_inputs(full_result):
+    with open_result(full_result) as ds:
+        found = ds.assign(impact_force_error=("event", np.ones(ds.sizes["event"]), {"units": "N"}))
+        assert "force error" not in description_of(found)
 
 
 def test_a_swept_input_is_told_by_its_values_or_their_range(paper_results, grid_result):

@@ -87,7 +87,7 @@ def test_no_picture_fails_on_inputs_that_are_arrays(laden, struck):
     drawn = pictures(laden)
     assert set(drawn) == set(pictures(struck))
     for fig in drawn.values():
-        words = " ".join(text.get_text() for text in fig.texts).replace("\u00a0", " ").replace("\n", " ")
+        words = fig.get_label().replace("\u00a0", " ")
         assert "body ξ = 0.75, mass = 0.2 kg; body ξ = 0.4, mass ratio = 0.05" in words
         assert "ξ₀ = 0.6" in words and "beam l = 0.7, 0.3 m" in words
     assert "body in A alone" in page_words(compare(laden, struck)["frequencies"])

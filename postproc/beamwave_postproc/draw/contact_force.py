@@ -1,0 +1,83 @@
+"""The force of a contact that lasts, and how mass and beam move meanwhile."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..parts.contacts import Contact, contacts_of, mass_in_contact
+from ..parts.events import mark_events
+from ..parts.labels import axis_label
+from ..parts.passage import blow_at
+from ..parts.select import left_out, one_case
+from ..parts.sheet import Given, mosaic_for
+from ..parts.units import si_prefix, units_of, with_unit
+from ..result import require
+from ..style import COLOURS, styled
+
+MOST = 4  # contacts whose force is drawn
+ROOM = 1.5  # times the end of the last contact, up to which mass and beam are followed
+SAME_PLACE = 1e-9
+FINE = 2000  # moments at which they are drawn
+
+
+@styled
+def contact_force(ds: xr.Dataset, *, ax: Given = None) -> Figure:
+    """Draw the force over time of the contacts of the largest impulse, each on axes of its own, with one scale of forces.
+
+    Below them stand mass and beam at the struck place, where that is one of the points. Of a sweep the first case is drawn.
+    """
+    require(ds, "contact_force")
+    case, note = one_case(ds)
+    every = contacts_of(case)
+    strongest = sorted(every, key=lambda contact: -contact.impulse)[:MOST]
+    shown = sorted(strongest, key=lambda contact: contact.number)
+    point = _struck_point(case)
+    letters = "".join(chr(ord("A") + i) for i in range(len(shown)))
+    layout, ratios = ([letters], [1.0]) if point is None else ([letters, "z" * len(shown)], [1.0, 1.1])
+    sheet = mosaic_for(ax, layout, ratios, width=max(6.4, 2.3 * len(shown)), height=2.8 * len(layout))
+    _draw_forces(sheet.axes[: len(shown)], case, shown)
+    if point is not None:
+        _draw_motion(sheet.axes[-1], case, point, every[-1].time[-1])
+    return sheet.finish(case, [note, left_out(len(shown), len(every), "contacts, those of the largest impulse")])
+
+
+def _draw_forces(row: list[Axes], case: xr.Dataset, contacts: list[Contact]) -> None:
+    """Force of each contact over the time since its begin."""
+    peak = max(contact.force.max() for contact in contacts)
+    prefix, factor = si_prefix(np.array([peak]), "N")
+    for axes, contact in zip(row, contacts):
+        since = contact.time - contact.time[0]
+        clock, ticks = si_prefix(since, "s")
+        axes.plot(ticks * since, factor * contact.force, color=COLOURS[2])
+        axes.fill_between(ticks * since, 0.0, factor * contact.force, color=COLOURS[2], alpha=0.2, linewidth=0.0)
+        begin = with_unit(float(contact.time[0]), "s", 3)
+        axes.set_title(f"contact {contact.number}, at {begin}\n{with_unit(contact.impulse, 'N s', 3)}")
+        axes.set(xlim=(0.0, ticks * since[-1]), ylim=(0.0, 1.08 * factor * peak), xlabel=f"Since its begin ({clock}s)")
+        if axes is not row[0]:
+            axes.tick_params(labelleft=False)
+    row[0].set_ylabel(f"Contact force ({prefix}N)")
+
+
+def _draw_motion(axes: Axes, case: xr.Dataset, point: int, end: float) -> None:
+    """Positions of the mass and of the beam where it strikes, from the blow to some time after the last contact."""
+    time, beam = case["time"].values, case["displacement"].values[point]
+    end = min(ROOM * end, time[-1])
+    moments = np.linspace(0.0, end, FINE)
+    mass = mass_in_contact(case, moments)
+    prefix, factor = si_prefix(np.concatenate([mass, beam[time <= end]]), units_of(case["displacement"]))
+    clock, ticks = si_prefix(np.array([end]), "s")
+    axes.plot(ticks * moments, factor * mass, color=COLOURS[2], label="mass")
+    axes.plot(ticks * time[time <= end], factor * beam[time <= end], color=COLOURS[1], linestyle="--", label="beam at the struck place")
+    axes.set(xlim=(0.0, ticks * end), xlabel=axis_label(case["time"], clock), ylabel=f"Position ({prefix}m)")
+    mark_events(axes, [case], ticks, words=False)
+
+
+def _struck_point(case: xr.Dataset) -> int | None:
+    """Index of the point at which the mass strikes; None where histories have none."""
+    if "displacement" not in case or "point_position" not in case:
+        return None
+    near = np.flatnonzero(np.abs(case["point_position"].values - blow_at(case)) < SAME_PLACE)
+    return int(near[0]) if near.size and np.isfinite(case["displacement"].values[near[0]]).all() else None

@@ -1,0 +1,61 @@
+"""Contacts that last: their forces, and the mass that they move."""
+
+import numpy as np
+import pytest
+
+from beamwave_postproc import NothingToDraw, contact_force, open_result
+from beamwave_postproc.film.motion import motion
+from beamwave_postproc.parts.contacts import mass_in_contact, struck_mass
+
+BEGIN, END, PEAK = 0.2, 0.3, 5.0  # s, s, N: half a sine, of the impulse 2 PEAK (END − BEGIN)/π
+SAMPLES = 128
+
+
+@pytest.fixture
+def touched(full_result):
+    """A result of which the mass is free but for one contact, whose force is half a sine; room for a second one."""
+    parts = 0.5 * (1.0 - np.cos(np.pi * np.arange(SAMPLES) / (SAMPLES - 1)))
+    force = np.full((2, SAMPLES), np.nan)
+    force[0] = PEAK * np.sin(np.pi * parts)
+    columns = {
+        "event_time": ("event", [BEGIN, np.nan], {"units": "s"}),
+        "event_end": ("event", [END, np.nan], {"units": "s"}),
+        "event_kind": ("event", [4.0, np.nan], {"flag_values": [4], "flag_meanings": "contact"}),
+        "event_impulse": ("event", [2.0 * PEAK * (END - BEGIN) / np.pi, np.nan], {"units": "N s"}),
+    }
+    with open_result(full_result) as ds:
+        bare = ds.drop_vars([name for name in ds.variables if name.startswith("event")]).load()
+    still = bare.assign(rotation_angular_velocity=((), 0.0, {"units": "rad s-1"}))
+    return still.assign({**columns, "contact_force": (("event", "contact_sample"), force, {"units": "N"})})
+
+
+def test_the_mass_is_slowed_by_the_impulse_over_its_mass(touched):
+    speed, impulse = float(touched["impact_approach_velocity"]), 2.0 * PEAK * (END - BEGIN) / np.pi
+    before, after = np.array([0.1, 0.2]), np.array([0.4, 0.5])
+    np.testing.assert_allclose(mass_in_contact(touched, before), speed * before, rtol=1e-12)
+    late = speed - impulse / struck_mass(touched)
+    # The sine is symmetric: the mass moves as if its whole impulse came in the middle. 127 intervals err by their squares.
+    middle = 0.5 * (BEGIN + END)
+    np.testing.assert_allclose(mass_in_contact(touched, after), speed * middle + late * (after - middle), rtol=1e-3)
+
+
+def test_force_and_way_of_the_mass_are_drawn(touched):
+    force, motion_of_both = contact_force(touched).axes
+    line = force.lines[0]
+    assert line.get_xdata()[-1] == pytest.approx(100.0) and line.get_ydata().max() == pytest.approx(PEAK, rel=1e-3)  # ms, N
+    assert {line.get_label() for line in motion_of_both.lines} >= {"mass", "beam at the struck place"}
+    (alone,) = contact_force(touched.isel(point=[0])).axes  # no history where the mass strikes
+    assert alone.get_ylabel() == "Contact force (N)"
+
+
+def test_the_film_has_the_mass_where_the_forces_put_it(touched):
+    shown = motion(touched, frames=40)
+    np.testing.assert_allclose(shown.mass, mass_in_contact(touched, shown.time))
+    assert not shown.held.any()
+
+
+def test_without_a_contact_that_lasts_there_is_nothing_to_draw(full_result, touched):
+    with open_result(full_result) as ds, pytest.raises(NothingToDraw, match="contact_force"):
+        contact_force(ds)
+    with pytest.raises(NothingToDraw, match="no contact force"):
+        contact_force(touched.assign(contact_force=np.nan * touched["contact_force"]))
