@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from .files import compare_files, draw_file, film_file, page_file
+from .files import FORMATS, Wish, compare_files, draw_file, film_file, name_pictures, page_file
+from .kinds import KINDS
 from .terminal import Words
 from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool
+
+MM = 1.0 / 25.4  # inches
+LEAST, MOST = 1.5, 60.0  # inches, of a side of a picture
 
 
 def parser() -> argparse.ArgumentParser:
@@ -25,8 +30,27 @@ def parser() -> argparse.ArgumentParser:
         "--page", action="store_true", help="one HTML page with report, notes and pictures instead, <stem>.html"
     )
     words.add_argument("--compare", action="store_true", help="lay two results over each other")
+    words.add_argument(
+        "--only", metavar="NAME", action="append", default=[], help="this picture alone: repeatable, or several with commas"
+    )
+    words.add_argument("--format", choices=FORMATS, default="png", help="of the pictures (default: png)")
+    words.add_argument(
+        "--size", metavar="WxH", type=size_of, help="width and height of each, in mm, or in inches as in 6.3x4in"
+    )
     words.add_argument("--animate", action="store_true", help="also film the moving beam, as <stem>_motion.gif")
     return words
+
+
+def size_of(text: str) -> tuple[float, float]:
+    """Width and height in inches of `WxH` in mm, or of `WxHin`; raises `ArgumentTypeError` for other words."""
+    found = re.fullmatch(r"(\d+(?:\.\d*)?)x(\d+(?:\.\d*)?)(mm|in)?", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text}: accepted: 160x100 (mm), 6.3x4in")
+    unit = 1.0 if found[3] == "in" else MM
+    size = float(found[1]) * unit, float(found[2]) * unit
+    if not all(LEAST <= side <= MOST for side in size):
+        raise argparse.ArgumentTypeError(f"{text}: accepted: sides of {LEAST:g} to {MOST:g} inches")
+    return size
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -38,6 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     """Draw what was asked for; the highest exit status of any file."""
+    given.only = [name for names in given.only for name in names.split(",") if name]
     files, empty = results_in(given.files)
     for directory in empty:
         tool.complain(f"{directory}: a directory without a result (*.nc)")
@@ -65,6 +90,10 @@ def _problem(given: argparse.Namespace, files: list[Path]) -> str:
     """What is wrong with the words; empty if nothing is."""
     if given.compare and len(files) != 2:
         return f"--compare lays two results over each other; {len(files)} are given"
+    if given.compare and (given.only or given.size):
+        return "--compare draws all that two results share, of its own size: leave out --only and --size"
+    if given.page and given.format != "png":
+        return "--page holds its pictures itself: leave out --format"
     if given.compare and given.animate:
         return "--compare makes no film: leave out --animate"
     twice = [stem for stem, count in Counter(file.stem for file in files).items() if count > 1]
@@ -76,11 +105,18 @@ def _problem(given: argparse.Namespace, files: list[Path]) -> str:
 def _drawn(given: argparse.Namespace, tool: Tool, files: list[Path]) -> Iterator[int]:
     """Draw what was asked for; the exit status of each part of it."""
     if given.compare:
-        yield compare_files(tool, *files, given.output or files[0].parent, page=given.page)
+        yield compare_files(tool, *files, given.output or files[0].parent, page=given.page, suffix=given.format)
         return
+    unknown = [name for name in given.only if name not in KINDS]
+    if unknown:
+        yield from (name_pictures(tool, file, unknown) for file in files)
+        return
+    wish = Wish(tuple(given.only), given.format, given.size)
     places = [(file, given.output or file.parent) for file in files]
     for file, place in places:
-        yield page_file(tool, file, place / f"{file.stem}.html") if given.page else draw_file(tool, file, place)
+        yield (
+            page_file(tool, file, place / f"{file.stem}.html", wish) if given.page else draw_file(tool, file, place, wish)
+        )
     for file, place in places if given.animate else ():
         yield film_file(tool, file, place / f"{file.stem}_motion.gif")
 

@@ -11,8 +11,6 @@ from typing import Callable
 
 import numpy as np
 import pandas as pd
-from scipy import stats
-from scipy.stats import qmc
 
 from .terminal import Refusal, Words
 from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool
@@ -48,7 +46,7 @@ def log_uniform(low: float, high: float) -> Distribution:
 def normal(mean: float, deviation: float) -> Distribution:
     """A normal distribution. It has no ends: what must be above 0 is better lognormal."""
     _need(deviation > 0.0, f"normal,{mean:g},{deviation:g}", "a deviation above 0")
-    return Distribution(_words("normal", mean, deviation), lambda p: mean + deviation * stats.norm.ppf(p))
+    return Distribution(_words("normal", mean, deviation), lambda p: mean + deviation * _normal(p))
 
 
 def lognormal(mean: float, deviation: float) -> Distribution:
@@ -57,7 +55,7 @@ def lognormal(mean: float, deviation: float) -> Distribution:
     variance = math.log1p((deviation / mean) ** 2)
     median = mean / math.exp(0.5 * variance)
     return Distribution(
-        _words("lognormal", mean, deviation), lambda p: median * np.exp(math.sqrt(variance) * stats.norm.ppf(p))
+        _words("lognormal", mean, deviation), lambda p: median * np.exp(math.sqrt(variance) * _normal(p))
     )
 
 
@@ -76,6 +74,8 @@ DISTRIBUTIONS = {"uniform": uniform, "log": log_uniform, "normal": normal, "logn
 def latin_hypercube(inputs: Mapping[str, Distribution], rows: int, *, seed: int = 0) -> pd.DataFrame:
     """Return a design of `rows` cases, a column for each input `group%name`: each input has one value in each of as many
     equally likely parts of its distribution, and the inputs are independent."""
+    from scipy.stats import qmc  # here, since pictures do without it and it takes 1 s to import
+
     return _table(inputs, qmc.LatinHypercube(d=_count(inputs, rows), seed=seed).random(rows))
 
 
@@ -84,6 +84,8 @@ def sobol_sequence(inputs: Mapping[str, Distribution], rows: int, *, seed: int =
     power = rows.bit_length() - 1
     if rows != 2**power:
         raise Refusal(f"a Sobol sequence of {rows} rows is not balanced; accepted: a power of 2, as {2**power} or {2 ** (power + 1)}")
+    from scipy.stats import qmc
+
     return _table(inputs, qmc.Sobol(d=_count(inputs, rows), scramble=True, seed=seed).random_base2(power))
 
 
@@ -93,6 +95,13 @@ def write_design(table: pd.DataFrame, path: Path, comments: Sequence[str] = ()) 
     with path.open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(f"{line}\n" for line in (*comments, ",".join(table)))
         file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+def _normal(share: np.ndarray) -> np.ndarray:
+    """Quantiles of the normal distribution of mean 0 and standard deviation 1."""
+    from scipy.special import ndtri
+
+    return ndtri(share)
 
 
 def _table(inputs: Mapping[str, Distribution], probabilities: np.ndarray) -> pd.DataFrame:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Callable
 
+import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -15,27 +17,50 @@ from .film.motion import motion
 from .kinds import KINDS, pictures
 from .page.html import page_of, page_of_two
 from .parts.pairs import differences
+from .parts.sheet import of_size
 from .result import NothingToDraw, open_result
 from .terminal import reason
-from .tool import EXIT_DONE, EXIT_FILE, FILM_SECONDS, PICTURE_SECONDS, Tool
+from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, FILM_SECONDS, PICTURE_SECONDS, Tool
 from .writing import MARK
 
 DPI = 200
+FORMATS = ("png", "pdf", "svg")
+# Letters of a PDF stay letters, and an SVG of the same numbers is the same file.
+FAST = {".png": {"pil_kwargs": {"compress_level": 3}}}  # a tenth larger, and written in half the time
+OUTPUT = {"pdf.fonttype": 42, "svg.hashsalt": MARK}
 
 
-def draw_file(tool: Tool, source: Path, directory: Path) -> int:
-    """Draw every picture that a result holds the numbers for; what hinders one does not hinder the others."""
+@dataclass(frozen=True)
+class Wish:
+    """Which pictures are drawn (all where none is named), in which format, and of which size (inches)."""
+
+    only: tuple[str, ...] = ()
+    format: str = "png"
+    size: tuple[float, float] | None = None
+
+    @property
+    def kinds(self) -> dict[str, Callable[[xr.Dataset], Figure]]:
+        """The pictures by their names."""
+        return {kind: draw for kind, draw in KINDS.items() if not self.only or kind in self.only}
+
+
+def draw_file(tool: Tool, source: Path, directory: Path, wish: Wish = Wish()) -> int:
+    """Draw the pictures that are wished for of those that a result holds the numbers for, each whatever hinders others.
+
+    Of those that were named the missing ones are told, with what the result has.
+    """
 
     def write() -> int:
         failed: dict[str, list[str]] = {}
         drawn = 0
         with open_result(source) as ds:
-            for kind, draw in KINDS.items():
+            for kind, draw in wish.kinds.items():
                 try:
-                    _save_picture(tool, directory / f"{source.stem}_{kind}.png", partial(draw, ds))
+                    _save_picture(tool, directory / f"{source.stem}_{kind}.{wish.format}", partial(draw, ds), wish.size)
                     drawn += 1
-                except NothingToDraw:
-                    continue
+                except NothingToDraw as lack:
+                    if wish.only:
+                        failed.setdefault(f"{reason(lack)}; it can give {_listed(tool, ds)}", []).append(kind)
                 except Exception as failure:  # whatever a library stumbles over in strange numbers
                     failed.setdefault(reason(failure), []).append(kind)
         for why, kinds in failed.items():
@@ -47,14 +72,36 @@ def draw_file(tool: Tool, source: Path, directory: Path) -> int:
     return tool.each([source], directory, write)
 
 
+def name_pictures(tool: Tool, source: Path, unknown: list[str]) -> int:
+    """Say that pictures of these names do not exist, and which a result can give; returns the status of a wrong word."""
+
+    def work() -> int:
+        with open_result(source) as ds:
+            tool.complain(f"--only {', '.join(unknown)}: no such picture; {source} can give {_listed(tool, ds)}")
+        return EXIT_USAGE
+
+    return tool.each([source], source.parent, work)
+
+
+def _listed(tool: Tool, ds: xr.Dataset) -> str:
+    """The names of the pictures that a result can give."""
+    tool.allow(PICTURE_SECONDS * len(KINDS))
+    return ", ".join(pictures(ds))
+
+
 def draw_one(tool: Tool, source: Path, path: Path, draw: Callable[[xr.Dataset], Figure]) -> int:
     """Draw one picture of a result."""
     return write_from(tool, source, path.parent, lambda ds: _save_picture(tool, path, partial(draw, ds)))
 
 
-def page_file(tool: Tool, source: Path, path: Path) -> int:
-    """Write the page of a result."""
-    return write_from(tool, source, path.parent, lambda ds: _save_text(tool, path, lambda: page_of(ds, pictures(ds))))
+def page_file(tool: Tool, source: Path, path: Path, wish: Wish = Wish()) -> int:
+    """Write the page of a result, with the pictures that are wished for."""
+
+    def text(ds: xr.Dataset) -> str:
+        with of_size(wish.size):
+            return page_of(ds, pictures(ds, wish.kinds))
+
+    return write_from(tool, source, path.parent, lambda ds: _save_text(tool, path, partial(text, ds)))
 
 
 def film_file(tool: Tool, source: Path, path: Path) -> int:
@@ -71,7 +118,7 @@ def film_file(tool: Tool, source: Path, path: Path) -> int:
     return write_from(tool, source, path.parent, write)
 
 
-def compare_files(tool: Tool, first: Path, second: Path, directory: Path, *, page: bool) -> int:
+def compare_files(tool: Tool, first: Path, second: Path, directory: Path, *, page: bool, suffix: str = "png") -> int:
     """Draw two results laid over each other into `directory`, as pictures or as one page."""
     stem = f"{first.stem}_and_{second.stem}"
 
@@ -84,7 +131,7 @@ def compare_files(tool: Tool, first: Path, second: Path, directory: Path, *, pag
                 _save_text(tool, directory / f"{stem}.html", text)
                 return
             for kind, fig in drawn.items():
-                _save_figure(tool, directory / f"{stem}_{kind}.png", fig)
+                _save_figure(tool, directory / f"{stem}_{kind}.{suffix}", fig)
 
     return tool.each([first, second], directory, write)
 
@@ -99,13 +146,24 @@ def write_from(tool: Tool, source: Path, directory: Path, write: Callable[[xr.Da
     return tool.each([source], directory, work)
 
 
-def _save_picture(tool: Tool, path: Path, draw: Callable[[], Figure]) -> None:
+def _save_picture(
+    tool: Tool, path: Path, draw: Callable[[], Figure], size: tuple[float, float] | None = None
+) -> None:
     tool.allow(PICTURE_SECONDS)
-    _save_figure(tool, path, draw())
+    with of_size(size):
+        fig = draw()
+    _save_figure(tool, path, fig)
 
 
 def _save_figure(tool: Tool, path: Path, fig: Figure) -> None:
-    tool.save(path, lambda draft: fig.savefig(draft, dpi=DPI, metadata={"Software": MARK, "Description": fig.get_label()}), MARK)
+    about = fig.get_label()
+    told = {
+        ".png": {"Software": MARK, "Description": about},
+        ".pdf": {"Creator": MARK, "Subject": about, "CreationDate": None},
+        ".svg": {"Creator": MARK, "Description": about, "Date": None},
+    }[path.suffix]
+    with mpl.rc_context(OUTPUT):
+        tool.save(path, lambda draft: fig.savefig(draft, dpi=DPI, metadata=told, **FAST.get(path.suffix, {})), MARK)
 
 
 def _save_text(tool: Tool, path: Path, write: Callable[[], str]) -> None:

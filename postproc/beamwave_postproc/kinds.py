@@ -82,10 +82,10 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
 }
 
 
-def pictures(ds: xr.Dataset) -> dict[str, Figure]:
-    """All pictures that `ds` holds the numbers for, by kind; raises `NothingToDraw` where it holds none."""
+def pictures(ds: xr.Dataset, kinds: dict[str, Callable[[xr.Dataset], Figure]] | None = None) -> dict[str, Figure]:
+    """All pictures, or those of `kinds`, that `ds` holds the numbers for; raises `NothingToDraw` where it holds none."""
     drawn = {}
-    for kind, draw in KINDS.items():
+    for kind, draw in (KINDS if kinds is None else kinds).items():
         try:
             drawn[kind] = draw(ds)
         except NothingToDraw:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Callable
 
 MARK = "made by beamwave-plot"  # in what it draws, by which it knows its own
-START = 4096  # bytes, within which a mark stands
+START, END = 4096, 2**17  # bytes from the start, and of a PDF before the end, within which a mark stands
 DRAFT = ".beamwave"  # how the name of a file begins that is not whole
 NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.EACCES}  # of a file system
 
@@ -17,7 +17,7 @@ NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EM
 def put(path: Path, write: Callable[[Path], object], *, overwrite: bool = False, mark: str = "") -> None:
     """Have `write` write a new file beside `path`, which gets that name when it is whole and on the disk.
 
-    A file of that name is replaced if it has `mark` in its first bytes, which makes it our own, or with `overwrite`; a
+    A file of that name is replaced if it has `mark` in its first or last bytes, which makes it our own, or with `overwrite`; a
     link is replaced itself, never what it leads to. Raises `FileExistsError` where something else is there, and what
     `write` raises; nothing is left of the new file then.
     """
@@ -52,7 +52,10 @@ def _is_our_own(path: Path, mark: str) -> bool:
     if not mark or path.is_symlink() or not path.is_file():
         return False
     with path.open("rb") as file:
-        return mark.encode() in file.read(START)
+        if mark.encode() in file.read(START):
+            return True
+        file.seek(max(0, path.stat().st_size - END))
+        return mark.encode() in file.read()
 
 
 def _is_there(path: Path) -> FileExistsError:

@@ -5,20 +5,25 @@ import sys
 from pathlib import Path
 
 import netCDF4
+import numpy as np
 import pytest
 import synthetic
+from PIL import Image
 
 from beamwave_postproc import KINDS, cli, open_result, paper
+from beamwave_postproc.writing import MARK
 
 PACKAGE = Path(__file__).parents[1]
 # Pictures of other files: sweeps, studies, records, bounces, and histories along the whole beam.
 ELSEWHERE = {
     "frequency_response",
+    "transmission",
     "campbell",
     "sweep_map",
     "ranking",
     "outcome_map",
     "impulses",
+    "contact_force",
     "record_fit",
     "record_envelopes",
     "record_response",
@@ -180,3 +185,46 @@ def test_two_results_are_laid_over_each_other(tmp_path, unpainted, capsys):
         assert "--compare" in capsys.readouterr().err
     assert cli.main(["--compare", str(first), str(tmp_path / "absent.nc")]) == 3
     assert "absent.nc: no such file" in capsys.readouterr().err
+
+
+def test_only_the_pictures_that_are_named_are_drawn(full_result, tmp_path, capfd):
+    words = [str(full_result), "--output", str(tmp_path)]
+    assert cli.main([*words, "--only", "dispersion,velocity_jump", "--only", "mode_shapes"]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"struck_{kind}.png" for kind in ("dispersion", "velocity_jump", "mode_shapes")
+    }
+    assert cli.main([*words, "--only", "dispersion", "--only", "disprsion"]) == 2
+    told = capfd.readouterr().err
+    assert "disprsion: no such picture" in told and "can give dispersion, phase_velocity" in told and "campbell" not in told
+    assert cli.main([*words, "--only", "campbell"]) == 3
+    assert "it can give dispersion" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(("suffix", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
+def test_pictures_have_the_format_that_is_asked_for_and_are_replaced_as_its_own(full_result, tmp_path, suffix, start):
+    words = [str(full_result), "--output", str(tmp_path), "--only", "displacement", "--format", suffix]
+    path = tmp_path / f"struck_displacement.{suffix}"
+    for _ in range(2):
+        assert cli.main(words) == 0 and path.read_bytes().startswith(start)
+    path.write_bytes(b"mine")
+    assert cli.main(words) == 3 and path.read_bytes() == b"mine"
+
+
+@pytest.mark.parametrize(("words", "inches"), [("150x120", (5.906, 4.724)), ("150x120mm", (5.906, 4.724)), ("6x4.5in", (6.0, 4.5))])
+def test_a_picture_has_the_size_that_is_asked_for_head_and_all(full_result, tmp_path, words, inches):
+    assert cli.main([str(full_result), "--output", str(tmp_path), "--only", "velocity", "--size", words]) == 0
+    with Image.open(tmp_path / "struck_velocity.png") as image:
+        np.testing.assert_allclose(image.size, 200.0 * np.array(inches), atol=1.0)
+        assert "beam l" in image.text["Description"] and image.text["Software"] == MARK
+
+
+@pytest.mark.parametrize("words", ["150", "150x", "x", "1x1in", "0x100", "100x100cm"])
+def test_a_size_that_is_none_is_refused(full_result, words):
+    with pytest.raises(SystemExit) as stop:
+        cli.main([str(full_result), "--size", words])
+    assert stop.value.code == 2
+
+
+def test_a_height_without_room_for_the_axes_is_told(full_result, tmp_path, capfd):
+    assert cli.main([str(full_result), "--output", str(tmp_path), "--only", "measured_wavenumber", "--size", "90x40"]) == 3
+    assert "need a height of" in capfd.readouterr().err

@@ -8,11 +8,13 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
+from ..terminal import Refusal
 from .describe import brief_of, description_of, title_of
 from .labels import plain
 from .text import broken, fitting, width_of
 
 MARGIN = 0.12  # inches, left and right and at the top
+LEAST_ROW = 0.9  # inches, of a row of axes with its words
 GAP = 0.05  # inches, between the parts
 # Titles and file names are anybody's: a dollar in them begins no formula.
 TITLE: dict[str, Any] = {"fontsize": 10.5, "fontweight": "bold", "parse_math": False}
@@ -45,14 +47,20 @@ def head_of(ds: xr.Dataset, notes: list[str], warning: str = "") -> Head:
     return Head(title_of(ds), lines, [brief_of(ds)], description_of(ds), warning=warning)
 
 
-def add_head(fig: Figure, head: Head) -> None:
-    """Write `head` at the top of `fig`, which grows by its height, and keep the axes, of their size, below it."""
-    height = grow_by_head(fig, head)
+def add_head(fig: Figure, head: Head, *, grow: bool = True) -> None:
+    """Write `head` at the top of `fig`, which grows by its height unless told, and keep the axes below it.
+
+    Raises `Refusal` where a figure that does not grow has too little room for its rows of axes.
+    """
+    height = grow_by_head(fig, head, grow=grow)
+    needed = height + LEAST_ROW * fig.axes[0].get_gridspec().nrows
+    if not grow and needed > fig.get_figheight():
+        raise Refusal(f"its head and axes need a height of {needed:.2g} in ({25.4 * needed:.0f} mm) at this width")
     fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - height / fig.get_figheight()))
 
 
-def grow_by_head(fig: Figure, head: Head) -> float:
-    """Write `head` at the top of `fig`, which grows by its height; returns that height in inches."""
+def grow_by_head(fig: Figure, head: Head, *, grow: bool = True) -> float:
+    """Write `head` at the top of `fig`, which grows by its height unless told; returns that height in inches."""
     width = fig.get_figwidth() - 2.0 * MARGIN
     above = MARGIN
     placed = []
@@ -68,7 +76,7 @@ def grow_by_head(fig: Figure, head: Head) -> float:
         legend = _legend(fig, head, width)
         placed.append((legend, above))
         above += legend.get_window_extent().height / fig.dpi + GAP
-    fig.set_figheight(fig.get_figheight() + above)
+    fig.set_figheight(fig.get_figheight() + (above if grow else 0.0))
     for artist, top in placed:
         place = (MARGIN / fig.get_figwidth(), 1.0 - top / fig.get_figheight())
         artist.set_bbox_to_anchor(place, fig.transFigure) if artist in fig.legends else artist.set_position(place)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.stats import rankdata
 
 from ..result import NothingToDraw, swept_inputs
 from .labels import quantity
@@ -120,6 +119,8 @@ def _parts(given: np.ndarray) -> np.ndarray:
     if values.size <= min(MOST_PARTS, given.size // FEWEST_ALIKE):
         return which
     parts = int(np.clip(given.size // FULLEST, 2, MOST_PARTS))
+    from scipy.stats import rankdata  # here, since few pictures need it and it takes 1 s to import
+
     return ((rankdata(given, method="ordinal") - 1) * parts // given.size).astype(int)
 
 
@@ -135,4 +136,6 @@ def _index(parts: np.ndarray, values: np.ndarray) -> float:
 
 
 def _correlation(one: np.ndarray, other: np.ndarray) -> float:
+    from scipy.stats import rankdata
+
     return float(np.corrcoef(rankdata(one), rankdata(other))[0, 1])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +15,7 @@ from matplotlib.figure import Figure
 
 from .head import Head, add_head, head_of
 
+SIZE: ContextVar[tuple[float, float] | None] = ContextVar("SIZE", default=None)  # of new figures, inches
 Given = Any  # axes of the caller: one, or a sequence or array of them, or None
 
 
@@ -46,7 +49,7 @@ class Sheet:
         """
         handles, labels = legend_of(self.axes if legend is None else legend)
         if self.own:
-            add_head(self.figure, replace(head, handles=handles, labels=labels))
+            add_head(self.figure, replace(head, handles=handles, labels=labels), grow=SIZE.get() is None)
         elif handles:
             self.axes[0].legend(handles, labels, fontsize="small")
         return self.figure
@@ -84,8 +87,18 @@ def mosaic_for(ax: Given, layout: list[str], ratios: list[float], *, width: floa
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure apart from pyplot: no display is needed."""
-    return Figure(figsize=(width, height), layout="constrained")
+    """An empty figure apart from pyplot: no display is needed. In `of_size` it has that size."""
+    return Figure(figsize=SIZE.get() or (width, height), layout="constrained")
+
+
+@contextmanager
+def of_size(size: tuple[float, float] | None) -> Iterator[None]:
+    """Let figures that are made meanwhile have this width and height (inches), head and all; None: what each picture needs."""
+    before = SIZE.set(size)
+    try:
+        yield
+    finally:
+        SIZE.reset(before)
 
 
 def given_axes(ax: Given, count: int) -> np.ndarray:
