@@ -3,7 +3,7 @@ module bw_order
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: ascending, local_maxima, quantile_of, vertex
+  public :: ascending, local_maxima, quantile_of, sort, vertex
 
 contains
 
@@ -39,6 +39,40 @@ contains
     vertex = (height(1) - height(-1))/max(2*(2*height(0) - height(1) - height(-1)), 1.0e-10_dp)
     vertex = max(-0.5_dp, min(0.5_dp, vertex))
   end function vertex
+
+  pure subroutine sort(values)
+    !! Sort many numbers, ascending, by merging runs of them that are sorted.
+    real(dp), intent(inout) :: values(:)
+    real(dp), allocatable :: merged(:)
+    integer :: run, first, middle, last, i, j, k
+    allocate (merged(size(values)))
+    run = 1
+    do while (run < size(values))
+      do first = 1, size(values), 2*run
+        middle = min(first + run - 1, size(values))
+        last = min(middle + run, size(values))
+        i = first
+        j = middle + 1
+        do k = first, last
+          if (j > last) then
+            merged(k) = values(i)
+            i = i + 1
+          else if (i > middle) then
+            merged(k) = values(j)
+            j = j + 1
+          else if (values(j) < values(i)) then
+            merged(k) = values(j)
+            j = j + 1
+          else
+            merged(k) = values(i)
+            i = i + 1
+          end if
+        end do
+      end do
+      values = merged
+      run = 2*run
+    end do
+  end subroutine sort
 
   pure real(dp) function quantile_of(values, part) result(quantile)
     !! The value that so large a part of them is below, by halving the range until only one is left in it.

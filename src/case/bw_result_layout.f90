@@ -21,8 +21,10 @@ module bw_result_layout
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
     'point', 'time', 'frequency', 'response_frequency', 'junction', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', &
     'body', 'force', 'base', 'configuration', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', &
-    'contact_sample']
+    'contact_sample', 'quantile']
 
+  real(dp), parameter, public :: quantile_levels(*) = [0.0_dp, 0.05_dp, 0.25_dp, 0.5_dp, 0.75_dp, 0.95_dp, 1.0_dp]
+    !! of a design: 0 is the least, 1 the largest
   integer, parameter, public :: contact_samples = 128   !! of the force of a contact
   integer, parameter :: swept_contacts = 16         !! that a sweep keeps of each case
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
@@ -90,6 +92,7 @@ module bw_result_layout
     integer :: candidates = 0
     logical :: hammer = .false.       !! the force of the blow is measured
     character(:), allocatable :: load_checksums  !! of the files of its loads (bw_load_courses); unallocated: none
+    integer :: quantiles = 0          !! over the cases of a design
     integer :: pooled = 0             !! lines that repeats share, at most; 0: there are none, or something else is swept, too
   end type result_layout
 
@@ -118,6 +121,7 @@ contains
       if (int(usual_profile, i8)*layout%peaks*max(1, layout%cases) <= most_shape_numbers) layout%profile = usual_profile
       return
     end if
+    if (allocated(scene%design)) layout%quantiles = size(quantile_levels)
     layout%hub = allocated(scene%hub)
     layout%struck = allocated(scene%impact) .and. .not. allocated(scene%contact)
     if (changes_in_time(scene)) layout%configurations = most_configurations(scene)
@@ -245,6 +249,7 @@ contains
     case ('note_letter'); length = merge(note_letters, 0, layout%cases > 0)
     case ('stage'); length = stage_count
     case ('contact_sample'); length = layout%contact_samples
+    case ('quantile'); length = layout%quantiles
     case default; length = 0
     end select
   end function dimension_length

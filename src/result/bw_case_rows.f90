@@ -73,7 +73,8 @@ contains
       if (table%real_row('alpha', dimension, '1', 'wave number times length', equations(1))) call table%put(modes%alpha(:n))
       if (table%real_row('wavenumber', dimension, 'm-1', 'wave number P', equations(1))) &
         call table%put(modes%alpha(:n)/units%length)
-      if (table%real_row('angular_frequency', dimension, 'rad s-1', 'angular frequency', equations(2))) &
+      if (table%real_row('angular_frequency', dimension, 'rad s-1', 'angular frequency', equations(2), &
+                         summary=dimension == 'mode')) &
         call table%put(frequencies_of(modes, units))
       if (table%real_row('growth_rate', dimension, 's-1', 'growth rate, the real part of the eigenvalue', equations(3))) &
         call table%put(growth_of(modes, units))
@@ -182,7 +183,8 @@ contains
     associate (velocity => result%approach_velocity)
       if (table%real_row('velocity_jump', 'profile', 'm s-1', 'jump of the velocity along the beam at the impact', 'Fig. 3', &
                          needs='blow')) call table%put(result%velocity_jump*velocity)
-      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='blow')) &
+      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='blow', &
+                         summary=.true.)) &
         call table%put([in_newton_seconds(result%impact%impulse, result%units, velocity)])
       if (table%real_row('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', of_blow, needs='blow')) &
         call table%put([result%impact%mass_velocity*velocity])
@@ -190,7 +192,7 @@ contains
                          of_blow, needs='blow')) call table%put([result%impact%tip_velocity*velocity])
     end associate
     if (table%real_row('critical_angular_velocity', '', 'rad s-1', 'lowest angular velocity at which a mode is unstable', &
-                       'Eq. 31', needs='mode')) call table%put([critical_speed(result, modes)])
+                       'Eq. 31', needs='mode', summary=.true.)) call table%put([critical_speed(result, modes)])
     if (table%real_row('critical_angular_velocity_before', '', 'rad s-1', &
                        'lowest angular velocity at which a mode is unstable, before the capture', 'Eq. 31', &
                        needs='mode_before')) call table%put([critical_speed(result, before)])
@@ -243,9 +245,12 @@ contains
     class(result_table), intent(inout) :: table
     type(contact_result), intent(in), optional :: contact
     if (table%real_row('restitution', '', '1', 'velocity at which mass and beam separate after the first contact over that at '// &
-                       'which they met', needs='contact_sample')) call table%put([contact%restitution])
-    if (table%real_row('largest_indentation', '', 'm', 'largest indentation of all contacts', needs='contact_sample')) &
-      call table%put([contact%indentation])
+                       'which they met', needs='contact_sample', summary=.true.)) call table%put([contact%restitution])
+    if (table%real_row('largest_indentation', '', 'm', 'largest indentation of all contacts', needs='contact_sample', &
+                       summary=.true.)) call table%put([contact%indentation])
+    if (table%real_row('largest_contact_force', '', 'N', 'largest contact force of all contacts', needs='contact_sample', &
+                       summary=.true.)) &
+      call table%put(largest_of(reshape(contact%largest, [size(contact%largest), 1])))
     if (table%real_row('event_force', 'event', 'N', 'largest contact force of the event', needs='contact_sample')) &
       call table%put(contact%largest)
     if (table%real_row('event_force_time', 'event', 's', 'time of the largest contact force of the event', &
@@ -272,8 +277,10 @@ contains
     !! Histories, their largest values and their errors.
     class(result_table), intent(inout) :: table
     type(response_type), intent(in), optional :: response
-    if (table%real_row('largest_displacement', 'point', 'm', 'largest magnitude of the displacement', needs='simulated')) &
-      call table%put(largest_of(response%displacement))
+    if (table%real_row('largest_displacement', 'point', 'm', 'largest magnitude of the displacement', needs='simulated', &
+                       summary=.true.)) call table%put(largest_of(response%displacement))
+    if (table%real_row('largest_stress', 'point', 'Pa', 'largest magnitude of the bending stress', needs='bending_stress', &
+                       summary=.true.)) call table%put(largest_of(stresses_of(response)))
     if (table%real_row('displacement_error', 'point', 'm', estimate_of//'displacement'//limit_of, needs='estimates')) &
       call table%put(response%displacement_error)
     if (table%real_row('displacement_bound', 'point', 'm', 'bound of the error of the displacement against infinitely many '// &

@@ -8,8 +8,9 @@ module bw_file_rows
   use bw_line_windows, only: window_end, window_start
   use bw_missing, only: is_missing
   use bw_record, only: sensor_type
+  use bw_over_cases, only: case_quantiles, over_cases
   use bw_repeats, only: pooled_lines, pooled_words
-  use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
+  use bw_result_layout, only: dimension_length, dimension_names, has, quantile_levels, result_layout
   use bw_result_table, only: result_table, unit_of_sensors
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
@@ -69,6 +70,8 @@ contains
     call count_row(table, 'configuration', 'number of the configuration, in the order in which they come')
     call count_row(table, 'unknown', 'number of the unknown, in the order of the scene, then of further scenes')
     call count_row(table, 'unknown_too', 'number of the unknown, as unknown')
+    if (table%real_row('quantile', 'quantile', '1', 'part of the cases that are at or below; 0: the least, 1: the largest', &
+                       is_complete=.true.)) call table%put(quantile_levels)
     call count_row(table, 'stage', 'stage of the work', stage_words)
     if (.not. has(table%layout, 'places')) then
       call count_row(table, 'point', 'number of the sensor')
@@ -278,14 +281,36 @@ contains
     ignored = table%text_row('notes', 'note_letter', 'what there is to say of the case, a line for each note', needs='case')
   end subroutine note_rows
 
-  subroutine end_rows(table, seconds, pooled)
+  subroutine end_rows(table, seconds, over)
     !! What is known when all cases are done.
     class(result_table), intent(inout) :: table
     real(dp), intent(in) :: seconds(:)                  !! (stages)
-    type(pooled_lines), intent(in), optional :: pooled  !! absent where the rows are defined, and where there is none
+    type(over_cases), intent(in), optional :: over      !! all cases; absent where the rows are defined, and where there is one
     if (table%real_row('stage_seconds', 'stage', 's', 'wall time of the stage over all cases')) call table%put(seconds)
-    call pooled_rows(table, pooled)
+    if (present(over)) then
+      call pooled_rows(table, over%pooled)
+      call quantile_rows(table, over%quantiles)
+    else
+      call pooled_rows(table)
+      call quantile_rows(table)
+    end if
   end subroutine end_rows
+
+  subroutine quantile_rows(table, quantiles)
+    !! The quantiles of what a design sums up, and how many cases have them.
+    class(result_table), intent(inout) :: table
+    type(case_quantiles), intent(in), optional :: quantiles(:)   !! of each summary; absent where the rows are defined
+    integer :: s
+    do s = 1, size(table%summaries)
+      associate (summary => table%summaries(s))
+        if (table%real_row('quantile_'//summary%name, 'quantile '//summary%dimensions, summary%units, 'quantiles of the '// &
+                           summary%long_name//', over the cases')) &
+          call table%put(reshape(quantiles(s)%values, [size(quantiles(s)%values)]))
+        if (table%whole_row('quantile_cases_'//summary%name, summary%dimensions, 'number of cases that have the '// &
+                            summary%long_name, needs='quantile')) call table%put(quantiles(s)%cases)
+      end associate
+    end do
+  end subroutine quantile_rows
 
   subroutine pooled_rows(table, pooled)
     !! The lines that repeats of a record share.

@@ -9,7 +9,7 @@ module bw_result_draft
   use bw_files, only: cannot_be_read, cannot_be_written, remove_file
   use bw_kinds, only: dp, i1, i8
   use bw_number_file, only: whole_width
-  use bw_repeats, only: pooled_lines
+  use bw_over_cases, only: over_cases
   use bw_result_header, only: history_text, put_attributes, time_stamp
   use bw_result_layout, only: result_layout
   use bw_result_supplement, only: result_supplement
@@ -243,16 +243,16 @@ contains
     if (self%file%problem == 0) self%file%problem = other%file%problem
   end subroutine take_cases
 
-  subroutine finish(self, notes, report, seconds, pooled, error)
+  subroutine finish(self, notes, report, seconds, over, error)
     !! Put what is known when all cases are done, and bring all of it onto the disk.
     !! **Errors**: that is refused.
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)                !! (stages)
-    type(pooled_lines), intent(in), optional :: pooled
+    type(over_cases), intent(in), optional :: over    !! absent of a single case
     type(error_type), allocatable, intent(inout) :: error
     call self%begin_section(after_cases)
-    call end_rows(self, seconds, pooled)
+    call end_rows(self, seconds, over)
     call self%set_text('notes', notes)
     call self%set_text('report', report)
     call self%set_text('created', time_stamp())

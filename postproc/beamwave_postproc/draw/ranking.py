@@ -13,7 +13,7 @@ from ..parts.select import left_out
 from ..parts.sheet import Given, sheet_for
 from ..style import COLOURS, styled
 
-MOST_INPUTS, MOST_PANELS = 8, 6
+MOST_INPUTS, MOST_PANELS = 8, 8
 
 
 @styled

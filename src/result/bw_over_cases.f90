@@ -1,0 +1,81 @@
+module bw_over_cases
+  !! What all cases of a result say together.
+  use bw_kinds, only: dp, i8
+  use bw_missing, only: is_missing, missing
+  use bw_order, only: sort
+  use bw_repeats, only: pooled_lines
+  use bw_result_layout, only: quantile_levels
+  use bw_result_table, only: result_table
+  implicit none (type, external)
+  private
+  public :: quantiles_of_cases
+
+  integer, parameter :: most_numbers = 2**22      !! in memory at a time
+  integer, parameter :: block = 4096              !! cases that are read together
+
+  type, public :: case_quantiles
+    !! Of one variable, those of each of its numbers by itself.
+    real(dp), allocatable :: values(:, :)         !! missing where no case has the number, (numbers, quantiles)
+    integer, allocatable :: cases(:)              !! that have the number, (numbers)
+  end type case_quantiles
+
+  type, public :: over_cases
+    type(pooled_lines), allocatable :: pooled             !! unallocated: its cases are no repeats
+    type(case_quantiles), allocatable :: quantiles(:)     !! in the order of the table's summaries; unallocated: no design
+  end type over_cases
+
+contains
+
+  subroutine quantiles_of_cases(table, quantiles)
+    !! The quantiles of everything that a design sums up, over all cases of a draft that is open.
+    class(result_table), intent(inout) :: table
+    type(case_quantiles), allocatable, intent(out) :: quantiles(:)
+    real(dp), allocatable :: columns(:, :), rows(:)
+    integer :: s, v, n, together, first, last, k, cases, p
+    cases = table%layout%cases
+    allocate (quantiles(size(table%summaries)))
+    do s = 1, size(quantiles)
+      v = table%variable(table%summaries(s)%name)
+      n = int(table%head%variables(v)%room)
+      allocate (quantiles(s)%values(n, size(quantile_levels)), quantiles(s)%cases(n))
+      together = max(1, min(n, most_numbers/cases))
+      do first = 1, n, together
+        last = min(n, first + together - 1)
+        allocate (columns(cases, first:last))
+        do k = 1, cases, block
+          allocate (rows(n*min(block, cases - k + 1)))
+          call table%file%get_numbers(table%place_of(v, int(k, i8)), table%head%variables(v)%width, rows)
+          do p = first, last
+            columns(k:k + size(rows)/n - 1, p) = rows(p::n)
+          end do
+          deallocate (rows)
+        end do
+        do p = first, last
+          call find_quantiles(columns(:, p), quantiles(s)%values(p, :), quantiles(s)%cases(p))
+        end do
+        deallocate (columns)
+      end do
+    end do
+  end subroutine quantiles_of_cases
+
+  pure subroutine find_quantiles(values, quantiles, cases)
+    !! Linear between the numbers in their order, of which the first is quantile 0 and the last 1.
+    real(dp), intent(in) :: values(:)             !! missing ones are left out
+    real(dp), intent(out) :: quantiles(:)
+    integer, intent(out) :: cases                 !! that are not missing
+    real(dp), allocatable :: order(:)
+    real(dp) :: place
+    integer :: q, below
+    quantiles = missing
+    order = pack(values, .not. is_missing(values))
+    cases = size(order)
+    if (cases == 0) return
+    call sort(order)
+    do q = 1, size(quantiles)
+      place = 1 + quantile_levels(q)*(cases - 1)
+      below = min(int(place), cases)
+      quantiles(q) = order(below) + (place - below)*(order(min(below + 1, cases)) - order(below))
+    end do
+  end subroutine find_quantiles
+
+end module bw_over_cases
