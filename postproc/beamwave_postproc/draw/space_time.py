@@ -61,7 +61,9 @@ def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.nd
     mark_places(axes, case, "y")
     axes.grid(visible=False)
     axes.set_xlabel(axis_label(case["time"], clock))
-    axes.figure.colorbar(shown, ax=axes, label=words, pad=0.02)
+    bar = axes.figure.colorbar(shown, ax=axes, label=words, pad=0.02)
+    if image.any():  # white is zero; no colours of a sign that does not occur
+        bar.ax.set_ylim(image.min(), image.max())
     axes.set_title("", pad=6.0 + ROW * mark_events(axes, [case], ticks, words=True))
 
 

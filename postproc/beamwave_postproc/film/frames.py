@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from PIL import Image
 
@@ -32,6 +33,7 @@ ROOM = 1.3  # of the largest deflection, above and below
 GROWN = 0.1  # a growing motion fills the picture from this part of its frames on
 HUB = 0.07  # radius of the hub as drawn, in lengths of the beam
 BEAM, MASS, FLASHES, BODIES = COLOURS[1], COLOURS[2], COLOURS[6], "0.3"
+JOINT = {"marker": "o", "color": BODIES, "markerfacecolor": "white", "markersize": 12, "markeredgewidth": 1.5}
 
 
 def save_film(shown: Motion, path: Path, *, overwrite: bool = False) -> None:
@@ -59,7 +61,9 @@ class Film:
         turning = shown.angle is not None
         figure = Figure(figsize=(8.6 if turning else 6.4, BELOW), dpi=DPI)
         self.canvas = FigureCanvasAgg(figure)
-        share = BELOW / (BELOW + grow_by_head(figure, Head(shown.title, [], [shown.scene], warning=shown.warning)))
+        key = _key(shown)
+        head = Head(shown.title, [], [shown.scene], handles=key, labels=[one.get_label() for one in key], warning=shown.warning)
+        share = BELOW / (BELOW + grow_by_head(figure, head))
         self.limits = limits(shown)
         left, right = LEFT / figure.get_figwidth(), 0.65 if turning else 0.96
         self.beam = _BeamView(figure.add_axes((left, 0.16 * share, right - left, 0.72 * share)), shown)
@@ -106,6 +110,19 @@ class Film:
         return f"{time}{pace}; deflection drawn {number_text(scale, 2)} times as large"
 
 
+def _key(shown: Motion) -> list[Line2D]:
+    """What the film shows, as handles of a legend."""
+    key = [Line2D([], [], color=BEAM, linewidth=3.0, label="beam")]
+    if shown.mass is not None:
+        key.append(Line2D([], [], linestyle="", marker="o", color=MASS, markersize=9, label="mass that strikes"))
+    if not shown.clamped:
+        key.append(Line2D([], [], linestyle="", **JOINT, label="joint"))
+    if shown.bodies.size:
+        words = "body, or spring that locks the joint" if not shown.clamped and 0.0 in shown.bodies else "body"
+        key.append(Line2D([], [], linestyle="", marker="s", color=BODIES, markersize=8, label=f"{words}, while it is there"))
+    return key
+
+
 class _BeamView:
     """The beam in the rotating frame, its deflection drawn larger than its length."""
 
@@ -120,13 +137,14 @@ class _BeamView:
         )
         clamp = axes.axvspan(-0.06 * length, 0.0, ymin=0.3, ymax=0.7, facecolor="0.85", edgecolor="0.5", hatch="////")
         clamp.set_visible(shown.clamped)
+        (self.joint,) = axes.plot([0.0], [0.0], linestyle="", visible=not shown.clamped, **JOINT)
         (self.line,) = axes.plot([], [], color=BEAM, linewidth=1.2 if few else 3.0, linestyle="--" if few else "-")
         (self.dots,) = axes.plot([], [], "o", color=BEAM, markersize=5, visible=few)
         (self.bodies,) = axes.plot([], [], "s", color=BODIES, markersize=8)
         (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=11, clip_on=False)
         (self.flash,) = axes.plot([], [], "o", color=FLASHES, markerfacecolor="none")
         self.words = axes.text(0.08, 0.96, "", transform=axes.transAxes, va="top", color="0.3")
-        self.moving = [self.line, self.dots, self.bodies, self.mass, self.flash, self.words]
+        self.moving = [self.line, self.dots, self.joint, self.bodies, self.mass, self.flash, self.words]
 
     def set_limit(self, limit: float) -> None:
         """Let the picture reach from -`limit` to `limit` (m), in the unit that suits."""

@@ -1,5 +1,6 @@
 """The film: the beam's line, the way of the mass, the moments that are shown, the GIF."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import netCDF4
@@ -235,3 +236,15 @@ def test_words_and_numbers_beside_the_film_are_inside_it(tmp_path, speed):
         film.image(frame)
         assert axes.get_tightbbox().x0 >= 0.0
         assert max(abs(end) for end in axes.get_ylim()) >= 0.5 or "nm" in axes.get_ylabel()  # in a unit that suits
+
+
+def test_the_key_names_what_the_film_shows(film_result):
+    def words(shown):
+        return [text.get_text() for text in Film(shown).canvas.figure.legends[0].get_texts()]
+
+    with open_result(film_result) as ds:
+        shown = motion(ds, frames=5)
+    assert words(shown) == ["beam", "mass that strikes"]
+    jointed = replace(shown, mass=None, clamped=False, bodies=np.array([0.0]), there=np.ones((shown.time.size, 1), bool))
+    assert words(jointed) == ["beam", "joint", "body, or spring that locks the joint, while it is there"]
+    assert Film(jointed).beam.joint.get_visible() and not Film(shown).beam.joint.get_visible()
