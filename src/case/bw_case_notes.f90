@@ -217,16 +217,20 @@ contains
     type(case_motion), intent(inout) :: motion
     type(contact_result), intent(in) :: found
     logical, intent(in) :: cut, out_of_range, failed
-    character(:), allocatable :: until
-    until = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
     if (cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%contact%max_contacts)// &
-      ', and the mass strikes once more at t = '//until//' s: the histories hold fill from there on. '// &
+      ', and the mass strikes once more at t = '//until()//' s: the histories hold fill from there on. '// &
       'Give a larger max_contacts, or a duration that ends there')
-    if (out_of_range) call append(motion%notes, 'overflow: the motion grows out of the range of numbers from t = '//until// &
+    if (out_of_range) call append(motion%notes, 'overflow: the motion grows out of the range of numbers from t = '//until()// &
       ' s on: the histories hold fill from there')
-    if (failed) call append(motion%notes, 'not converged: no force was found that obeys the law of the contact at t = '//until// &
+    if (failed) call append(motion%notes, 'not converged: no force was found that obeys the law of the contact at t = '//until()// &
       ' s; the histories hold fill from there on')
     if (found%lasting) call remark(motion%notes, 'contact: the last contact has not ended at the end of the record')
+  contains
+    pure function until() result(seconds)
+      !! When the histories end; there is such a time where one of these notes is.
+      character(:), allocatable :: seconds
+      seconds = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
+    end function until
   end subroutine note_lasting_contacts
 
   pure function why_untrusted(notes) result(reason)
