@@ -17,7 +17,7 @@ module bw_scene_describe
     '# The scene: every input name', &
     '', &
     'A scene is a file of Fortran namelist groups, in SI units. A group that is absent is an effect that is not', &
-    'simulated. Everything that is wrong with a file is reported at once, each error with its line.', &
+    'simulated. All errors of a file are reported at once, each with its line.', &
     '', &
     '```fortran', &
     '&beam', &
@@ -26,6 +26,8 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
+    'The example of each group is a whole scene, but for a `&beam` that it does not show.', &
+    '', &
     '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body`,', &
     '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and', &
     '  `$name` are not accepted.', &
@@ -33,10 +35,10 @@ module bw_scene_describe
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
     '  A value that is left out (`1,,2`, `2*`, `name =`), which Fortran reads as "keep what was there", is an error.', &
-    '- A real is written `7870`, `.5`, `2e11` or `2d11`; a whole number has digits alone. `1/2`, `1.0-3`, NaN, Inf and', &
+    '- A real is written `7870`, `.5`, `2e11` or `2d11`; a whole number has only digits. `1/2`, `1.0-3`, NaN, Inf and', &
     '  what does not fit into double precision are errors. -0 is read as 0.', &
-    '- So are numbers far from what the beam is: in units of its length, its mass m and the time sqrt(m l^3/(EI)) a', &
-    '  number is 0 or between 1e-60 and 1e60. A spring that is stiffer is rigid.', &
+    '- Numbers out of proportion to the beam are errors: in units of its length l, its mass m and the time', &
+    '  sqrt(m l^3/(EI)) a number is 0 or between 1e-60 and 1e60. A stiffer spring is rigid.', &
     '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
     '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
     '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &
@@ -105,6 +107,8 @@ contains
     rows = rows_of(group%name)
     call builder%append_line('## &'//trim(group%name))
     call builder%append_line('')
+    call put_wrapped(builder, trim(group%physics))
+    call builder%append_line('')
     call put_wrapped(builder, 'Absent: '//trim(group%absent)//'.'//needs_text(group))
     if (size(rows) == 0) then
       call builder%append_line('')
@@ -115,10 +119,28 @@ contains
     do i = 1, size(rows)
       if (name_table(rows(i))%words /= '') call put_words(builder, name_table(rows(i)))
     end do
-    if (group%rules == '' .and. .not. any(is_sweepable(name_table(rows)))) return
-    call builder%append_line('')
-    call put_wrapped(builder, trim(group%rules)//swept_text(group%rules /= '', rows))
+    if (group%rules /= '' .or. any(is_sweepable(name_table(rows)))) then
+      call builder%append_line('')
+      call put_wrapped(builder, trim(group%rules)//swept_text(group%rules /= '', rows))
+    end if
+    call put_example(builder, group%example)
   end subroutine put_group
+
+  pure subroutine put_example(builder, example)
+    !! The lines of an example, as a block of code.
+    type(text_builder), intent(inout) :: builder
+    character(*), intent(in) :: example
+    integer :: first, length
+    call builder%append_line('')
+    call builder%append_line('```fortran')
+    first = 1
+    do while (first <= len_trim(example))
+      length = scan(example(first:)//'|', '|') - 1
+      call builder%append_line(trim(example(first:first + length - 1)))
+      first = first + length + 1
+    end do
+    call builder%append_line('```')
+  end subroutine put_example
 
   pure function needs_text(group) result(text)
     !! ` It needs &impact.`, or nothing.

@@ -32,7 +32,9 @@ module bw_input_name
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(1000) :: rules = ''             !! what its names have to do with each other
+    character(480) :: physics = ''           !! what it models, in a sentence or two
+    character(480) :: example = ''           !! its use in a scene, `|` between lines; beside a beam that it need not name
+    character(1000) :: rules = ''            !! what its names have to do with each other
     character(48) :: needs = ''              !! groups that have to be there too, by blanks; `a|b`: one of the two
     character(48) :: excludes = ''           !! groups that it stands instead of, by blanks
     logical :: required = .false.

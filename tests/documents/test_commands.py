@@ -31,6 +31,7 @@ PYTHON_ELSEWHERE = {
     "docs/cluster.md": "Slurm's jobs leave what it reads: tests/slurm runs it",
     "postproc/README.md": "postproc/tests/test_idioms.py runs its Python",
 }
+BEAM = "&beam length = 1, density = 7870, youngs_modulus = 2e11, diameter = 0.037 /\n"  # of a scene that shows none
 SLOW = {"postproc/README.md": "draws for a minute"}  # by hand
 
 
@@ -114,7 +115,8 @@ def test_its_commands_run_as_printed(document, home, twin):
         print(f"{document}: not run: {reason}:\n{block}" if reason else f"{document}: run:\n{block}")
         script += [] if reason else [block]
     for scene in blocks(text, "fortran"):
-        (home / "beamwave/scene.nml").write_text(scene, encoding="utf-8")  # as README.md asks for
+        whole = scene if "&beam" in scene else BEAM + scene
+        (home / "beamwave/scene.nml").write_text(whole, encoding="utf-8")  # as README.md asks for
         run(home, "build/bin/beamwave", "check", "scene.nml")
     run(home, "bash", "-euxc", "\n".join(script))
     if document in PYTHON_ELSEWHERE:

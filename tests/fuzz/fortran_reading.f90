@@ -1,7 +1,8 @@
 module fortran_reading
   !! An independent opinion of what a text says: the namelist input of the compiler's own library. It takes more than
   !! scenes may hold and says less when it refuses, but what it reads, it reads as the language defines.
-  use bw_input_table, only: group_table
+  use bw_input_name, only: columns_input
+  use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, positions_of
   use bw_kinds, only: dp
   use bw_scene, only: scene_type
@@ -111,6 +112,9 @@ contains
     first = 0
     if (g > 0) both%group = groups(g)
     if (g > 0) first = groups(g)%line
+    if (g > 0) then
+      if (names_a_column(groups(g))) return
+    end if
     if (count(groups%group == name .and. groups%line == first) > 1) then
       reading%unread = reading%unread + 1
       return
@@ -125,6 +129,16 @@ contains
     if (both%stat /= 0) fault = '&'//name//' is accepted, and Fortran refuses it'
     if (index(lower(lines(first)), '&'//name) == 0) fault = '&'//name//' is not where it was read'
   end subroutine compare_group
+
+  pure logical function names_a_column(group)
+    !! Whether a group gives a name or number of a column: Fortran has no value that may be either.
+    type(group_values), intent(in) :: group
+    integer :: i
+    names_a_column = .false.
+    do i = 1, size(group%values)
+      if (group%values(i)%given) names_a_column = names_a_column .or. name_table(group%values(i)%row)%kind == columns_input
+    end do
+  end function names_a_column
 
   subroutine compare_sweeps(lines, sweeps, reading, fault)
     !! Each `&sweep` that opens a line; where two share a line Fortran sees one.

@@ -12,29 +12,33 @@ module bw_base_par
   type(input_group), parameter, public :: base_group = input_group( &
     'base', repeatable=.true., along='base', is_event=.true., needs='response', excludes='record recontact contact hub', &
     absent='the frame only turns', &
-    rules='One group for each transverse acceleration a of the frame, of root, supports and springs alike. Seen from the frame '// &
-    'it loads the beam with -a times its mass, and bodies likewise: displacements are those in the frame. A load of q N/m '// &
-    'along a uniform beam is a = -q over its mass per length. Shapes and files are those of `&force`.')
+    physics='What holds the beam moves transversely with the acceleration a(t), as a shaker table or a ground shock does. '// &
+    'Seen from the moving frame the beam and its bodies are loaded by -a times their mass.', &
+    example='&base shape = ''haversine'', amplitude = 50, duration = 0.011 /   ! m/s2|&response duration = 0.2, samples = '// &
+    '4096, points = 0.0, 1.0, bending_moment = .true. /', &
+    rules='One group for each acceleration of root, supports and springs; displacements are those seen from the moving '// &
+    'frame. A uniform load of q N/m along a uniform beam is the acceleration -q over its mass per length. Shapes and files '// &
+    'are those of `&force`.')
 
   type(input_name), parameter, public :: base_names(*) = [ &
     input_name('base', 'shape', text_input, default="'half_sine'", words=shape_words, &
-               meaning='how it varies in time; file: as measured'), &
+               meaning='course in time; file: as measured'), &
     input_name('base', 'amplitude', real_input, 'm s-2', any_number, swept=.true., &
                meaning='largest value of the acceleration'), &
     input_name('base', 'start', real_input, 's', any_number, '0', swept=.true., &
-               meaning='when it begins; added to a file''s times'), &
+               meaning='beginning; added to the times of a file'), &
     input_name('base', 'duration', real_input, 's', positive, swept=.true., &
-               meaning='of pulse or tone; absent: to the end'), &
-    input_name('base', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='of a sine'), &
-    input_name('base', 'file', text_input, '', meaning='that holds what was measured'), &
+               meaning='duration of pulse or tone; absent: to the end'), &
+    input_name('base', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='frequency of a sine'), &
+    input_name('base', 'file', text_input, '', meaning='file of the measured acceleration'), &
     input_name('base', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('base', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
-               meaning='seconds in a unit of times; else by the file'), &
+               meaning='unit of the times in seconds; else by the file'), &
     input_name('base', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
-               meaning='samples in a second, the first at time 0'), &
+               meaning='sampling rate, the first sample at time 0'), &
     input_name('base', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
-               meaning='its column; absent: the only one beside time'), &
+               meaning='its column; absent: the only one but the time'), &
     input_name('base', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to m/s2; else by the file''s unit')]
 
 contains

@@ -21,6 +21,11 @@ module bw_beam_par
 
   type(input_group), parameter, public :: beam_group = input_group( &
     'beam', required=.true., unless='record', absent='an error, unless a `&record` is analysed for frequencies alone', &
+    physics='A straight, slender beam of linear elastic material that bends in one plane: rho A v_tt + (E I v_xx)_xx = '// &
+    'load, with v the deflection and x from the root to the tip. The example is a tube, given by area and second moment, '// &
+    'with the distance of the fibre at which stresses are wanted.', &
+    example='&beam length = 2, area = 6.4e-4, second_moment = 1.3e-7, density = 2700, youngs_modulus = 70e9, extreme_fibre '// &
+    '= 0.02 /', &
     rules='Give `diameter` for a solid circle, `width` and `height` for a solid rectangle, which bends along its height, or '// &
     '`area` and `second_moment` for any other section; or `mass_per_length` and `bending_stiffness` in place of material and '// &
     'section. `length` says how many uniform pieces the beam has, from the root outwards, as `length = 0.3, 0.7`; every other '// &

@@ -25,12 +25,17 @@ module bw_body_par
   type(input_group), parameter, public :: body_group = input_group( &
     'body', repeatable=.true., along='body', is_effect=.true., builds_up=.true., changes_shapes=.true., &
     absent='nothing is attached to the beam', &
-    rules='One group for each body, as many as there are. Give `mass` or `mass_ratio`, 0 for springs alone. Springs are fixed '// &
-    'to the rotating frame. At the root, position 0, there may be springs alone, beside a `&support` that gives. Several '// &
-    'bodies may have one place, also that where the impact strikes. A body comes at `from` and leaves at `until`: it takes '// &
-    'the motion that the beam has there, or strikes it with `velocity` and stays. Its springs are unstressed as the beam is '// &
-    'when it comes. A sample at exactly such a time shows the beam after the change. A sweep names a body by its number in '// &
-    'the scene, as `body(2)%mass`, which a single one does not need.')
+    physics='A rigid body of mass m and moment of inertia J that moves with the beam at a point, with springs to the '// &
+    'rotating frame: at its place the shear force jumps by m v_tt + k v, and the moment by J times the angular '// &
+    'acceleration of the section.', &
+    example='&body position = 0.95, mass = 0.02 /          ! an accelerometer|&body position = 0.4, mass = 0, stiffness = '// &
+    '1e5 /   ! and a spring', &
+    rules='One group for each body, in any number. Give `mass` or `mass_ratio`, 0 for springs alone. Springs are fixed to '// &
+    'the rotating frame. At the root, position 0, only springs are allowed, beside a `&support` that is not rigid. Several '// &
+    'bodies may share a place, also with the struck mass. A body comes at `from` and leaves at `until`. It takes on the '// &
+    'motion that the beam has there, or strikes the beam with `velocity` and stays. Its springs are unstressed in the '// &
+    'position that the beam has when it comes. A sample at exactly such a time shows the beam after the change. A sweep '// &
+    'names a body by its number in the scene, as `body(2)%mass`; a single body needs none.')
 
   type(input_name), parameter, public :: body_names(*) = [ &
     input_name('body', 'position', real_input, '1', unit_interval, required=.true., swept=.true., &
@@ -42,13 +47,13 @@ module bw_body_par
     input_name('body', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., &
                meaning='moment of inertia of the body about its place'), &
     input_name('body', 'stiffness', real_input, 'N m-1', not_negative, '0', swept=.true., &
-               meaning='of a spring against the deflection there'), &
+               meaning='stiffness of a spring against deflection'), &
     input_name('body', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, '0', swept=.true., &
-               meaning='of a spring against the turning there'), &
-    input_name('body', 'from', real_input, 's', not_negative, swept=.true., meaning='when it comes; else it was always there'), &
-    input_name('body', 'until', real_input, 's', positive, swept=.true., meaning='when it leaves; else it stays'), &
+               meaning='stiffness of a spring against rotation'), &
+    input_name('body', 'from', real_input, 's', not_negative, swept=.true., meaning='when it comes; absent: always there'), &
+    input_name('body', 'until', real_input, 's', positive, swept=.true., meaning='when it leaves; absent: it stays'), &
     input_name('body', 'velocity', real_input, 'm s-1', any_number, swept=.true., &
-               meaning='that it brings at `from`; else that of the beam there')]
+               meaning='its velocity at `from`; absent: that of the beam there')]
 
   character(*), parameter :: and = ' and '
 

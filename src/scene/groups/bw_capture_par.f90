@@ -12,7 +12,10 @@ module bw_capture_par
   end type capture_par
 
   type(input_group), parameter, public :: capture_group = input_group( &
-    'capture', needs='impact', is_event=.true., absent='the mass rebounds')
+    'capture', needs='impact', is_event=.true., absent='the mass rebounds', &
+    physics='The mass stays on the beam: the modes change from those of the beam alone to those of beam and mass, and '// &
+    'displacement and velocity of the beam are projected from the first onto the second.', &
+    example='&impact mass_ratio = 0.2 /|&capture rotary_inertia = 1e-4 /')
 
   type(input_name), parameter, public :: capture_names(*) = [ &
     input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., changes_shapes=.true., &

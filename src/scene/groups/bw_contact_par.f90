@@ -22,12 +22,15 @@ module bw_contact_par
   type(input_group), parameter, public :: contact_group = input_group( &
     'contact', needs='impact response', excludes='recontact', is_event=.true., &
     absent='the blow is instantaneous, as in the paper', &
-    rules='Mass and beam are pressed into each other with the force F = K d^p (1 + damping d''), d the indentation, and never '// &
-    'pull. Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere: K is then that of Hertz, with '// &
-    'the moduli of sphere and beam, on a flat side (`surface_radius` = 0) or across the axis of a round beam. '// &
-    'The mass runs in a guide that turns with the hub, and every further contact is followed. How much it rebounds comes out: '// &
-    '`restitution` of `&impact` has no meaning here. Where there are more than `max_contacts`, the histories are missing from '// &
-    'the next one on.')
+    physics='A contact of finite duration. The mass and the beam are pressed into each other with the force F = K d^p (1 + '// &
+    'damping d''), where d is the indentation; the force never pulls. Hertz''s law for elastic bodies has p = 3/2.', &
+    example='&impact mass = 0.515, approach_velocity = 1 /|&contact radius = 0.025 /                     ! a steel '// &
+    'ball|&response duration = 0.02, samples = 4096, bending_moment = .true. /', &
+    rules='Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere. K is then Hertz''s, with '// &
+    'the moduli of sphere and beam, on a flat side (`surface_radius` = 0) or across the axis of a round beam. The mass '// &
+    'runs in a guide that turns with the hub, and every further contact is followed. The rebound is a result: '// &
+    '`restitution` of `&impact` is refused here. If there are more than `max_contacts`, the histories are missing from the '// &
+    'next one on.')
 
   type(input_name), parameter, public :: contact_names(*) = [ &
     input_name('contact', 'stiffness', real_input, 'N', positive, swept=.true., &
@@ -36,17 +39,17 @@ module bw_contact_par
     input_name('contact', 'exponent', real_input, '1', number_range(1.0_dp, 10.0_dp), '1.5', swept=.true., excludes='radius', &
                meaning='p of F = K d^p'), &
     input_name('contact', 'radius', real_input, 'm', positive, swept=.true., excludes='stiffness exponent', &
-               meaning='radius of the sphere that strikes'), &
+               meaning='radius of the striking sphere'), &
     input_name('contact', 'youngs_modulus', real_input, 'Pa', positive, swept=.true., excludes='stiffness', &
-               meaning='of the sphere; absent: of the beam where it is struck'), &
+               meaning='modulus of the sphere; absent: that of the struck beam'), &
     input_name('contact', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', swept=.true., &
                excludes='stiffness', meaning='Poisson''s ratio of the sphere'), &
     input_name('contact', 'beam_poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
                swept=.true., excludes='stiffness', meaning='Poisson''s ratio of the beam'), &
     input_name('contact', 'surface_radius', real_input, 'm', not_negative, swept=.true., excludes='stiffness', &
-               meaning='of the beam''s side, 0: flat; absent: of a round beam'), &
+               meaning='radius across the beam, 0: flat; absent: its own'), &
     input_name('contact', 'damping', real_input, 's m-1', not_negative, '0', swept=.true., &
-               meaning='of Hunt and Crossley, in (1 + damping d'')'), &
+               meaning='Hunt and Crossley''s constant in (1 + damping d'')'), &
     input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', swept=.true., &
                meaning='largest number of contacts')]
 

@@ -19,9 +19,12 @@ module bw_damping_par
 
   type(input_group), parameter, public :: damping_group = input_group( &
     'damping', is_effect=.true., absent='undamped', &
-    rules='Give `ratio`, or one or both constants of Rayleigh damping, whose matrix is a M + b K. M is the mass matrix '// &
-    'and K the elastic stiffness alone, and `ratio` refers to the frequency that K and M give a mode: rotation and tension '// &
-    'change that frequency, but not the damping.')
+    physics='Viscous damping. With `ratio` every mode k has the damping force 2 zeta beta_k M_k q_k''; Rayleigh damping '// &
+    'has the matrix a M + b K, hence the ratio a/(2 beta) + b beta/2.', &
+    example='&damping mass_proportional = 0.5, stiffness_proportional = 1e-6 /', &
+    rules='Give `ratio`, or one or both constants of Rayleigh damping, whose matrix is a M + b K. M is the mass matrix and '// &
+    'K the elastic stiffness alone. `ratio` refers to the frequency that K and M give a mode: rotation and tension change '// &
+    'that frequency, but not the damping.')
 
   type(input_name), parameter, public :: damping_names(*) = [ &
     input_name('damping', 'ratio', real_input, '1', not_negative, swept=.true., &

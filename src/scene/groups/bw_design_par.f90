@@ -13,7 +13,11 @@ module bw_design_par
   end type design_par
 
   type(input_group), parameter, public :: design_group = input_group( &
-    'design', absent='one case, or those of &sweep', &
+    'design', absent='one case, or those of `&sweep`', &
+    physics='Runs the scene once for each row of a table: a sample of inputs that are known to within tolerances, or a '// &
+    'design of experiments.', &
+    example='&beam length = 1.2, density = 2700 /|&rotation /|&damping /|&impact /|&contact exponent = 1 /|&modes before = '// &
+    '20 /|&response duration = 0.1, samples = 512, bending_moment = .true. /|&design file = ''input/designs/boom.csv'' /', &
     rules='The table is a text: a line of names, then a line of numbers for each case, separated by commas, semicolons, '// &
     'tabs or blanks. A name is `group%name`, with the rules of `sweep%parameter`: a number that `&sweep` may vary, of a group '// &
     'that is present; a value given there is replaced. Empty lines and lines that begin with `#` are comments; names and '// &

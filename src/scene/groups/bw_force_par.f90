@@ -17,33 +17,37 @@ module bw_force_par
   type(input_group), parameter, public :: force_group = input_group( &
     'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact contact hub', &
     absent='no force acts', &
-    rules='One group for each force. The beam is at rest until it acts, unless something strikes it. A half sine, a haversine '// &
-    '(1 - cos)/2 and a triangle begin and end at 0 and are `amplitude` in the middle; a rectangle is `amplitude` all the '// &
-    'time; a sine begins at 0 with the `frequency`. With shape = ''file'' the force is read as `&record` reads histories, '// &
-    'linear between its samples, 0 before and after them. Motions are exact at any time, with what all modes that are not '// &
-    'summed add at once. A sweep names a force by its number in the scene, as `force(2)%amplitude`.')
+    physics='A force F(t) at a point, positive as displacement is. It does work F(t) v_t on the beam.', &
+    example='&force position = 0.7, shape = ''half_sine'', amplitude = 200, duration = 4e-4 /   ! a tap of a '// &
+    'hammer|&response duration = 0.5, samples = 8192, acceleration = .true. /', &
+    rules='One group for each force. The beam is at rest until a force acts, unless something strikes it. A half sine, a '// &
+    'haversine (1 - cos)/2 and a triangle begin and end at 0 and reach `amplitude` in the middle; a rectangle is '// &
+    '`amplitude` throughout; a sine begins at 0 and has the `frequency`. With shape = ''file'' the force is read as '// &
+    '`&record` reads histories; it is linear between samples, and 0 before and after them. Histories are exact in time and '// &
+    'include the static response of the modes that are not summed. A sweep names a force by its number in the scene, as '// &
+    '`force(2)%amplitude`.')
 
   type(input_name), parameter, public :: force_names(*) = [ &
     input_name('force', 'position', real_input, '1', unit_interval, '1', swept=.true., &
                meaning='place of the force: x/l'), &
     input_name('force', 'shape', text_input, default="'half_sine'", words=shape_words, &
-               meaning='how the force varies in time; file: as measured'), &
+               meaning='course in time; file: as measured'), &
     input_name('force', 'amplitude', real_input, 'N', any_number, swept=.true., &
-               meaning='largest value, positive as displacement is'), &
+               meaning='largest value, positive as displacement'), &
     input_name('force', 'start', real_input, 's', any_number, '0', swept=.true., &
-               meaning='when it begins; added to a file''s times'), &
+               meaning='beginning; added to the times of a file'), &
     input_name('force', 'duration', real_input, 's', positive, swept=.true., &
-               meaning='of pulse or tone; absent: to the end'), &
-    input_name('force', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='of a sine'), &
-    input_name('force', 'file', text_input, '', meaning='that holds what was measured'), &
+               meaning='duration of pulse or tone; absent: to the end'), &
+    input_name('force', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='frequency of a sine'), &
+    input_name('force', 'file', text_input, '', meaning='file of the measured force'), &
     input_name('force', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('force', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
-               meaning='seconds in a unit of times; else by the file'), &
+               meaning='unit of the times in seconds; else by the file'), &
     input_name('force', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
-               meaning='samples in a second, the first at time 0'), &
+               meaning='sampling rate, the first sample at time 0'), &
     input_name('force', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
-               meaning='its column; absent: the only one beside time'), &
+               meaning='its column; absent: the only one but the time'), &
     input_name('force', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to N; else by the file''s unit')]
 
 contains

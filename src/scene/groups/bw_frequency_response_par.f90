@@ -20,15 +20,18 @@ module bw_frequency_response_par
 
   type(input_group), parameter, public :: frequency_response_group = input_group( &
     'frequency_response', excludes='record', absent='none', &
-    rules='The response of `points` to a harmonic force of 1 N at `position`, its real and imaginary part: receptance, '// &
-    'mobility or accelerance by the `quantity`. It is that of the beam after t = 0, with a captured mass. Beside '// &
-    '`&response` the `points` are those of that group.')
+    physics='The steady response to a harmonic force of unit amplitude, as a complex ratio: receptance (displacement), '// &
+    'mobility (velocity) or accelerance (acceleration).', &
+    example='&damping ratio = 0.005 /|&frequency_response first = 5, last = 2000, quantity = ''acceleration'', points = '// &
+    '0.5, 1.0 /', &
+    rules='The response at `points` to a harmonic force of 1 N at `position`, as real and imaginary part. It is that of '// &
+    'the beam after t = 0, with a captured mass. Beside `&response` the `points` are those of that group.')
 
   type(input_name), parameter, public :: frequency_response_names(*) = [ &
     input_name('frequency_response', 'position', real_input, '1', unit_interval, '1', swept=.true., &
                meaning='place of the force: x/l'), &
     input_name('frequency_response', 'points', reals_input, '1', unit_interval, '1.0', most=1000, &
-               meaning='places of the answer: x/l'), &
+               meaning='places of the response: x/l'), &
     input_name('frequency_response', 'first', real_input, 'Hz', positive, required=.true., meaning='lowest frequency'), &
     input_name('frequency_response', 'last', real_input, 'Hz', positive, required=.true., meaning='highest frequency'), &
     input_name('frequency_response', 'count', integer_input, '1', number_range(2.0_dp, 1e6_dp), '1000', &
@@ -36,7 +39,7 @@ module bw_frequency_response_par
     input_name('frequency_response', 'spacing', text_input, default="'log'", words='log linear', &
                meaning='spacing of the frequencies'), &
     input_name('frequency_response', 'quantity', text_input, default="'displacement'", words='displacement velocity acceleration', &
-               meaning='what answers: m/N, m/(s N) or m/(s2 N)')]
+               meaning='response in m/N, m/(s N) or m/(s2 N)')]
 
 contains
 

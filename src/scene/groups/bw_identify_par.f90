@@ -28,18 +28,23 @@ module bw_identify_par
 
   type(input_group), parameter, public :: identify_group = input_group( &
     'identify', needs='record spectrum beam', repeatable=.true., along='unknown', absent='nothing is fitted', &
+    physics='Fits unknown inputs of the beam to the lines of a record by least squares, with confidence intervals and '// &
+    'correlations.', &
+    example='&beam length = 0.6, density = 2700, width = 0.03, height = 0.006 /|&record file = '// &
+    '''input/records/ring_down_1.csv'', quantity = ''acceleration'', points = 0.5, 1.0 /|&spectrum /|&identify parameter = '// &
+    '''beam%youngs_modulus'', first = 50e9, last = 90e9 /', &
     rules='One group for each unknown. Its group must be present; a value given there that lies in the range is one of the '// &
-    'places where the search begins. One of several is named by its number, as `body(2)%mass`. An unknown whose '// &
-    'range is above 0 and spans a factor of 10 or more is searched by its logarithm. It excludes `&sweep` and `&design`; '// &
-    'several files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of '// &
-    'its own and the same beam in another state (with a mass, or of another length); an unknown has one value in '// &
-    'every scene that gives a value to its name. `&identify` of a further scene is for what is unknown of that scene alone.')
+    'starting points of the search. One of several is named by its number, as `body(2)%mass`. An unknown whose range is '// &
+    'above 0 and spans a factor of 10 or more is searched by its logarithm. It excludes `&sweep` and `&design`; several '// &
+    'files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of its '// &
+    'own and the same beam in another state (with a mass, or of another length); an unknown has one value in all scenes '// &
+    'that give a value to its name. `&identify` in a further scene is for what is unknown of that scene alone.')
 
   type(input_name), parameter, public :: identify_names(*) = [ &
     input_name('identify', 'parameter', text_input, required=.true., &
-               meaning='the input that is unknown, as ''group%name''; a real number of the beam'), &
-    input_name('identify', 'first', real_input, '', any_number, required=.true., meaning='the least value that it may have'), &
-    input_name('identify', 'last', real_input, '', any_number, required=.true., meaning='the largest'), &
+               meaning='the unknown input, as ''group%name''; a real number of the beam'), &
+    input_name('identify', 'first', real_input, '', any_number, required=.true., meaning='lower end of its range'), &
+    input_name('identify', 'last', real_input, '', any_number, required=.true., meaning='upper end of its range'), &
     input_name('identify', 'with', texts_input, most=most_scenes, meaning='further scenes whose records are fitted together')]
 
 contains

@@ -21,10 +21,14 @@ module bw_impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
     'impact', is_event=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
-    rules='Give `mass` or `mass_ratio`. A positive `approach_velocity` drives the beam towards positive displacement; with '// &
-    'the opposite sign all of the motion has the opposite sign. `restitution` is the velocity at which mass and beam '// &
-    'separate over that at which they met: with 0 they go on together, with 1 no energy is lost. With `&capture` a '// &
-    'restitution above 0 adds energy: the mass, which has bounced off, takes the velocity of the beam there. Such a run says so.')
+    physics='A mass strikes the beam at t = 0. Unless there is a `&contact` the blow takes no time: the impulse H changes '// &
+    'the velocities of the modes by Phi_k(xi) H/M_k and that of the mass by -H/m, and velocities separate with the '// &
+    'coefficient of restitution.', &
+    example='&impact mass = 0.5, position = 0.8, approach_velocity = 2, restitution = 0.3 /', &
+    rules='Give `mass` or `mass_ratio`. A positive `approach_velocity` drives the beam towards positive displacement; the '// &
+    'opposite sign reverses all motion. `restitution` is the velocity of separation over that of approach: 0 is perfectly '// &
+    'plastic, 1 loses no energy. With `&capture` a restitution above 0 adds energy, because the mass, which has rebounded, '// &
+    'is then given the velocity of the beam; the report of such a run says so.')
 
   type(input_name), parameter, public :: impact_names(*) = [ &
     input_name('impact', 'mass', real_input, 'kg', not_negative, swept=.true., excludes='mass_ratio', &
@@ -32,7 +36,7 @@ module bw_impact_par
     input_name('impact', 'mass_ratio', real_input, '1', not_negative, swept=.true., excludes='mass', &
                meaning='mass over the mass of the beam'), &
     input_name('impact', 'position', real_input, '1', off_the_root, '1', swept=.true., changes_shapes=.true., &
-               plain=1.0_dp, meaning='place that the mass strikes: x/l, 1 at the tip'), &
+               plain=1.0_dp, meaning='struck place: x/l, 1 at the tip'), &
     input_name('impact', 'approach_velocity', real_input, 'm s-1', any_number, '1', swept=.true., &
                meaning='velocity of the mass at the impact, in the rotating frame'), &
     input_name('impact', 'restitution', real_input, '1', unit_interval, '0', swept=.true., &

@@ -17,14 +17,17 @@ module bw_initial_par
   type(input_group), parameter, public :: initial_group = input_group( &
     'initial', excludes='contact recontact record force base', is_event=.true., &
     absent='the beam is straight and at rest when the motion begins', &
-    rules='Give `force`, `angular_velocity` or both. The deflection under a force is let go at t = 0, as a string that is '// &
-    'plucked: nothing but the beam may hold it then, so that every mode has to be stable. The angular velocity is that of a '// &
-    'beam that can turn: its root gives way to turning by `&support`, or sits on a `&hub`. With `&impact` the mass arrives '// &
-    'with `approach_velocity` in the rotating frame, and strikes a beam that moves: what counts is the closing speed.')
+    physics='The beam does not start straight and at rest: it is let go from a static deflection, or it turns.', &
+    example='&initial force = 100, position = 1 /          ! plucked at the tip|&response duration = 0.5, samples = 8192 '// &
+    '/', &
+    rules='Give `force`, `angular_velocity` or both. The static deflection under a force is released at t = 0, like a '// &
+    'plucked string; every mode has to be stable. The angular velocity is that of a beam that can turn: its root turns on '// &
+    '`&support`, or sits on a `&hub`. With `&impact` the mass arrives with `approach_velocity` in the rotating frame and '// &
+    'strikes a moving beam: the closing speed counts.')
 
   type(input_name), parameter, public :: initial_names(*) = [ &
     input_name('initial', 'force', real_input, 'N', any_number, swept=.true., &
-               meaning='whose static deflection is let go, positive as displacement'), &
+               meaning='force whose static deflection is released'), &
     input_name('initial', 'position', real_input, '1', off_the_root, '1', swept=.true., &
                meaning='place of the force: x/l, 1 at the tip'), &
     input_name('initial', 'angular_velocity', real_input, 'rad s-1', any_number, swept=.true., &

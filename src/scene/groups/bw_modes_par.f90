@@ -32,11 +32,15 @@ module bw_modes_par
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., &
     absent='20 modes without `&response`; with it tolerance 1e-6, or what can be had; counts where a mass rebounds at once', &
-    rules='Give counts, or a tolerance. With `&capture` there are two sets of modes; a count that is not given is that of '// &
-    'the other; with bodies that come or leave `before` is that until the first change, `after` that of all later sets. '// &
-    'Else there is one set, whose count is `before`; `after` may only repeat it. With `&impact` and without `&capture` '// &
-    'and `&contact` a `&response` needs a count: the impulse of a rebound goes to 0 as modes are added, so that the '// &
-    'motion depends on their number. A tolerance that is out of reach is refused; the default relaxes to one that is not.')
+    physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose them; the '// &
+    'result has the estimated error either way.', &
+    example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 4096 /|&modes tolerance = 1e-9 /', &
+    rules='Give counts, or a tolerance. With `&capture` there are two sets of modes, and a count that is not given equals '// &
+    'the other one. With bodies that come or leave, `before` counts modes until the first change and `after` those of all '// &
+    'later sets. Otherwise there is one set, whose count is `before`; `after`, if given, has to equal it. With `&impact` '// &
+    'but without `&capture` or `&contact` a `&response` needs a count: the impulse of an instantaneous rebound tends to 0 '// &
+    'as modes are added, so that the motion depends on their number. A tolerance that is out of reach is refused; the '// &
+    'default is relaxed to one that can be reached.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &

@@ -13,10 +13,14 @@ module bw_recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
     'recontact', needs='impact response', excludes='capture', is_event=.true., absent='a rebounded mass never returns', &
-    rules='After the rebound the mass slides without friction in a straight guide that '// &
-    'turns with the hub, and can meet the beam again where it struck. Contacts that follow each other ever faster are taken '// &
-    'for one that lasts until the mass is no longer pressed against the beam. Where there are more than `max_contacts`, the '// &
-    'histories are missing from the next one on.')
+    physics='A mass that has rebounded from an instantaneous blow can meet the beam again, as often as it does. Each '// &
+    'further contact is an instantaneous blow with the same restitution.', &
+    example='&impact mass_ratio = 0.2, restitution = 0.5 /|&recontact max_contacts = 20 /|&modes before = 10 /|&response '// &
+    'duration = 0.05, samples = 4096 /', &
+    rules='After the rebound the mass slides without friction in a straight guide that turns with the hub, and can meet '// &
+    'the beam again where it struck. Contacts that follow each other ever faster are merged into one that lasts until the '// &
+    'mass is no longer pressed against the beam. If there are more than `max_contacts`, the histories are missing from the '// &
+    'next one on.')
 
   type(input_name), parameter, public :: recontact_names(*) = [ &
     input_name('recontact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '100', swept=.true., &

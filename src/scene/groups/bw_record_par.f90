@@ -38,35 +38,39 @@ module bw_record_par
 
   type(input_group), parameter, public :: record_group = input_group( &
     'record', needs='spectrum', excludes='impact response', absent='histories are simulated, not read', &
-    rules='A file is looked for beside the scene. It is text (columns separated by commas, semicolons, tabs or blanks; header '// &
-    'lines; comments behind # or %) or NetCDF, as a result of beamwave is; its content tells which. Several files are repeats '// &
-    'of one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column, or the '// &
-    'variable, named time or t, or as loggers call it (X_Value, Zeit, elapsed time). Times are taken as they are, even or not, '// &
-    'and have to rise. Without `columns` all columns but the time are sensors. Without `points` there are frequencies and '// &
-    'decay only. With `force` amplitudes are told over the hammer''s blow, as modal constants and frequency responses. `&beam` '// &
-    'may be absent.')
+    physics='Measured histories take the place of simulated ones. They are read as a free decay after one or several '// &
+    'blows, a sum of damped sinusoids and noise.', &
+    example='&record file = ''input/records/ring_down_1.csv'', quantity = ''acceleration'', points = 0.5, 1.0 /|&spectrum '// &
+    '/', &
+    rules='A file is looked for beside the scene. Its content tells whether it is text (columns separated by commas, '// &
+    'semicolons, tabs or blanks; header lines; comments behind # or %) or NetCDF, such as a result of beamwave. Several '// &
+    'files are repeats of one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column '// &
+    'or variable named time or t, or as loggers call it (X_Value, Zeit, elapsed time). Times are taken as they are, evenly '// &
+    'spaced or not, and have to increase. Without `columns` every column but the time is a sensor. Without `points` there '// &
+    'are only frequencies and decay rates. With `force` the amplitudes are divided by the hammer''s blow and become modal '// &
+    'constants and frequency responses. `&beam` may be absent.')
 
   type(input_name), parameter, public :: record_names(*) = [ &
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('record', 'time_scale', real_input, '1', positive, excludes='sample_rate', &
-               meaning='seconds in a unit of times; else by the file''s unit'), &
+               meaning='unit of the times in seconds; else by the file'), &
     input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', &
-               meaning='samples in a second, the first at time 0'), &
+               meaning='sampling rate, the first sample at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
                meaning='columns of the sensors'), &
     input_name('record', 'quantity', texts_input, words='displacement velocity acceleration strain', most=most_columns, &
-               meaning='what sensors measure; else what the file says'), &
+               meaning='measured quantity; else as the file says'), &
     input_name('record', 'scale', reals_input, '1', any_number, most=most_columns, &
                meaning='factor to SI, of all or each; else by the file''s unit'), &
     input_name('record', 'points', reals_input, '1', unit_interval, most=most_columns, &
                meaning='place of each sensor: x/l, 0 at the root, 1 at the tip'), &
     input_name('record', 'force', columns_input, range=number_range(1.0_dp, 1e6_dp), meaning='column of the hammer''s force'), &
     input_name('record', 'force_point', real_input, '1', unit_interval, &
-               meaning='place that the hammer strikes: x/l; else the tip'), &
-    input_name('record', 'start', real_input, 's', any_number, swept=.true., meaning='first time that is used'), &
-    input_name('record', 'end', real_input, 's', any_number, swept=.true., meaning='last time that is used')]
+               meaning='place of the hammer''s blow: x/l; absent: the tip'), &
+    input_name('record', 'start', real_input, 's', any_number, swept=.true., meaning='beginning of the part used'), &
+    input_name('record', 'end', real_input, 's', any_number, swept=.true., meaning='end of the part used')]
 
   character(*), parameter :: per_sensor(*) = [character(8) :: 'columns', 'points', 'quantity', 'scale']
 

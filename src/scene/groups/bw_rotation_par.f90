@@ -15,13 +15,17 @@ module bw_rotation_par
   end type rotation_par
 
   type(input_group), parameter, public :: rotation_group = input_group( &
-    'rotation', is_effect=.true., absent='the beam does not rotate')
+    'rotation', is_effect=.true., absent='the beam does not rotate', &
+    physics='The hub turns at a constant angular velocity omega. In the frame that turns with it, motion in the plane of '// &
+    'rotation has the additional inertia force rho A omega^2 v, which lowers every frequency: beta^2 = beta_0^2 - omega^2. '// &
+    'Out of the plane that force is absent. The axial tension of rotation is `&stiffening`.', &
+    example='&rotation angular_velocity = 50, plane = ''in'' /')
 
   type(input_name), parameter, public :: rotation_names(*) = [ &
     input_name('rotation', 'angular_velocity', real_input, 'rad s-1', any_number, required=.true., swept=.true., &
-               meaning='angular velocity of the hub, which is constant'), &
+               meaning='constant angular velocity of the hub'), &
     input_name('rotation', 'plane', text_input, default="'in'", words='in out', &
-               meaning='the beam bends in the plane of rotation, or out of it')]
+               meaning='bending in the plane of rotation, or out of it')]
 
 contains
 

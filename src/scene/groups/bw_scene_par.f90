@@ -11,7 +11,9 @@ module bw_scene_par
   end type scene_par
 
   type(input_group), parameter, public :: scene_group = input_group( &
-    'scene', implied=.true., absent='the run has no title')
+    'scene', implied=.true., absent='the run has no title', &
+    physics='Names the run. It changes no number.', &
+    example='&scene title = ''A rotating arm catches a payload'' /')
 
   type(input_name), parameter, public :: scene_names(*) = [ &
     input_name('scene', 'title', text_input, default="''", meaning='title of the run, in its report and result')]

@@ -16,6 +16,9 @@ module bw_shear_par
   type(input_group), parameter, public :: shear_group = input_group( &
     'shear', is_effect=.true., changes_shapes=.true., &
     absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
+    physics='Timoshenko''s beam: sections shear and have rotary inertia, which matters where waves are not much longer '// &
+    'than the section is high.', &
+    example='&shear poisson_ratio = 0.3 /', &
     rules='This is Timoshenko''s beam: the shear force is kappa G A times the angle of shear, and the shear modulus is '// &
     'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. Unless it is given kappa is '// &
     '6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter`, and 10 (1 + nu)/(12 + 11 nu) for the rectangle of `width` '// &
@@ -25,7 +28,7 @@ module bw_shear_par
     input_name('shear', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
                swept=.true., meaning='Poisson''s ratio, from which the shear modulus follows'), &
     input_name('shear', 'shear_coefficient', real_input, '1', positive, swept=.true., &
-               meaning='kappa: shear stiffness of the section over G A')]
+               meaning='kappa: shear stiffness over G A')]
 
 contains
 

@@ -22,24 +22,30 @@ module bw_spectrum_par
 
   type(input_group), parameter, public :: spectrum_group = input_group( &
     'spectrum', needs='response|record', absent='no spectral analysis', &
-    rules='It needs at least 16 samples. Frequencies, wave numbers and wave velocities of the spectral peaks are measured '// &
-    'where 0.5 and 1.0 are among the points of `&response`; with `&stiffening` or `&shear` only their frequencies are. '// &
-    '`confidence`, `false_alarm` and `ends` concern a `&record`: its lines are '// &
-    'fitted by the shape of the scene''s own beam (model, the default with `&support`, `&body` or pieces), of the tip''s mode '// &
-    '(tip, the default else), of a beam of which the clamped root alone is known (clamped), or of any piece of beam (any).')
+    physics='Of a simulated response: its amplitude spectrum, and the frequencies, wave numbers and wave velocities that '// &
+    'two sensors would measure. Of a `&record`: its spectral lines, each with frequency, decay and amplitude and their '// &
+    'confidence intervals.', &
+    example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 65536 /|&spectrum window = '// &
+    '''blackman_harris'' /', &
+    rules='At least 16 samples are needed. Frequencies, wave numbers and wave velocities of the spectral peaks are '// &
+    'measured where 0.5 and 1.0 are among the points of `&response`; with `&stiffening` or `&shear` only the frequencies. '// &
+    '`confidence`, `false_alarm` and `ends` concern a `&record`: `ends` says which shapes are fitted to its amplitudes: '// &
+    'those of the scene''s own beam (model, the default with `&support`, `&body` or pieces), of a clamped beam that may '// &
+    'have a mass at its tip (tip, else the default), of a beam of which only the clamped root is known (clamped), or of '// &
+    'any part of a beam (any).')
 
   type(input_name), parameter, public :: spectrum_names(*) = [ &
     input_name('spectrum', 'window', text_input, default="'hann'", &
                words='hann rectangular hamming blackman blackman_harris flat_top', &
                meaning='window of the amplitude spectrum'), &
     input_name('spectrum', 'max_peaks', integer_input, '1', number_range(1.0_dp, 1e4_dp), '20', &
-               meaning='largest number of spectral peaks that are measured'), &
+               meaning='largest number of peaks to measure'), &
     input_name('spectrum', 'confidence', real_input, '1', number_range(0.5_dp, 0.999999_dp), '0.95', swept=.true., &
-               meaning='of the intervals of a record''s lines'), &
+               meaning='confidence level of the intervals of a record''s lines'), &
     input_name('spectrum', 'false_alarm', real_input, '1', number_range(1e-12_dp, 0.5_dp), '0.01', swept=.true., &
                meaning='probability of a line in a record of noise alone'), &
     input_name('spectrum', 'ends', text_input, default="'tip'", words='model tip clamped any', &
-               meaning='what the waves of a record are fitted by')]
+               meaning='what is known of the ends when waves are fitted')]
 
 contains
 

@@ -23,23 +23,24 @@ module bw_sweep_par
 
   type(input_group), parameter, public :: sweep_group = input_group( &
     'sweep', repeatable=.true., absent='one case', &
+    physics='Runs the scene once for each value of an input, or for each combination of the values of several.', &
+    example='&rotation /|&sweep parameter = ''rotation%angular_velocity'', first = 0, last = 100, count = 11 /', &
     rules='Give `values`, or `first`, `last` and `count`. With several sweeps each combination of their values is a case; '// &
-    'the value of the first changes slowest. The swept name''s group must be present; a value given there is replaced. One of '// &
-    'several is named by its number, as `body(2)%mass` or `beam%length(1)`. '// &
-    'With n = count, value i = 0 ... n-1 is ((n-1-i) first + i last)/(n-1), or with logarithmic spacing first '// &
-    '(last/first)^(i/(n-1)).')
+    'the value of the first changes slowest. The swept name''s group must be present; a value given there is replaced. One '// &
+    'of several groups or numbers is named by its number, as `body(2)%mass` or `beam%length(1)`. With n = count, value i = '// &
+    '0 ... n-1 is ((n-1-i) first + i last)/(n-1), or with logarithmic spacing first (last/first)^(i/(n-1)).')
 
   type(input_name), parameter, public :: sweep_names(*) = [ &
     input_name('sweep', 'parameter', text_input, required=.true., &
-               meaning='the input that is swept, as ''group%name''; a number'), &
+               meaning='the swept input, as ''group%name''; a number'), &
     input_name('sweep', 'values', reals_input, '', any_number, most=most_values, excludes='first last count spacing', &
                meaning='the values that it takes, one for each case'), &
     input_name('sweep', 'first', real_input, '', any_number, excludes='values', meaning='the first value'), &
     input_name('sweep', 'last', real_input, '', any_number, excludes='values', meaning='the last value'), &
     input_name('sweep', 'count', integer_input, '1', number_range(2.0_dp, real(most_values, dp)), excludes='values', &
-               meaning='how many values, both ends included'), &
+               meaning='number of values, both ends included'), &
     input_name('sweep', 'spacing', text_input, default="'linear'", words='linear log', excludes='values', &
-               meaning='steps of equal difference, or equal ratio between values > 0')]
+               meaning='equal differences, or equal ratios of values > 0')]
 
   character(*), parameter :: range_names(*) = [character(5) :: 'first', 'last', 'count']
 
