@@ -10,11 +10,13 @@ from pathlib import Path
 
 import xarray as xr
 from beamwave_postproc import (
+    bending_moment,
     campbell,
     compare,
     displacement,
     motion,
     ranking,
+    record_response,
     run,
     save_film,
     space_time,
@@ -37,6 +39,9 @@ def main() -> None:
         save("critical_speed", sweep_map(result("critical_speed", scratch)))
         save("campbell", campbell(tension()))
         save("ranking", ranking(result("design", scratch)))
+        save("tutorial_arm", bending_moment(result("tutorial/arm", scratch)))
+        save("tutorial_blade", campbell(result("tutorial/blade", scratch)))
+        save("tutorial_clamp", record_response(result("tutorial/clamp", scratch)))
         waves = result("waves", scratch)
         save("space_time", space_time(waves), DPI_OF_IMAGES)
         save("wavenumber_spectrum", wavenumber_spectrum(waves), DPI_OF_IMAGES)

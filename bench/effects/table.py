@@ -16,8 +16,8 @@ WORDS = """\
 Made by `bench/effects.sh` ([bench/](../bench/README.md#effects) says how). The paper's scene (γ = 0.2, ω = 50 rad/s, {modes} modes
 before and after the capture, {samples} samples at midpoint and tip) is run alone and with one effect more. Valgrind counts the
 instructions of the whole run; those of `beamwave --version` are taken off. Times are those of all stages but writing, medians of
-{runs} runs in turns. The procedures of an effect that a scene does not name are not entered; [a
-test](../tests/scenes/test_absent_effects.py) looks for them one by one.
+{runs} runs in turns. The procedures of an effect that a scene does not name are not entered;
+`tests/scenes/test_absent_effects.py` looks for them one by one.
 
 ![Instructions and seconds with each effect]({picture})
 """

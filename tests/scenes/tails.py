@@ -1,7 +1,7 @@
 """Random scenes of every class, run and compared with 30 times the modes: are tolerances kept, and errors within bounds and estimates?
 
 By hand: `python tests/scenes/tails.py --draws 60 --output rows.txt` makes the rows, of 60 scenes of each kind of motion with each
-kind of record, each once by a tolerance and once with counts, and prints a table as that of docs/equations.md. `--table rows.txt …`
+kind of record, each once by a tolerance and once with counts, and prints a table. `--table rows.txt …`
 prints that of rows that are there. BEAMWAVE_SEED sets the seed.
 """
 

@@ -130,7 +130,7 @@ def _group(ds: xr.Dataset, group: Group, hidden: set[str], only_given: bool, lab
 
 def _is_told(variable: xr.DataArray, given: set[str], name: str) -> bool:
     """Whether an input is a number that was given, or that is not what means nothing."""
-    if variable.dtype.kind not in "if" or variable.ndim > 1:
+    if variable.dtype.kind not in "if" or variable.ndim > 1 or "event" in variable.dims:  # contact_force_error is a result
         return False
     known = variable.values[np.isfinite(variable.values)]
     always = name in given or variable.name in ("rotation_angular_velocity", "body_position")

@@ -86,6 +86,8 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> str:
     inputs = tuple(f"{group}_" for group in groups)
     for name in [str(name) for name in first.variables if name in second and str(name).startswith(inputs)]:
         mine, other = first[name], second[name]
+        if "event" in mine.dims:  # contact_force is a result
+            continue
         if mine.shape != other.shape or not np.array_equal(mine.values, other.values):
             words.append(f"{symbol_of(name)}\u00a0=\u00a0{_values(mine)} and {_values(other)}")
     return f"they differ in {', '.join(words)}" if words else "effects and inputs are the same"

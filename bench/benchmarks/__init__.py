@@ -1,0 +1,1 @@
+"""Published problems beside the program's answers; bench/README.md says more."""
