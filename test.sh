@@ -27,7 +27,7 @@ leave_nothing
 left_out=
 mpi_compiles || apt_install libopenmpi-dev openmpi-bin || say 'no MPI: its tests will be skipped'
 without_sanitizers=
-set_up_python beamwave_postproc,pytest,f90nml,mpmath,markdown_it '[test]' || left_out='no Python: the tests that need it were left out'
+set_up_python beamwave_postproc,pytest,f90nml,mpmath,markdown_it,hatchling,mkdocs '[test]' || left_out='no Python: the tests that need it were left out'
 for preset in "${presets[@]}"; do
   set_up "$preset"
 done

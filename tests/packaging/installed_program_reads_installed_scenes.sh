@@ -8,7 +8,8 @@ prefix=$(mktemp -d)
 trap 'rm -rf "$prefix"' EXIT
 
 "$cmake" --install "$build" --prefix "$prefix" > /dev/null
-for file in share/beamwave/{input/paper/fig2.nml,jobs/single.sh} share/doc/beamwave/{README.md,LICENSE,docs/input.md}; do
+for file in share/beamwave/{input/paper/fig2.nml,jobs/single.sh} share/doc/beamwave/{README.md,LICENSE,docs/input.md} \
+  share/man/man{1/beamwave.1,5/beamwave.5} share/{bash-completion/completions/beamwave,zsh/site-functions/_beamwave}; do
   [ -s "$prefix/$file" ] || { echo "not installed: $file"; exit 1; }
 done
 "$prefix/bin/beamwave" --version
