@@ -31,6 +31,7 @@ from .draw.sweep_map import sweep_map
 from .draw.transmission import transmission
 from .draw.wavenumber import wavenumber_spectrum
 from .draw.waves import dispersion, group_velocity, phase_velocity
+from .export import ModalModel, StateSpace, modal_model, state_space
 from .film.frames import save_film
 from .film.motion import motion
 from .kinds import KINDS, pictures
@@ -43,10 +44,12 @@ from .stress import strain, stress
 
 __all__ = [
     "KINDS",
+    "ModalModel",
     "NotAResult",
     "NothingToDraw",
     "ProgramWarning",
     "RunFailed",
+    "StateSpace",
     "Untrusted",
     "acceleration",
     "bending_moment",
@@ -63,6 +66,7 @@ __all__ = [
     "impulses",
     "lines",
     "measured",
+    "modal_model",
     "mode_shapes",
     "motion",
     "open_result",
@@ -88,6 +92,7 @@ __all__ = [
     "space_time",
     "spectrogram",
     "spectrum",
+    "state_space",
     "strain",
     "stress",
     "sweep_map",

@@ -126,6 +126,22 @@ module bw_case_result
     real(dp), allocatable :: applied_velocity(:)    !! the velocity that the base has gained from it, m/s
   end type load_result
 
+  type, public :: modal_model
+    !! What other programs take of the modes of a case, SI. Unallocated where there are no modes.
+    real(dp), allocatable :: stiffness(:)           !! Mβ², N/m, (modes)
+    real(dp), allocatable :: damping(:)             !! Mc, N s/m, (modes)
+    real(dp), allocatable :: participation(:)       !! ∫ρAΦ dx and what bodies add, kg, (modes)
+    real(dp), allocatable :: turn_participation(:)  !! ∫ρAxΦ dx, with what turning sections and bodies add, kg m, (modes)
+    real(dp), allocatable :: shape(:, :)            !! Φ, (points, modes)
+    real(dp), allocatable :: slope(:, :)            !! Φ', with shear the turning of the section, 1/m, (points, modes)
+    real(dp), allocatable :: moment(:, :)           !! of the mode, EIΦ'', N, (points, modes)
+    real(dp), allocatable :: shear(:, :)            !! N/m, (points, modes)
+    real(dp), allocatable :: residual(:, :, :)
+      !! what all other modes add under a force of 1 N: deflection, moment and shear force, (forces, points, 3)
+    real(dp), allocatable :: base_residual(:, :)    !! the same under an acceleration of the base by 1 m/s², (points, 3)
+    real(dp) :: mass = missing                      !! of all that moves, kg
+  end type modal_model
+
   type, public :: case_result
     !! An unallocated component was not asked for.
     type(beam_units) :: units
@@ -151,6 +167,7 @@ module bw_case_result
     type(contact_result), allocatable :: contact      !! of contacts that last
     type(load_result), allocatable :: loads           !! of forces and motions of the base
     type(record_result), allocatable :: record        !! of a record
+    type(modal_model), allocatable :: model           !! of the modes
     integer :: status = case_done
     type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)
     type(error_type), allocatable :: error            !! why there is no result: a record cannot be read

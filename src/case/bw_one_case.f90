@@ -21,6 +21,7 @@ module bw_one_case
   use bw_contact_case, only: run_contact_case
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
+  use bw_modal_model, only: find_modal_model
   use bw_mode_set, only: attend, search_failure, turns
   use bw_missing, only: is_missing, scaled
   use bw_modes_par, only: relaxed_tolerance
@@ -88,6 +89,10 @@ contains
     end if
     if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, layout, watch, monitor, cache, result, &
                                                                             whole)
+    if (whole .and. scene%modes%modal_model .and. .not. allocated(result%error)) then
+      call find_modal_model(scene, result%units, result%modes, merge(layout%modes, 0, result%mode_count > 0), result%model)
+      call watch%lap(stage_modes)
+    end if
   end subroutine run_case
 
   subroutine answer_force(scene, layout, watch, monitor, cache, result, whole)

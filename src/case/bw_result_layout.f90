@@ -20,8 +20,8 @@ module bw_result_layout
 
   character(*), parameter, public :: dimension_names(*) = [character(18) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
     'point', 'time', 'frequency', 'response_frequency', 'junction', 'peak', 'window', 'candidate', 'pooled', 'piece', 'station', &
-    'body', 'force', 'base', 'configuration', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', 'stage', &
-    'contact_sample', 'quantile']
+    'body', 'force', 'base', 'configuration', 'point_too', 'unknown', 'unknown_too', 'letter', 'parameter_letter', 'note_letter', &
+    'stage', 'contact_sample', 'quantile']
 
   real(dp), parameter, public :: quantile_levels(*) = [0.0_dp, 0.05_dp, 0.25_dp, 0.5_dp, 0.75_dp, 0.95_dp, 1.0_dp]
     !! of a design: 0 is the least, 1 the largest
@@ -82,6 +82,7 @@ module bw_result_layout
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: contact_samples = 0    !! of the force of each contact that lasts
     logical :: struck = .false.       !! a mass strikes at an instant
+    logical :: modal_model = .false.  !! what other programs take of modes
     logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
@@ -122,6 +123,7 @@ contains
       return
     end if
     if (allocated(scene%design)) layout%quantiles = size(quantile_levels)
+    layout%modal_model = scene%modes%modal_model
     layout%hub = allocated(scene%hub)
     layout%struck = allocated(scene%impact) .and. .not. allocated(scene%contact)
     if (changes_in_time(scene)) layout%configurations = most_configurations(scene)
@@ -228,6 +230,7 @@ contains
     case ('profile'); length = merge(layout%profile, 0, layout%modelled .or. .not. layout%of_record)
     case ('event'); length = layout%events
     case ('point'); length = layout%points
+    case ('point_too'); length = merge(layout%points, 0, layout%modal_model)
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
     case ('response_frequency'); length = layout%answer_frequencies
@@ -268,9 +271,9 @@ contains
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity`, `bending_moment` and `bending_stress` (histories of them),
     !! `hub` (which is free to turn), `contacts` (histories that go through them), `continuum` (whose motion histories are held
-    !! against), `estimates` (of their errors), `mode_shapes` (there are not too many), `blow` (an instantaneous one), `record` or
-    !! `simulated`, `hammer` (whose force is measured), `by_modes` (how a harmonic force is answered), `model` (of the record's
-    !! beam), `places` (of all points along the beam), `waves`.
+    !! against), `estimates` (of their errors), `mode_shapes` (there are not too many), `modal_model`, `blow` (an instantaneous
+    !! one), `record` or `simulated`, `hammer` (whose force is measured), `by_modes` (how a harmonic force is answered), `model`
+    !! (of the record's beam), `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -289,6 +292,7 @@ contains
     case ('hub'); there = layout%hub
     case ('bending_stress'); there = layout%bending_stress
     case ('mode_shapes'); there = layout%mode_shapes
+    case ('modal_model'); there = layout%modal_model
     case ('model'); there = layout%modelled
     case ('hammer'); there = layout%hammer
     case ('record'); there = layout%of_record

@@ -10,6 +10,7 @@ module bw_case_rows
   use bw_missing, only: is_missing, missing, scaled
   use bw_modal_flow, only: find_angular_frequencies, find_growth_rates
   use bw_mode_set, only: mode_set
+  use bw_model_rows, only: model_rows
   use bw_record_rows, only: record_rows
   use bw_response, only: response_type
   use bw_result_table, only: result_table, unit_of_sensors
@@ -44,6 +45,7 @@ contains
       call table%put(result%impact%modal_velocity(:before%count)*result%approach_velocity)
     if (table%real_row('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18', needs='mode_shapes')) &
       call table%put_columns(shapes_of(modes, result%profile_points))
+    call model_rows(table, result%model)
     call configuration_rows(table, result)
     call impact_rows(table, result, modes, before)
     call event_rows(table, result%events, result%units, result%approach_velocity, result%lever)

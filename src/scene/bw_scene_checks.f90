@@ -173,6 +173,7 @@ contains
     call check_bodies(scene%groups, messages)
     call check_initial_motion(scene, messages)
     call check_method(scene, messages)
+    call check_modal_model(scene, messages)
     call check_scales(scene, messages)
   end subroutine check_case
 
@@ -263,5 +264,34 @@ contains
                         ', more than the basis of Galerkin''s method holds; accepted: 1 to '//text_of(most_galerkin_modes))
     end associate
   end subroutine check_count
+
+  pure subroutine check_modal_model(scene, messages)
+    !! A modal model is that of points at which something can act, of modes that are simulated, and of a beam whose hub does not recoil:
+    !! forces would turn that, and positions are measured from its line.
+    type(scene_type), intent(in) :: scene
+    type(message_list), intent(inout) :: messages
+    integer, parameter :: most_modes = 4000, most_points = 200     !! seconds of work, which grows as their squares
+    character(:), allocatable :: what
+    integer :: modes, points
+    if (.not. scene%modes%modal_model) return
+    points = 0
+    if (allocated(scene%frequency_response)) points = size(scene%frequency_response%points)
+    if (allocated(scene%response)) points = size(scene%response%points)
+    modes = max(scene%modes%before, scene%modes%after)
+    if (allocated(scene%record)) then
+      what = 'is that of modes that are simulated, and excludes &record; accepted: .false.'
+    else if (allocated(scene%hub)) then
+      what = 'is that of a beam whose hub does not recoil, and excludes &hub; accepted: .false.'
+    else if (points == 0) then
+      what = 'needs points at which forces act; accepted: with &response or &frequency_response, or .false.'
+    else if (points > most_points) then
+      what = 'takes at most '//text_of(most_points)//' points, and there are '//text_of(points)//'; accepted: fewer, or .false.'
+    else if (modes > most_modes) then
+      what = 'takes at most '//text_of(most_modes)//' modes, and there are '//text_of(modes)//'; accepted: fewer, or .false.'
+    else
+      return
+    end if
+    call messages%add(scene%groups(position_of(scene%groups, 'modes'))%line_of('modal_model'), 'modes%modal_model', what)
+  end subroutine check_modal_model
 
 end module bw_scene_checks

@@ -39,6 +39,11 @@ DIMENSIONS = {
     "velocity": ("point", "time"),
     "amplitude": ("point", "frequency"),
     "stage_seconds": ("stage",),
+    **{name: ("mode",) for name in ["modal_stiffness", "modal_damping", "participation", "turn_participation"]},
+    **{f"{what}_at_points": ("mode", "point") for what in ["shape", "slope", "moment", "shear"]},
+    **{f"residual_{what}": ("point_too", "point") for what in ["flexibility", "moment", "shear"]},
+    **{f"residual_{what}of_base": ("point",) for what in ["", "moment_", "shear_"]},
+    "moving_mass": (),
 }
 COORDINATES = {name: (name,) for name in ["mode", "mode_before", "peak", "event", "stage", "time", "frequency"]}
 COORDINATES |= {"point_position": ("point",), "profile_position": ("profile",)}
@@ -66,6 +71,7 @@ OF_THE_PAPER = [*MODAL, *(f"{name}_before" for name in MODAL), "velocity_jump", 
 FULL = captured_beam(
     scene={"title": "all of it"},
     response={"duration": 1.0, "samples": 4096, "velocity": True},
+    modes={"modal_model": True},
     spectrum={},
 )
 

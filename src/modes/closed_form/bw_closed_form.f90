@@ -11,7 +11,7 @@ module bw_closed_form
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: batch, root_values, solve_roots
-  use bw_shape, only: curvature_values, shape_type, shapes_of, shape_values
+  use bw_shape, only: curvature_values, shape_type, shapes_of, shape_values, slope_values
   implicit none (type, external)
   private
   public :: closed_form_modes, find_modes, find_cached_modes
@@ -28,6 +28,8 @@ module bw_closed_form
     procedure :: overlap_of_beam
     procedure :: overlap_far_below
     procedure :: elastic => closed_form_elastic
+    procedure :: motion_at
+    procedure :: share_of_turn
     procedure :: number_errors => closed_form_errors
   end type closed_form_set
 
@@ -207,6 +209,28 @@ contains
       end do
     end do
   end subroutine find_curvatures
+
+  pure function motion_at(self, xi) result(motion)
+    !! Deflection and slope.
+    class(closed_form_set), intent(in) :: self
+    real(dp), intent(in) :: xi
+    real(dp) :: motion(self%count, 2)
+    type(shape_type) :: shape(batch)
+    integer :: k, n
+    motion(:, 1:1) = self%some_shapes(1, self%count, [xi])
+    do k = 1, self%count, batch
+      n = min(batch, self%count - k + 1)
+      shape(:n) = shapes_of(self%root(k:k + n - 1))
+      motion(k:k + n - 1, 2) = slope_values(shape(:n), xi)*shape(:n)%alpha
+    end do
+  end function motion_at
+
+  pure function share_of_turn(self) result(share)
+    !! ∫ξΦ dξ + γΦ(1) = Φ''(0)/α⁴, by parts: the tip carries no moment, and Φ'''(1) = −γα⁴Φ(1).
+    class(closed_form_set), intent(in) :: self
+    real(dp) :: share(self%count)
+    share = -2.0_dp/self%alpha**2
+  end function share_of_turn
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.

@@ -15,7 +15,7 @@ module bw_shape
   use bw_root_list, only: root_values
   implicit none (type, external)
   private
-  public :: shape_of, shapes_of, shape_value, shape_values, curvature_values
+  public :: shape_of, shapes_of, shape_value, shape_values, slope_values, curvature_values
 
   real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form has lost a digit
   real(dp), parameter :: longest_decay = 400.0_dp  !! e^(−400) is nothing beside 1, and its square underflows
@@ -177,6 +177,30 @@ contains
       end associate
     end do
   end function curvature_values
+
+  pure function slope_values(shape, xi) result(values)
+    !! Φ'(ξ)/α of a list: exactly 0 at the root, exactly `tip_slope` over α at the tip.
+    type(shape_type), intent(in) :: shape(:)
+    real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
+    real(dp) :: values(size(shape))
+    real(dp) :: angle, z
+    integer :: k
+    values = 0.0_dp
+    if (xi == 1.0_dp) values = shape%tip_slope/shape%alpha
+    if (xi == 0.0_dp .or. xi == 1.0_dp) return
+    do k = 1, size(shape)
+      associate (self => shape(k))
+        z = self%alpha*xi
+        if (z < series_below .or. self%root%k == 1) then
+          values(k) = 2.0_dp*z*(self%sigma*z*growing_series(2, z**4) - growing_series(1, z**4))
+        else
+          angle = angle_at(self%root, xi)
+          values(k) = -sin(angle) - self%sigma*cos(angle) + 0.5_dp*(1.0_dp + self%sigma)*exp(-min(z, longest_decay)) &
+            - 0.5_dp*self%grow*exp(-min(self%alpha*(1.0_dp - xi), longest_decay))
+        end if
+      end associate
+    end do
+  end function slope_values
 
   pure subroutine evaluate(shape, xi, values, turned)
     !! Evaluate Φ(ξ) by the closed form, for αξ not small; or Φ''(ξ)/α².

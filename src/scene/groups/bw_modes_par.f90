@@ -1,6 +1,6 @@
 module bw_modes_par
   !! `&modes`: how many modes are summed.
-  use bw_input_name, only: input_group, input_name, integer_input, number_range, real_input
+  use bw_input_name, only: input_group, input_name, integer_input, logical_input, number_range, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
@@ -21,6 +21,7 @@ module bw_modes_par
     logical :: extended = .false.
       !! every root in extended precision, whether the record calls for it or not. No input names it: `beamwave accuracy`
       !! shows what it would cost
+    logical :: modal_model = .false.   !! the result holds what other programs take of modes, for the points of histories
   end type modes_par
 
   integer, parameter, public :: shown_modes = 20      !! modes that a result holds where the sum has as many as it takes
@@ -40,7 +41,8 @@ module bw_modes_par
     'later sets. Otherwise there is one set, whose count is `before`; `after`, if given, has to equal it. With `&impact` '// &
     'but without `&capture` or `&contact` a `&response` needs a count: the impulse of an instantaneous rebound tends to 0 '// &
     'as modes are added, so that the motion depends on their number. A tolerance that is out of reach is refused; the '// &
-    'default is relaxed to one that can be reached.')
+    'default is relaxed to one that can be reached. `modal_model` needs the points of `&response` or `&frequency_response`, '// &
+    'at most 200, and at most 4000 modes.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -48,7 +50,9 @@ module bw_modes_par
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
-               excludes='before after', meaning='largest error of the displacement over its peak; sets the counts')]
+               excludes='before after', meaning='largest error of the displacement over its peak; sets the counts'), &
+    input_name('modes', 'modal_model', logical_input, default='.false.', &
+               meaning='the modal model too, which `beamwave-export` hands to other programs')]
 
 contains
 
@@ -124,6 +128,7 @@ contains
   pure type(modes_par) function build_modes(values) result(modes)
     !! Counts, or a tolerance.
     type(group_values), intent(in) :: values      !! complete
+    modes%modal_model = values%values(values%at('modal_model'))%flag
     if (values%known('tolerance')) then
       modes%tolerance = values%number('tolerance')
       modes%asked = values%given('tolerance')

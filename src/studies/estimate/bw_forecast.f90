@@ -90,6 +90,7 @@ contains
     logical :: whole
     simple = scene
     if (allocated(simple%spectrum)) deallocate (simple%spectrum)
+    simple%modes%modal_model = .false.              ! which warns of nothing
     call run_case(simple, layout, watch, monitor, cache, result, whole)
     if (.not. whole) return
     do i = 1, size(result%notes)

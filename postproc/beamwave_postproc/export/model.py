@@ -1,0 +1,116 @@
+"""The modal model that a result holds where its scene has `&modes modal_model = .true.`."""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from ..result import NothingToDraw
+
+NEEDED = (
+    *("modal_mass", "modal_stiffness", "modal_damping", "participation", "turn_participation", "moving_mass"),
+    *("shape_at_points", "slope_at_points", "moment_at_points", "shear_at_points"),
+    *("residual_flexibility", "residual_moment", "residual_shear"),
+    *("residual_of_base", "residual_moment_of_base", "residual_shear_of_base"),
+)
+ABSENT = "the result holds no modal model; accepted: one of a scene with &modes modal_model = .true."
+
+
+@dataclass(frozen=True)
+class ModalModel:
+    """Modes of one case with what forces at points and the base do to them, in SI.
+
+    M q̈ + C q̇ + K q = Φᵀ F − P a, and v = Φ q + R F + R_a a, with forces F at the points and the acceleration a of the
+    base. Arrays are (modes), (points), (modes, points), or (points, forces) with forces at the same points.
+    """
+
+    position: np.ndarray  # x/l of the points
+    distance: np.ndarray  # x, m
+    mass: np.ndarray  # M, kg
+    damping: np.ndarray  # C, N s/m
+    stiffness: np.ndarray  # K, N/m; below zero of a mode that grows undamped
+    participation: np.ndarray  # P = ∫ρAΦ dx and what bodies add, kg
+    turn_participation: np.ndarray  # ∫ρAxΦ dx, with what turning sections and bodies add, kg m
+    shape: np.ndarray  # Φ
+    slope: np.ndarray  # Φ', with shear the turning of the section, 1/m
+    moment: np.ndarray  # EIΦ'', N
+    shear: np.ndarray  # shear force of the mode, N/m
+    residual: dict[str, np.ndarray]  # what all other modes add under a force of 1 N, by quantity
+    base_residual: dict[str, np.ndarray]  # and under an acceleration of the base by 1 m/s²
+    moving_mass: float  # of beam and bodies, kg
+    initial_velocity: np.ndarray  # q̇ just after the last event at t = 0, m/s
+
+    @property
+    def angular_frequency(self) -> np.ndarray:
+        """√(K/M), rad/s, that of the undamped motion; NaN of a mode that grows undamped."""
+        square = self.stiffness / self.mass
+        return np.sqrt(np.where(square >= 0.0, square, np.nan))
+
+    @property
+    def damping_ratio(self) -> np.ndarray:
+        """C/(2√(KM)), above 1 of an overdamped mode; NaN where K is not above zero."""
+        product = np.where(self.stiffness > 0.0, self.stiffness * self.mass, np.nan)
+        return self.damping / (2.0 * np.sqrt(product))
+
+    @property
+    def effective_mass(self) -> np.ndarray:
+        """P²/M, kg: with `residual_mass` they sum to `moving_mass`."""
+        return self.participation**2 / self.mass
+
+    @property
+    def residual_mass(self) -> float:
+        """What is left of the moving mass for all other modes, kg: they follow the base as a rigid body does."""
+        return float(self.moving_mass - self.effective_mass.sum())
+
+
+def modal_model(ds: xr.Dataset, case: int | None = None) -> ModalModel:
+    """The modal model of a result, of a sweep that of one case, by its number.
+
+    Raises `NothingToDraw` where the file holds none, or the case has no modes or is not there.
+    """
+    absent = [name for name in NEEDED if name not in ds]
+    if absent:
+        raise NothingToDraw(ABSENT if "modal_stiffness" in absent else f"the result holds no {', '.join(absent)}")
+    one = _of_case(ds, case)
+    count = int(np.isfinite(one.modal_stiffness.values).sum())
+    if count == 0:
+        raise NothingToDraw("no modes were found of this case; its notes say why")
+    one = one.isel(mode=slice(count))
+    position = one.point_position.values
+    velocity = one.modal_velocity.values if "modal_velocity" in one else np.zeros(count)
+    by_force = ("residual_flexibility", "residual_moment", "residual_shear")
+    by_base = ("residual_of_base", "residual_moment_of_base", "residual_shear_of_base")
+    quantities = ("displacement", "bending_moment", "shear_force")
+    return ModalModel(
+        position=position,
+        distance=position * float(one.beam_length.sum()),
+        mass=one.modal_mass.values,
+        damping=one.modal_damping.values,
+        stiffness=one.modal_stiffness.values,
+        participation=one.participation.values,
+        turn_participation=one.turn_participation.values,
+        shape=one.shape_at_points.values,
+        slope=one.slope_at_points.values,
+        moment=one.moment_at_points.values,
+        shear=one.shear_at_points.values,
+        residual={what: one[name].transpose("point", "point_too").values for what, name in zip(quantities, by_force)},
+        base_residual={what: one[name].values for what, name in zip(quantities, by_base)},
+        moving_mass=float(one.moving_mass),
+        initial_velocity=np.where(np.isfinite(velocity), velocity, 0.0),
+    )
+
+
+def _of_case(ds: xr.Dataset, case: int | None) -> xr.Dataset:
+    """One case of a sweep, or the only one."""
+    if "case" not in ds.dims:
+        if case not in (None, 1):
+            raise NothingToDraw(f"the result has one case, and no case {case}")
+        return ds
+    if case is None:
+        raise NothingToDraw(f"the result has {ds.sizes['case']} cases; accepted: --case, a number from 1")
+    if not 1 <= operator.index(case) <= ds.sizes["case"]:
+        raise NothingToDraw(f"the result has {ds.sizes['case']} cases, and no case {case}")
+    return ds.isel(case=case - 1)

@@ -1,0 +1,131 @@
+"""What `beamwave-export` writes is read by other libraries, and what it cannot write is refused in a sentence."""
+
+import numpy as np
+import pytest
+import pyuff
+import scipy.io
+import xarray as xr
+
+from beamwave_postproc import modal_model, run, state_space
+from beamwave_postproc.export.cli import main
+from beamwave_postproc.run import find_program
+
+pytestmark = pytest.mark.filterwarnings("ignore::beamwave_postproc.ProgramWarning")
+BEAM = {"length": 1.2, "diameter": 0.03, "density": 7800.0, "youngs_modulus": 2.0e11}
+SCENE = {
+    "beam": BEAM,
+    "damping": {"ratio": 0.02},
+    "force": {"amplitude": 1.0, "duration": 0.01},
+    "response": {"duration": 0.1, "samples": 16, "points": [0.0, 0.25, 1.0]},
+    "modes": {"before": 5, "modal_model": True},
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Makes a result of a scene, by its name."""
+    try:
+        find_program()
+    except FileNotFoundError:
+        pytest.skip("the program is not built")
+    directory = tmp_path_factory.mktemp("results")
+
+    def make(name, scene):
+        path = directory / f"{name}.nc"
+        if not path.exists():
+            run(scene, directory).close()
+            (directory / "scene.nc").rename(path)
+        return path
+
+    return make
+
+
+@pytest.fixture
+def plain(results):
+    return results("plain", {"scene": {"title": "a beam"}, **SCENE})
+
+
+def test_npz_holds_everything_by_name(plain, tmp_path):
+    assert main([str(plain), "--output", str(tmp_path)]) == 0
+    with xr.open_dataset(plain) as ds, np.load(tmp_path / "plain.npz") as found:
+        model, space = modal_model(ds), state_space(modal_model(ds))
+        assert found["title"] == "a beam" and list(found["inputs"]) == space.inputs
+        for name, expected in {"A": space.a, "B": space.b, "C": space.c, "D": space.d, "shape": model.shape}.items():
+            assert np.array_equal(found[name], expected), name
+        assert found["frequency"] == pytest.approx(
+            ds.angular_frequency.values / np.sqrt(1 - 0.02**2) / (2 * np.pi), rel=1e-12
+        )
+        assert found["damping_ratio"] == pytest.approx(0.02, rel=1e-13)
+
+
+def test_mat_is_read_by_scipy_with_cells_of_names(plain, tmp_path):
+    assert main([str(plain), "--format", "mat", "--output", str(tmp_path)]) == 0
+    found = scipy.io.loadmat(tmp_path / "plain.mat")
+    with xr.open_dataset(plain) as ds:
+        space = state_space(modal_model(ds))
+    assert [str(cell.item()) for cell in found["outputs"].ravel()] == space.outputs
+    assert np.array_equal(found["A"], space.a) and found["modal_mass"].shape == (5, 1)
+
+
+def test_a_universal_file_has_nodes_and_a_shape_for_each_mode(plain, tmp_path):
+    assert main([str(plain), "--format", "unv", "--output", str(tmp_path)]) == 0
+    sets = pyuff.UFF(str(tmp_path / "plain.unv")).read_sets()
+    assert [one["type"] for one in sets] == [151, 164, 15, *[55] * 5]
+    assert sets[2]["x"] == pytest.approx([0.0, 0.3, 1.2])
+    with xr.open_dataset(plain) as ds:
+        model = modal_model(ds)
+    for k, one in enumerate(sets[3:]):
+        assert one["analysis_type"] == 2 and one["mode_n"] == k + 1
+        assert one["freq"] == pytest.approx(model.angular_frequency[k] / (2 * np.pi), rel=1e-4)
+        assert one["modal_m"] == pytest.approx(model.mass[k], rel=1e-4) and one["modal_damp_vis"] == pytest.approx(
+            0.02, rel=1e-4
+        )
+        # six digits each
+        assert one["r2"] == pytest.approx(model.shape[k], abs=1e-5) and one["r6"] == pytest.approx(
+            model.slope[k], abs=1e-3
+        )
+
+
+SWEPT = {**SCENE, "sweep": {"parameter": "damping%ratio", "values": [0.0, 0.1]}}
+REFUSED = {
+    "a result without a model": ({**SCENE, "modes": {"before": 5}}, [], "modal_model = .true."),
+    "a growing mode": (
+        {**SCENE, "rotation": {"angular_velocity": 200.0}},
+        ["--format", "unv"],
+        "mode 1 has no frequency",
+    ),
+    "overdamped modes": (
+        {**SCENE, "damping": {"ratio": 2.0}},
+        ["--format", "unv"],
+        "mode 1, 2, 3, 4, 5 has no frequency",
+    ),
+    "a sweep without a case": (SWEPT, [], "has 2 cases; accepted: --case"),
+    "a case that is not there": (SWEPT, ["--case", "3"], "2 cases, and no case 3"),
+    "a case of a single scene": (SCENE, ["--case", "2"], "has one case, and no case 2"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_exported_is_refused_in_one_line(results, name, tmp_path, capfd):
+    scene, words, why = REFUSED[name]
+    path = results(name.replace(" ", "_"), scene)
+    assert main([str(path), *words, "--output", str(tmp_path)]) == 3
+    said = capfd.readouterr().err.splitlines()
+    assert len(said) == 1 and why in said[0] and str(path) in said[0]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_growing_mode_is_in_the_arrays(results, tmp_path):
+    path = results("a_growing_mode", REFUSED["a growing mode"][0])
+    assert main([str(path), "--output", str(tmp_path)]) == 0
+    with np.load(tmp_path / "a_growing_mode.npz") as found:
+        assert found["modal_stiffness"][0] < 0 and np.isnan(found["frequency"][0]) and np.isfinite(found["A"]).all()
+
+
+def test_a_case_is_in_the_name_and_nothing_is_replaced_unasked(results, tmp_path, capfd):
+    path = results("swept", SWEPT)
+    words = [str(path), "--case", "2", "--output", str(tmp_path)]
+    assert main(words) == 0
+    assert np.load(tmp_path / "swept_case2.npz")["damping_ratio"] == pytest.approx(0.1)
+    assert main(words) == 3 and "is there already" in capfd.readouterr().err
+    assert main([*words, "--overwrite"]) == 0

@@ -1,0 +1,106 @@
+module bw_modal_model
+  !! The modal model of a case, for other programs: what forces at points and a motion of the base make of each mode, what each mode shows
+  !! at these points, and what all modes that are left out add at once. In SI:
+  !!
+  !!     M_k q̈_k + C_k q̇_k + K_k q_k = Σ_f Φ_k(ξ_f) F_f − P_k a,    v(ξ) = Σ Φ_k(ξ) q_k + Σ_f R(ξ, ξ_f) F_f + R_a(ξ) a,
+  !!
+  !! F_f forces, a the acceleration of the base, P_k = ∫ρAΦ_k dx + Σ m_bΦ_k(ξ_b), R the residual flexibility.
+  use bw_beam_units, only: beam_units
+  use bw_case_moments, only: scale_of_moments
+  use bw_case_result, only: modal_model
+  use bw_kinds, only: dp
+  use bw_load_columns, only: find_drive
+  use bw_load_modes, only: find_residuals, total_mass
+  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_piece_beam, only: holds_tip
+  use bw_scene, only: scene_type
+  use bw_scene_pieces, only: pieces_of, varying_of
+  use bw_varying_beam, only: varying_beam
+  implicit none (type, external)
+  private
+  public :: find_modal_model
+
+contains
+
+  subroutine find_modal_model(scene, units, modes, room, model)
+    !! Find the model of the modes that a result holds.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(mode_set), intent(in) :: modes           !! after all that happens at t = 0, or the first of them
+    integer, intent(in) :: room                    !! how many of them a result holds at most; 0: nothing is known of them
+    type(modal_model), allocatable, intent(out) :: model
+    type(varying_beam) :: given
+    real(dp), allocatable :: points(:)
+    allocate (model)
+    if (room == 0) return
+    given = varying_of(scene, units, pieces_of(scene, units, allocated(scene%capture)))
+    if (allocated(scene%response)) then
+      points = scene%response%points
+    else
+      points = scene%frequency_response%points
+    end if
+    call find_modes(units, modes, points, model)
+    call find_shapes(scene, units, given, modes, min(room, modes%count), points, model)
+    model%mass = moving_mass(given)*units%mass
+  end subroutine find_modal_model
+
+  pure real(dp) function moving_mass(given) result(mass)
+    !! All mass but what sits on a tip whose deflection is held.
+    type(varying_beam), intent(in) :: given
+    logical :: held(2)
+    held = holds_tip(given%beam)
+    mass = total_mass(given)
+    if (held(1)) mass = mass - given%beam%joint(size(given%beam%joint))%mass%hi
+  end function moving_mass
+
+  pure subroutine find_modes(units, modes, points, model)
+    !! What belongs to each mode alone, and how much it turns at the points.
+    type(beam_units), intent(in) :: units
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: points(:)
+    type(modal_model), intent(inout) :: model
+    real(dp) :: motion(modes%count, 2)
+    integer :: p
+    model%stiffness = modes%modal_mass*units%mass*modes%beta_squared%hi*units%frequency**2
+    model%damping = 0.0_dp*modes%modal_mass
+    if (allocated(modes%damping)) model%damping = modes%modal_mass*units%mass*modes%damping*units%frequency
+    model%turn_participation = modes%share_of_turn()*units%mass*units%length
+    allocate (model%slope(size(points), modes%count))
+    do p = 1, size(points)
+      motion = modes%motion_at(points(p))
+      model%slope(p, :) = motion(:, 2)/units%length
+    end do
+  end subroutine find_modes
+
+  subroutine find_shapes(scene, units, given, modes, kept, points, model)
+    !! What a force at each point and the base do to the modes, what these show there, and what all other modes add.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: kept                    !! modes that the model has; it may be fewer than there are
+    real(dp), intent(in) :: points(:)
+    type(modal_model), intent(inout) :: model
+    real(dp), allocatable :: drive(:, :), residual(:, :, :), terms(:, :, :), weights(:, :, :)
+    real(dp) :: flexibility(2*size(points)), factor(3)
+    integer :: n, q
+    n = size(points)
+    allocate (weights(modes%count, n, 3), residual(n + 1, n, 3))
+    allocate (terms, mold=residual)
+    call find_drive(given, modes, points, .true., drive, points, weights(:, :, 3))
+    weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
+    weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
+    call find_residuals(given, modes, kept, points, .true., drive, weights, points, residual, terms, flexibility)
+    factor = [1.0_dp, scale_of_moments(scene), scale_of_moments(scene)/units%length]
+    model%participation = drive(:, n + 1)*units%mass
+    model%shape = transpose(weights(:, :, 1))
+    model%moment = transpose(weights(:, :, 2))*factor(2)
+    model%shear = transpose(weights(:, :, 3))*factor(3)
+    allocate (model%residual(n, n, 3), model%base_residual(n, 3))
+    do q = 1, 3
+      model%residual(:, :, q) = residual(:n, :, q)*(units%time%hi**2/units%mass*factor(q))
+      model%base_residual(:, q) = -residual(n + 1, :, q)*(units%time%hi**2*factor(q))
+    end do
+  end subroutine find_shapes
+
+end module bw_modal_model

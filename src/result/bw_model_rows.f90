@@ -1,0 +1,66 @@
+module bw_model_rows
+  !! What a result holds of the modal model of a case (bw_modal_model): a row for each variable.
+  use bw_case_result, only: modal_model
+  use bw_kinds, only: dp
+  use bw_result_table, only: result_table
+  implicit none (type, external)
+  private
+  public :: model_rows
+
+contains
+
+  subroutine model_rows(table, model)
+    !! The modal model.
+    class(result_table), intent(inout) :: table
+    type(modal_model), intent(in), optional :: model
+    character(*), parameter :: needs = 'modal_model', at_points = 'mode point', by_force = 'point_too point', &
+      rest = 'what all other modes add to the ', of_force = ' of each point under a force of 1 N at point_too, a point likewise', &
+      of_base = ' of each point where the base is accelerated by 1 m s-2'
+    if (table%real_row('modal_stiffness', 'mode', 'N m-1', 'modal stiffness M beta**2', needs=needs)) &
+      call table%put(model%stiffness)
+    if (table%real_row('modal_damping', 'mode', 'N s m-1', 'modal damping', needs=needs)) call table%put(model%damping)
+    if (table%real_row('participation', 'mode', 'kg', 'integral of mass times shape', needs=needs)) &
+      call table%put(model%participation)
+    if (table%real_row('turn_participation', 'mode', 'kg m', 'integral of mass times shape times distance from the root', &
+                       needs=needs)) call table%put(model%turn_participation)
+    if (table%real_row('shape_at_points', at_points, '1', 'mode shape at the points', needs=needs)) &
+      call table%put_columns(model%shape)
+    if (table%real_row('slope_at_points', at_points, 'm-1', 'slope of the mode shape, with shear the turning of the section', &
+                       needs=needs)) call table%put_columns(model%slope)
+    if (table%real_row('moment_at_points', at_points, 'N', 'bending moment of the mode', needs=needs)) &
+      call table%put_columns(model%moment)
+    if (table%real_row('shear_at_points', at_points, 'N m-1', 'shear force of the mode', needs=needs)) &
+      call table%put_columns(model%shear)
+    if (table%real_row('residual_flexibility', by_force, 'm N-1', rest//'displacement'//of_force)) &
+      call table%put_columns(by_forces(model, 1))
+    if (table%real_row('residual_moment', by_force, 'm', rest//'bending moment'//of_force)) &
+      call table%put_columns(by_forces(model, 2))
+    if (table%real_row('residual_shear', by_force, '1', rest//'shear force'//of_force)) &
+      call table%put_columns(by_forces(model, 3))
+    if (table%real_row('residual_of_base', 'point', 's2', rest//'displacement'//of_base, needs=needs)) &
+      call table%put(by_base(model, 1))
+    if (table%real_row('residual_moment_of_base', 'point', 'kg m', rest//'bending moment'//of_base, needs=needs)) &
+      call table%put(by_base(model, 2))
+    if (table%real_row('residual_shear_of_base', 'point', 'kg', rest//'shear force'//of_base, needs=needs)) &
+      call table%put(by_base(model, 3))
+    if (table%real_row('moving_mass', '', 'kg', 'mass of the beam and of what it carries', needs=needs)) &
+      call table%put([model%mass])
+  end subroutine model_rows
+
+  pure function by_forces(model, quantity) result(columns)
+    !! Residuals under a force at each point, (points, forces).
+    type(modal_model), intent(in) :: model
+    integer, intent(in) :: quantity                    !! deflection, moment, shear force
+    real(dp), allocatable :: columns(:, :)
+    columns = transpose(model%residual(:, :, quantity))
+  end function by_forces
+
+  pure function by_base(model, quantity) result(values)
+    !! Residuals where the base is accelerated, (points).
+    type(modal_model), intent(in) :: model
+    integer, intent(in) :: quantity
+    real(dp), allocatable :: values(:)
+    values = model%base_residual(:, quantity)
+  end function by_base
+
+end module bw_model_rows
