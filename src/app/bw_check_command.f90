@@ -2,6 +2,7 @@ module bw_check_command
   !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
   use bw_case_modes, only: first_modes
   use bw_case_tolerance, only: fix_tolerance
+  use bw_check_json, only: check_document, good_scene, refused_scene, scene_facts
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
@@ -18,13 +19,13 @@ module bw_check_command
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: counts_in_its_run, is_loaded, scene_type
-  use bw_scene_files, only: read_and_list
+  use bw_scene_files, only: read_and_list, refused_type
   use bw_scene_summary, only: bytes_text, case_numbers, cost_summary, disk_bytes, scene_heading, &
     & scene_summary, unknowns_text, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
-  use bw_text, only: shortest, text_of
+  use bw_text, only: append, shortest, string, text_of
   use bw_time_estimate, only: estimated_seconds, record_seconds
   implicit none (type, external)
   private
@@ -44,53 +45,69 @@ contains
     type(terminal_progress) :: progress            ! shows nothing: it asks to stop after a signal
     type(error_type), allocatable :: error
     type(scene_tally) :: tally
-    character(:), allocatable :: text, notes
+    type(scene_facts) :: facts
+    type(result_layout) :: layout
+    type(refused_type), allocatable :: refused(:)
+    type(string), allocatable :: objects(:)
+    character(:), allocatable :: text
     integer :: i, count
     logical :: seen                                ! the report has shown the warnings to the same eyes
     progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
-    call read_and_list(command%words, .true., scenes, count, status, tally)
+    call read_and_list(command%words, .not. command%json, scenes, count, status, tally, refused)
+    allocate (objects(0))
     do i = 1, count
-      call examine(scenes(i), tally%is_brief(), text, notes, error)
+      call examine(scenes(i), tally%is_brief(), layout, facts, text, error)
       if (progress%stop_requested()) then
-        call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
+        if (.not. command%json) call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
         status = max(status, status_stopped)
         exit
       else if (allocated(error)) then
-        call print_error(error)
+        if (command%json) call append(objects, refused_scene(scenes(i)%file, error%status, error%message))
+        if (.not. command%json) call print_error(error)
         status = max(status, error%status)
-        call tally%count_end(error%status, notes)
+        call tally%count_end(error%status, facts%notes)
+        cycle
+      else if (command%json) then
+        call append(objects, good_scene(scenes(i), layout, facts))
         cycle
       else if (.not. command%quiet) then
         call print_report(text)
       end if
-      call tally%count_end(status_done, notes)
+      call tally%count_end(status_done, facts%notes)
       seen = .false.
       if (.not. command%quiet) seen = seen_together()
-      if (.not. seen) call print_warnings(scenes(i), notes)
+      if (.not. seen) call print_warnings(scenes(i), facts%notes)
     end do
-    if (.not. command%quiet) call print_report(tally%text('good'))
+    if (command%json) then
+      do i = 1, size(refused)
+        call append(objects, refused_scene(refused(i)%file, refused(i)%status, refused(i)%message))
+      end do
+      call print_report(check_document(objects, status))
+    else if (.not. command%quiet) then
+      call print_report(tally%text('good'))
+    end if
   end function check_command
 
-  subroutine examine(scene, brief, text, notes, error)
-    !! Find what is printed of a scene, and its notes.
+  subroutine examine(scene, brief, layout, facts, text, error)
+    !! Find what there is to say of a scene.
     !! **Errors**: its tolerance is out of reach; a file of its record or of its loads is bad.
     type(scene_type), intent(inout) :: scene       !! as that of `plan_tolerance`
     logical, intent(in) :: brief                   !! in one line
+    type(result_layout), intent(out) :: layout
+    type(scene_facts), intent(out) :: facts
     character(:), allocatable, intent(out) :: text !! what is printed of a good scene
-    character(:), allocatable, intent(out) :: notes   !! lines of their own
     type(error_type), allocatable, intent(out) :: error
     type(terminal_progress) :: monitor             ! after which what was tried has to do
-    type(result_layout) :: layout
     character(:), allocatable :: count_line, time_line
-    integer(i8) :: bytes
     integer :: planned
     layout = layout_of(scene)
     text = ''
-    notes = ''
+    facts%notes = ''
     if (allocated(scene%record)) then
-      call check_records(scene, layout, count_line, notes, error)
+      call check_records(scene, layout, count_line, facts%notes, error)
       if (allocated(error)) return
-      time_line = time_head//'about '//expected_text(record_seconds(scene, layout))// &
+      facts%seconds = record_seconds(scene, layout)
+      time_line = time_head//'about '//expected_text(facts%seconds)// &
         ' on one core, more where lines are many or drift'
       if (size(scene%unknowns) > 0) time_line = time_line//' or the model does not explain them'
       time_line = time_line//new_line('a')
@@ -100,40 +117,43 @@ contains
       monitor = terminal_progress_to(wall_seconds() + patience, quiet=.true.)
       call plan_tolerance(scene, monitor, planned, count_line, error)
       if (allocated(error)) return
-      call foresee(scene, layout, planned, monitor, time_line, notes)
+      facts%modes = max(scene%modes%before, scene%modes%after)
+      if (by_tolerance(scene%modes)) facts%modes = merge(0, planned, count_line == '')
+      call foresee(scene, layout, planned, monitor, time_line, facts)
     end if
-    bytes = working_bytes(scene, layout)
-    notes = room_notes(scene, layout, bytes)//notes
+    facts%memory = working_bytes(scene, layout)
+    facts%disk = disk_bytes(scene, layout)
+    facts%notes = room_notes(facts)//facts%notes
     if (brief) then
       text = scene%file//': good, takes '//time_line(len(time_head) + 1:index(time_line, new_line('a')) - 1)
-      if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
+      if (warning_kinds(facts%notes) /= '') text = text//'; warnings: '//warning_kinds(facts%notes)
     else
       text = scene_heading(scene)//scene_summary(scene, layout, hint=index(time_line, untried) == 0)//count_line
-      text = text//cost_summary(scene, layout, bytes)//time_line
-      if (notes /= '') text = text//new_line('a')//notes_report(notes(:len(notes) - 1))
+      text = text//cost_summary(scene, layout, facts%memory)//time_line
+      if (facts%notes /= '') text = text//new_line('a')//notes_report(facts%notes(:len(facts%notes) - 1))
     end if
   end subroutine examine
 
-  subroutine foresee(scene, layout, planned, monitor, time_line, notes)
+  subroutine foresee(scene, layout, planned, monitor, time_line, facts)
     !! How long a run would take, by the model of costs, and what it would warn of, from cases that are tried.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer, intent(in) :: planned                 !! modes that a tolerance takes
     class(monitor_type), intent(inout) :: monitor
-    character(:), allocatable, intent(out) :: time_line, notes
+    character(:), allocatable, intent(out) :: time_line
+    type(scene_facts), intent(inout) :: facts      !! gets seconds and notes
     type(forecast_type) :: forecast
     if (monitor%stop_requested()) then
       time_line = time_head//'more than '//expected_text(patience)//', which its plan alone takes'//new_line('a')// &
         untried//new_line('a')
-      notes = ''
       return
     end if
-    time_line = time_head//'about '//expected_text(estimated_seconds(scene, case_numbers(scene, layout), planned, monitor))// &
-      ' on one core'
+    facts%seconds = estimated_seconds(scene, case_numbers(scene, layout), planned, monitor)
+    time_line = time_head//'about '//expected_text(facts%seconds)//' on one core'
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')
     call forecast_notes(scene, layout, planned, monitor, forecast)
-    notes = forecast%notes%lines(merge(forecast%cases, 0, layout%cases > 0))
+    facts%notes = forecast%notes%lines(merge(forecast%cases, 0, layout%cases > 0))
     if (forecast%cases == 0) then
       time_line = time_line//untried//new_line('a')
     else if (forecast%from_few) then
@@ -141,27 +161,23 @@ contains
         ' samples; only a run tells the errors of histories'//new_line('a')
     else if (layout%cases > forecast%cases) then
       time_line = time_line//'  tried      '//text_of(forecast%cases)//' of '//text_of(layout%cases)//' cases'
-      if (notes /= '') time_line = time_line//', of which these notes are'
+      if (facts%notes /= '') time_line = time_line//', of which these notes are'
       time_line = time_line//new_line('a')
     end if
   end subroutine foresee
 
-  function room_notes(scene, layout, bytes) result(notes)
+  function room_notes(facts) result(notes)
     !! Whether the machine has the memory and the disk that a run takes, where the check is made: a line for what it lacks.
-    type(scene_type), intent(in) :: scene
-    type(result_layout), intent(in) :: layout
-    integer(i8), intent(in) :: bytes               !! of memory
+    type(scene_facts), intent(in) :: facts
     character(:), allocatable :: notes
     integer(i8) :: memory, disk
     memory = free_memory()
     disk = free_disk('.')
     notes = ''
-    if (memory >= 0 .and. bytes > memory) notes = notes//'memory: a run takes '//bytes_text(bytes)// &
+    if (memory >= 0 .and. facts%memory > memory) notes = notes//'memory: a run takes '//bytes_text(facts%memory)// &
       ', and this machine has '//bytes_text(memory)//' free'//new_line('a')
-    associate (taken => disk_bytes(scene, layout))
-      if (disk >= 0 .and. taken > disk) notes = notes//'disk: a run takes '//bytes_text(taken)// &
-        ', and here '//bytes_text(disk)//' are free'//new_line('a')
-    end associate
+    if (disk >= 0 .and. facts%disk > disk) notes = notes//'disk: a run takes '//bytes_text(facts%disk)// &
+      ', and here '//bytes_text(disk)//' are free'//new_line('a')
   end function room_notes
 
   pure function expected_text(seconds) result(text)

@@ -106,6 +106,11 @@ contains
     case ('--overwrite'); command%overwrite = .true.
     case ('--quiet'); command%quiet = .true.
     case ('--max-seconds'); call read_seconds(value, command%max_seconds, error)
+    case ('--json'); command%json = .true.
+    case ('--progress')
+      command%json = value == 'json'
+      if (.not. command%json) call fail(error, status_bad_input, 'beamwave: --progress: '''//shortened(value)// &
+                                        ''' is no way to tell of it; accepted: json')
     case ('--part')
       command%has_part = .true.
       call read_part(value, command%part, error)

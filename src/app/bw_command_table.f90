@@ -41,6 +41,7 @@ module bw_command_table
     real(dp) :: max_seconds = huge(1.0_dp)        !! --max-seconds
     integer :: part(2) = 1                        !! --part: which, and of how many
     logical :: has_part = .false.                 !! it is given
+    logical :: json = .false.                     !! --json, or --progress json
     class(process_group), pointer :: group => null()    !! the processes that were called together
   end type command_type
 
@@ -64,7 +65,9 @@ module bw_command_table
     option_row('--overwrite', '', 'replace results of other scenes or versions'), &
     option_row('--quiet', '', 'print warnings and errors only'), &
     option_row('--max-seconds', 'S', 'stop in order after so long; the same command goes on from there'), &
-    option_row('--part', 'I/N', 'run the cases i = I mod N of a sweep; N such commands share it without MPI')]
+    option_row('--part', 'I/N', 'run the cases i = I mod N of a sweep; N such commands share it without MPI'), &
+    option_row('--progress', 'json', 'say how far it is, and what is wrong, as lines of JSON on standard error'), &
+    option_row('--json', '', 'print one JSON document for programs')]
 
   character(*), parameter :: nl = new_line('a')
 

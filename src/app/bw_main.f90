@@ -23,9 +23,9 @@ contains
     type(command_row) :: rows(7)
     character(*), parameter :: writing = '--output --overwrite --quiet'
     rows = [ &
-      command_row('run', some_scenes, writing//' --max-seconds --part', &
+      command_row('run', some_scenes, writing//' --max-seconds --part --progress', &
                   'run scenes; a directory stands for its *.nml', run_command, shared=.true.), &
-      command_row('check', some_scenes, '--quiet', &
+      command_row('check', some_scenes, '--quiet --json', &
                   'read and validate; say what would be simulated, how, and what it would take', check_command), &
       command_row('accuracy', one_scene, writing, 'measure what accuracy costs on this scene', accuracy_command), &
       command_row('effects', one_scene, writing, &

@@ -12,9 +12,16 @@ module bw_scene_files
   private
   public :: read_and_list
 
+  type, public :: refused_type
+    !! A scene that is not to be run.
+    character(:), allocatable :: file              !! its path, as the user wrote it
+    integer :: status = status_done                !! why
+    character(:), allocatable :: message           !! lines
+  end type refused_type
+
 contains
 
-  subroutine read_and_list(words, aloud, scenes, count, status, tally)
+  subroutine read_and_list(words, aloud, scenes, count, status, tally, refused)
     !! Read all scenes and print what is wrong with the bad ones. None is to be run where two files would write the same result,
     !! or the system lets nothing be run.
     type(string), intent(in) :: words(:)           !! paths, as the user wrote them
@@ -23,44 +30,64 @@ contains
     integer, intent(out) :: count                  !! how many of `scenes` are to be run
     integer, intent(out) :: status                 !! the highest of the errors'
     type(scene_tally), intent(inout), optional :: tally      !! gets how many there are, and how many are wrong
-    type(string), allocatable :: messages(:)
+    type(refused_type), allocatable, intent(out), optional :: refused(:)
+    type(refused_type), allocatable :: bad(:)
     type(error_type), allocatable :: error
     logical :: clash
     integer :: i
-    call read_scenes(words, scenes, count, messages, status, clash)
+    call read_scenes(words, scenes, count, bad, status, clash)
     if (present(tally)) tally%scenes = count
     if (clash) count = 0
     if (count > 0) call prepare_libraries(scenes(1)%file, error)
     if (allocated(error)) then
-      call append(messages, error%message)
+      call refuse(bad, scenes(1)%file, error%status, error%message)
       status = max(status, error%status)
       count = 0
     end if
-    do i = 1, size(messages)
-      if (aloud) call print_warning(messages(i)%text)
+    do i = 1, size(bad)
+      if (aloud) call print_warning(bad(i)%message)
     end do
-    if (.not. present(tally)) return
-    tally%wrong = size(messages)
-    tally%scenes = tally%scenes + tally%wrong
+    if (present(tally)) then
+      tally%wrong = size(bad)
+      tally%scenes = tally%scenes + tally%wrong
+    end if
+    if (present(refused)) call move_alloc(bad, refused)
   end subroutine read_and_list
 
-  subroutine read_scenes(words, scenes, count, messages, status, clash)
+  subroutine refuse(refused, file, status, message)
+    !! Add a scene to those that are not to be run.
+    type(refused_type), allocatable, intent(inout) :: refused(:)
+    character(*), intent(in) :: file, message
+    integer, intent(in) :: status
+    type(refused_type), allocatable :: more(:)
+    integer :: i
+    allocate (more(size(refused) + 1))
+    do i = 1, size(refused)
+      more(i) = refused(i)
+    end do
+    more(size(more))%file = file
+    more(size(more))%status = status
+    more(size(more))%message = message
+    call move_alloc(more, refused)
+  end subroutine refuse
+
+  subroutine read_scenes(words, scenes, count, refused, status, clash)
     !! Read all scenes before any is run.
     type(string), intent(in) :: words(:)                        !! as the user wrote them
     type(scene_type), allocatable, intent(out) :: scenes(:)     !! the first `count` of them are read
     integer, intent(out) :: count
-    type(string), allocatable, intent(out) :: messages(:)       !! one for each bad scene or path
+    type(refused_type), allocatable, intent(out) :: refused(:)  !! one for each bad scene or path
     integer, intent(out) :: status                              !! the highest of the bad ones', or `status_done`
     logical, intent(out) :: clash                               !! two files would write the same result
     integer, allocatable :: clashes(:)
     type(string), allocatable :: paths(:)
     type(error_type), allocatable :: error
     integer :: i
-    allocate (messages(0))
+    allocate (refused(0))
     count = 0
     status = status_done
-    call expand(words, paths, messages)
-    if (size(messages) > 0) status = status_bad_file
+    call expand(words, paths, refused)
+    if (size(refused) > 0) status = status_bad_file
     call drop_repeated(paths)
     allocate (scenes(size(paths)))
     clashes = clashes_of(paths)
@@ -68,13 +95,14 @@ contains
     if (clash) status = max(status, status_bad_input)
     do i = 1, size(paths)
       if (clashes(i) > 0) then
-        call append(messages, paths(i)%text//': has the same name as '//paths(clashes(i))%text//', and both would write '// &
-                    stem(paths(i)%text)//'.nc; accepted: different names, or separate runs')
+        call refuse(refused, paths(i)%text, status_bad_input, paths(i)%text//': has the same name as '// &
+                    paths(clashes(i))%text//', and both would write '//stem(paths(i)%text)// &
+                    '.nc; accepted: different names, or separate runs')
         cycle
       end if
       call read_scene(paths(i)%text, scenes(count + 1), error)
       if (allocated(error)) then
-        call append(messages, error%message)
+        call refuse(refused, paths(i)%text, error%status, error%message)
         status = max(status, error%status)
       else
         count = count + 1
@@ -82,11 +110,11 @@ contains
     end do
   end subroutine read_scenes
 
-  subroutine expand(words, paths, messages)
+  subroutine expand(words, paths, refused)
     !! Paths of files from words, of which each may be a directory that stands for its *.nml.
     type(string), intent(in) :: words(:)
     type(string), allocatable, intent(out) :: paths(:)
-    type(string), allocatable, intent(inout) :: messages(:)
+    type(refused_type), allocatable, intent(inout) :: refused(:)
     type(string), allocatable :: found(:)
     integer :: i, j, problem
     allocate (paths(0))
@@ -94,9 +122,11 @@ contains
       if (directory_is_there(words(i)%text)) then
         problem = files_in(words(i)%text, '.nml', found)
         if (problem /= 0) then
-          call append(messages, words(i)%text//': this directory cannot be listed: '//reason(problem))
+          call refuse(refused, words(i)%text, status_bad_file, &
+                      words(i)%text//': this directory cannot be listed: '//reason(problem))
         else if (size(found) == 0) then
-          call append(messages, words(i)%text//': no scenes in this directory; accepted: files *.nml')
+          call refuse(refused, words(i)%text, status_bad_file, &
+                      words(i)%text//': no scenes in this directory; accepted: files *.nml')
         end if
         do j = 1, size(found)
           call append(paths, without_slash(words(i)%text)//'/'//found(j)%text)

@@ -5,7 +5,7 @@ module bw_scene_tally
   use bw_text, only: lines_of, string, text_of
   implicit none (type, external)
   private
-  public :: warning_kinds
+  public :: warning_kinds, without_case
 
   integer, parameter :: most_reports = 10      !! scenes whose reports are printed in full
 

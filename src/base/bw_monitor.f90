@@ -9,6 +9,7 @@ module bw_monitor
   contains
     procedure(advance_interface), deferred :: advance
     procedure(stop_interface), deferred :: stop_requested
+    procedure :: enter => enter_nothing
   end type monitor_type
 
   abstract interface
@@ -77,6 +78,7 @@ module bw_monitor
   contains
     procedure :: advance => advance_whole
     procedure :: stop_requested => ask_whole
+    procedure :: enter => enter_of_whole
   end type part_monitor
 
 contains
@@ -87,6 +89,21 @@ contains
     stops = .false.
     if (present(monitor)) stops = monitor%stop_requested()
   end function stops
+
+  subroutine enter_nothing(self, stage)
+    !! A stage of the work on a case begins; most monitors do not care which.
+    class(monitor_type), intent(inout) :: self
+    character(*), intent(in) :: stage
+    associate (unused => self, unused_too => stage)
+    end associate
+  end subroutine enter_nothing
+
+  recursive subroutine enter_of_whole(self, stage)      ! as `advance_whole`
+    !! The whole's monitor hears of it.
+    class(part_monitor), intent(inout) :: self
+    character(*), intent(in) :: stage
+    call self%whole%enter(stage)
+  end subroutine enter_of_whole
 
   recursive subroutine advance_whole(self, fraction)    ! the whole may be a part itself
     !! The finished fraction of the part, as a fraction of the whole.

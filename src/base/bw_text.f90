@@ -4,8 +4,8 @@ module bw_text
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: append, fitted, joined, lines_of, lower, percent, printable, replaced, shortened, shortest, string, text_of, &
-    words_of
+  public :: append, fitted, joined, lines_of, lower, percent, printable, read_letter, replaced, shortened, shortest, string, &
+    text_of, words_of
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -276,12 +276,13 @@ contains
     shown = builder%text()
   end function printable
 
-  pure subroutine read_letter(text, length, plain)
+  pure subroutine read_letter(text, length, plain, letter)
     !! The first letter of a text in UTF-8: how many bytes it has, and whether it only shows itself. A byte that begins none is
     !! a letter of its own, and not plain.
     character(*), intent(in) :: text                  !! at least one byte
     integer, intent(out) :: length
     logical, intent(out) :: plain
+    integer, intent(out), optional :: letter          !! its code; of a byte that begins none that byte
     integer, parameter :: least(4) = [0, int(z'80'), int(z'800'), int(z'10000')]      !! code of so many bytes
     integer, parameter :: invisible(2, 9) = reshape([ & ! first and last code: controls, then what formats text and is not seen
       0, 8, 10 + 1, 31, 127, int(z'9F'), int(z'61C'), int(z'61C'), int(z'200B'), int(z'200F'), int(z'2028'), int(z'202E'), &
@@ -302,6 +303,8 @@ contains
     end do
     if (plain) plain = code >= least(length) .and. code <= int(z'10FFFF') .and. (code < int(z'D800') .or. code > int(z'DFFF'))
     if (.not. plain) length = 1
+    if (.not. plain) code = iachar(text(1:1))
+    if (present(letter)) letter = code
     if (plain) plain = .not. any(code >= invisible(1, :) .and. code <= invisible(2, :))
   end subroutine read_letter
 

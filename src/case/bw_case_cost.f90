@@ -267,10 +267,12 @@ contains
   end function case_bytes
 
   type(part_monitor) function stage_part(monitor, part, stage) result(stage_monitor)
-    !! A monitor of one stage of a case.
+    !! A monitor of one stage of a case, which begins.
     class(monitor_type), intent(inout), target :: monitor
     real(dp), intent(in) :: part(:)                !! of `case_shares`
     integer, intent(in) :: stage
+    character(*), parameter :: names(shares) = [character(8) :: 'modes', 'events', 'events', 'response', 'spectrum', 'response']
+    call monitor%enter(trim(names(stage)))
     stage_monitor = part_monitor(monitor, sum(part(:stage - 1)), part(stage))
   end function stage_part
 

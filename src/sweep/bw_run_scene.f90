@@ -23,7 +23,7 @@ module bw_run_scene
   use bw_scene, only: is_loaded, scene_type
   use bw_scene_summary, only: bytes_text, working_bytes
   use bw_stage_report, only: stage_report
-  use bw_stopwatch, only: stage_write, stopwatch
+  use bw_stopwatch, only: stage_words, stage_write, stopwatch
   use bw_unfinished_work, only: unfinished_work
   implicit none (type, external)
   private
@@ -180,6 +180,8 @@ contains
       call work%draft%write_cases()
       call work%draft%file%flush(error)
       call work%draft%put_statuses([1], [result%status])
+      call progress%cases_done(1_i8)
+      call progress%enter(trim(stage_words(stage_write)))
       call finish_draft(work, report, watch, progress, outcome, whole, error, supplement)
     end if
     call progress%end()

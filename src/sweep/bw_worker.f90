@@ -48,6 +48,7 @@ module bw_worker
     logical :: stopped = .false.
   contains
     procedure :: advance
+    procedure :: enter
     procedure :: stop_requested
     procedure :: count_case
     procedure :: look
@@ -173,6 +174,13 @@ contains
     real(dp), intent(in) :: fraction
     call self%progress%advance(fraction)
   end subroutine advance
+
+  subroutine enter(self, stage)
+    !! Pass on which stage of its work the case at hand is in.
+    class(group_monitor), intent(inout) :: self
+    character(*), intent(in) :: stage
+    call self%progress%enter(stage)
+  end subroutine enter
 
   logical function stop_requested(self)
     !! Somebody has stopped: this process asks its progress, and now and then the others. What is put is saved now and then.

@@ -1,0 +1,147 @@
+module bw_check_json
+  !! What `beamwave check --json` prints: one document, with an object for each scene.
+  use bw_json, only: json_list, json_member, json_number, json_text, json_texts
+  use bw_kinds, only: dp, i8
+  use bw_missing, only: missing
+  use bw_modes_par, only: by_tolerance
+  use bw_note, only: is_remark, kind_of, unmarked
+  use bw_result_header, only: source_text
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: effect_names, method_name, scene_type
+  use bw_scene_tally, only: without_case
+  use bw_text, only: append, lines_of, string, words_of
+  implicit none (type, external)
+  private
+  public :: check_document, good_scene, refused_scene
+
+  type, public :: scene_facts
+    !! What is found out about a good scene.
+    integer :: modes = 0                           !! to be summed; 0: only a run tells
+    integer(i8) :: memory = 0, disk = 0            !! bytes that a run takes
+    real(dp) :: seconds = missing                  !! that it takes on one core
+    character(:), allocatable :: notes             !! lines
+  end type scene_facts
+
+  character(*), parameter :: nl = new_line('a')
+
+contains
+
+  function check_document(scenes, status) result(document)
+    !! All that was found out; a line for each scene.
+    type(string), intent(in) :: scenes(:)          !! objects
+    integer, intent(in) :: status                  !! of the command
+    character(:), allocatable :: document
+    type(string) :: rows(size(scenes))
+    integer :: i
+    do i = 1, size(scenes)
+      rows(i)%text = nl//'  '//scenes(i)%text
+    end do
+    document = '{"program": '//json_text(source_text())//json_member('status', json_number(status))// &
+      json_member('scenes', json_list(rows))//'}'//nl
+  end function check_document
+
+  function good_scene(scene, layout, facts) result(object)
+    !! A scene that would run.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(scene_facts), intent(in) :: facts
+    character(:), allocatable :: object, modes, tolerance
+    modes = 'null'
+    tolerance = 'null'
+    if (.not. layout%of_record) then
+      if (by_tolerance(scene%modes)) tolerance = json_number(scene%modes%tolerance)
+      if (facts%modes > 0) modes = json_number(facts%modes)
+    end if
+    object = '{"file": '//json_text(scene%file)//json_member('status', '0')// &
+      json_member('title', json_text(scene%header%title))// &
+      json_member('cases', json_number(max(1, layout%cases)))// &
+      json_member('method', json_text(method_name(scene)))// &
+      json_member('effects', json_texts(effects_of(effect_names(scene))))// &
+      json_member('modes', modes)//json_member('tolerance', tolerance)// &
+      json_member('points', json_number(layout%points))//json_member('samples', json_number(layout%samples))// &
+      json_member('memory_bytes', json_number(facts%memory))//json_member('disk_bytes', json_number(facts%disk))// &
+      json_member('seconds', json_number(facts%seconds))//json_member('errors', '[]')// &
+      json_member('warnings', notes_of(facts%notes, .false.))//json_member('remarks', notes_of(facts%notes, .true.))//'}'
+  end function good_scene
+
+  pure function effects_of(names) result(words)
+    character(*), intent(in) :: names              !! by blanks
+    type(string), allocatable :: words(:)
+    allocate (words(0))
+    if (names /= '') words = words_of(names)
+  end function effects_of
+
+  pure function notes_of(notes, remarks) result(list)
+    !! The warnings among notes, or the remarks.
+    character(*), intent(in) :: notes              !! lines
+    logical, intent(in) :: remarks
+    character(:), allocatable :: list
+    type(string), allocatable :: lines(:), objects(:)
+    integer :: i
+    allocate (objects(0))
+    lines = lines_of(notes)
+    do i = 1, size(lines)
+      if (is_remark(lines(i)%text) .neqv. remarks) cycle
+      call append(objects, '{"kind": '//json_text(kind_of(without_case(lines(i)%text)))// &
+                  json_member('message', json_text(unmarked(lines(i)%text)))//'}')
+    end do
+    list = json_list(objects)
+  end function notes_of
+
+  pure function refused_scene(file, status, message) result(object)
+    !! A scene that cannot be read, or is wrong.
+    character(*), intent(in) :: file
+    integer, intent(in) :: status                  !! 2, 3 or 4
+    character(*), intent(in) :: message            !! all that is wrong, each as `FILE:LINE: group%name: what`
+    character(:), allocatable :: object, rest
+    type(string), allocatable :: objects(:)
+    integer :: last
+    allocate (objects(0))
+    rest = message
+    do
+      last = index(rest, nl//file//':')            ! behind which the next one begins
+      if (last == 0) last = len(rest) + 1
+      call append(objects, error_object(file, rest(:last - 1)))
+      if (last > len(rest)) exit
+      rest = rest(last + 1:)
+    end do
+    object = '{"file": '//json_text(file)//json_member('status', json_number(status))// &
+      json_member('errors', json_list(objects))//json_member('warnings', '[]')//json_member('remarks', '[]')//'}'
+  end function refused_scene
+
+  pure function error_object(file, message) result(object)
+    !! `FILE:LINE: group%name: what` taken apart; what it lacks is null.
+    character(*), intent(in) :: file, message
+    character(:), allocatable :: object
+    character(*), parameter :: digits = '0123456789', letters = 'abcdefghijklmnopqrstuvwxyz_()%&'//digits
+    character(:), allocatable :: group, line, name, what
+    integer :: colon, percent
+    line = 'null'
+    group = 'null'
+    name = 'null'
+    what = message
+    if (index(what, file//':') == 1) what = what(len(file) + 2:)
+    colon = index(what, ':')
+    if (colon > 1) then
+      if (verify(what(:colon - 1), digits) == 0) then
+        line = what(:colon - 1)
+        what = what(colon + 1:)
+      end if
+    end if
+    what = trim(adjustl(what))
+    colon = index(what, ': ')
+    percent = index(what(:max(0, colon - 1)), '%')
+    if (colon > 1 .and. verify(what(:max(0, colon - 1)), letters) == 0 .and. (percent > 1 .or. index(what, '&') == 1)) then
+      if (percent > 1) then
+        group = json_text(what(:percent - 1))
+        name = json_text(what(percent + 1:colon - 1))
+      else
+        group = json_text(what(2:colon - 1))
+      end if
+      what = what(colon + 2:)
+    end if
+    object = '{"line": '//line//json_member('group', group)//json_member('name', name)// &
+      json_member('message', json_text(what))//'}'
+  end function error_object
+
+end module bw_check_json
