@@ -13,7 +13,7 @@ module bw_history_report
   private
   public :: report_histories, report_measured
 
-  integer, parameter :: shown_points = 5, shown_peaks = 10
+  integer, parameter :: shown_points = 5, shown_peaks = 5
 
 contains
 
@@ -28,7 +28,7 @@ contains
       if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
       call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result))
-      table = table_of('|xi|largest|error, about|of it|surely below', '', [-21, 8, 16, 15, 16, 15], &
+      table = table_of('|xi|largest|estimated error|% of peak|proved bound', '', [-21, 8, 16, 17, 12, 15], &
                        [(.true., p=1, 5), allocated(response%displacement_bound)])
       call table%put_head(lines)
       call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, table, &
@@ -82,7 +82,7 @@ contains
       if (peak(p) >= 0.0_dp) cells = '|'//fixed(peak(p))//'|-|-'
       if (present(error) .and. peak(p) == 0.0_dp) cells = '|0'
       if (present(error) .and. peak(p) > 0.0_dp) then
-        cells = '|'//fixed(peak(p))//'|'//shortest(error(p), 2)//'|'//shortest(100.0_dp*part(p), 2)//' %'
+        cells = '|'//fixed(peak(p))//'|'//shortest(error(p), 2)//'|'//shortest(100.0_dp*part(p), 2)
         if (present(bound)) cells = cells//'|'//bound_words(bound(p))
       end if
       call table%put_row(lines, head//'|'//shortest(points(p), 6)//cells)
