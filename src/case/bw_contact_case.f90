@@ -14,6 +14,7 @@ module bw_contact_case
     put_together
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
+  use bw_constants, only: two_pi
   use bw_missing, only: missing
   use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
@@ -139,7 +140,9 @@ contains
       if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
       motion%plan%reached = part_of_peak(run%response, errors)
       if (motion%plan%reached <= scene%modes%tolerance) exit
-      if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
+      if (resolves_contacts(motion, run)) then
+        if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
+      end if
       before = motion%plan%reached
       doubled = 2*counted%modes%before <= most
       counted%modes%before = min(most, 2*counted%modes%before)
@@ -172,6 +175,19 @@ contains
     real(dp), parameter :: share = 1.0e-3_dp, most = 1.0e-9_dp, least = 1.0e-11_dp   ! tuned: below it rounding decides about steps
     tolerance = max(least, min(most, share*wanted_tolerance(scene%modes)))
   end function step_tolerance
+
+  pure logical function resolves_contacts(motion, run) result(resolves)
+    !! The highest mode moves through some periods within the first contact. With fewer modes its force is not known yet, and how errors
+    !! fall says nothing of how they will.
+    type(case_motion), intent(in) :: motion
+    type(run_type), intent(in) :: run
+    real(dp), parameter :: some = 2.0_dp             ! periods
+    resolves = size(run%timeline%events) == 0        ! nothing strikes the beam
+    if (resolves) return
+    associate (first => run%timeline%events(1), square => motion%modes%configuration(alone)%set%beta_squared)
+      resolves = sqrt(abs(square(size(square))%hi))*motion%units%frequency*(first%end_time - first%time) > some*two_pi
+    end associate
+  end function resolves_contacts
 
   pure logical function is_hopeless(reached, before, tolerance, count, most)
     !! Falling on as it did when the number of modes doubled, an error stays above a tolerance up to far more than the most modes.

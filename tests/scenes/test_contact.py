@@ -35,6 +35,19 @@ def test_the_scene_of_input_reaches_its_tolerance_with_few_modes(here):
     assert "velocity_jump" not in ds and "impulse" not in ds
 
 
+def test_a_tolerance_takes_as_many_modes_as_a_short_contact_needs(here):
+    # a light sphere on a long beam before reflections return: K = V = rho A sqrt(2 pi h) = 1, Lambda = m^(4/5) = 0.1
+    beam = {"length": 60.0, "mass_per_length": 1.0, "bending_stiffness": 0.025330295910584444}
+    mass = 0.1**1.25
+    scene = struck({"stiffness": 1.0, "max_contacts": 1}, {"mass": mass, "position": 0.5}, beam=beam)
+    scene["response"] = {"duration": 6.0, "samples": 64, "points": [0.5]}
+    ds = run(here, "long", scene)
+    assert int(ds["mode_count"]) > 256  # 64 do not bend within the contact
+    # the universal table of the infinite beam, in units of m V/T with T = m^0.4
+    assert float(ds["event_force"][0]) == pytest.approx(1.06465 * mass**0.6, rel=1e-4)
+    assert float(ds["event_end"][0] - ds["event_time"][0]) == pytest.approx(3.1783 * mass**0.4, rel=1e-4)
+
+
 def test_a_ball_in_the_plane_of_rotation_leaves_an_inner_place(here):
     scene = struck(impact={"position": 0.7}, rotation={"angular_velocity": 50.0}, modes={"before": 120})
     ds = run(here, "inner", scene)
