@@ -11,7 +11,7 @@ module bw_static_shape
   use bw_kinds, only: dp
   use bw_lapack, only: dgbsvx, dgesv
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
-  use bw_piece_beam, only: joint_position
+  use bw_piece_beam, only: is_held, joint_position
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
@@ -108,6 +108,9 @@ contains
       shape(p, :, :) = right(i + [1, 3, 4], :)
     end do
     if (accelerated) shape(:, deflection, size(shape, 3)) = shape(:, deflection, size(shape, 3)) - 1.0_dp/lambda
+    do p = 1, size(xi)
+      if (is_held(given%beam, xi(p))) shape(p, deflection, :) = 0.0_dp
+    end do
   end function static_shapes
 
   pure subroutine solve(matrix, right)

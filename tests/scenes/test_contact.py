@@ -48,6 +48,15 @@ def test_a_tolerance_takes_as_many_modes_as_a_short_contact_needs(here):
     assert float(ds["event_end"][0] - ds["event_time"][0]) == pytest.approx(3.1783 * mass**0.4, rel=1e-4)
 
 
+def test_a_clamped_root_rests_and_has_no_error(here):
+    scene = struck(rotation={"angular_velocity": 30.0}, damping={"ratio": 0.01}, modes={"before": 20})
+    scene["response"]["points"] = [0.0, 1.0]
+    ds = run(here, "root", scene)
+    assert not ds["displacement"][0].values.any()
+    root, tip = ds["displacement_error"].values
+    assert root <= 1e-9 * float(np.abs(ds["displacement"]).max()) < tip  # rounding, and the modes that are left out
+
+
 def test_a_ball_in_the_plane_of_rotation_leaves_an_inner_place(here):
     scene = struck(impact={"position": 0.7}, rotation={"angular_velocity": 50.0}, modes={"before": 120})
     ds = run(here, "inner", scene)
