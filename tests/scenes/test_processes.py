@@ -68,7 +68,7 @@ def test_any_number_of_processes_gives_the_same_bits(processes, alone, number):
 def test_only_one_process_speaks(processes):
     here = processes(3)
     assert here.beamwave("--version").stdout.count("compiler") == 1
-    assert here.beamwave("describe", "beam").stdout.count("&beam") == 1
+    assert here.beamwave("describe", "beam").stdout.count("## &beam") == 1
     here.write("bad.nml", "&beam length = -1 /\n")
     ended = here.beamwave("run", "bad.nml")
     assert ended.returncode == 2

@@ -50,9 +50,9 @@ module bw_modes_par
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
-               excludes='before after', meaning='largest error of the displacement over its peak; sets the counts'), &
+               excludes='before after', meaning='largest error of the displacement over its peak; sets counts'), &
     input_name('modes', 'modal_model', logical_input, default='.false.', &
-               meaning='the modal model too, which `beamwave-export` hands to other programs')]
+               meaning='the modal model too, for `beamwave-export`')]
 
 contains
 
