@@ -244,7 +244,7 @@ def test_units_of_time_exclude_a_rate(tmp_path, capsys):
 def test_files_of_a_mapping_are_looked_for_from_here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "elsewhere").mkdir()
-    path = _scene_file({"record": {"file": "a.nc", "time": 1}, "spectrum": {}}, tmp_path / "elsewhere")
+    path = _scene_file({"record": {"file": "a.nc", "time": 1}, "spectrum": {}}, tmp_path / "elsewhere", "scene")
     assert f"file = '{tmp_path / 'a.nc'}'" in path.read_text()
 
 
