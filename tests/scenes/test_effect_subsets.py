@@ -22,7 +22,7 @@ SAMPLES = {  # each effect group's variants; of one that is not here that of a s
     "body": [{"position": 0.6, "mass_ratio": 0.1, "rotary_inertia": 1e-3}],
 }
 TOGETHER = ("support", "body", "tip_support")
-EVERY = 11  # of the scenes with a support, a body and a held tip, which stand together here, or with loads, one in so many is run
+EVERY = 23  # of the scenes with a support, a body and a held tip, which stand together here, or with loads, one in so many is run
 
 
 def known_groups(here):
