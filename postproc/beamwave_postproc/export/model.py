@@ -41,7 +41,7 @@ class ModalModel:
     residual: dict[str, np.ndarray]  # what all other modes add under a force of 1 N, by quantity
     base_residual: dict[str, np.ndarray]  # and under an acceleration of the base by 1 m/s²
     moving_mass: float  # of beam and bodies, kg
-    initial_velocity: np.ndarray  # q̇ just after the last event at t = 0, m/s
+    initial_velocity: np.ndarray  # q̇ just after the last event at t = 0, m/s; NaN with `&initial` and bodies that come or leave
 
     @property
     def angular_frequency(self) -> np.ndarray:
@@ -99,7 +99,7 @@ def modal_model(ds: xr.Dataset, case: int | None = None) -> ModalModel:
         residual={what: one[name].transpose("point", "point_too").values for what, name in zip(quantities, by_force)},
         base_residual={what: one[name].values for what, name in zip(quantities, by_base)},
         moving_mass=float(one.moving_mass),
-        initial_velocity=np.where(np.isfinite(velocity), velocity, 0.0),
+        initial_velocity=np.full(count, np.nan) if "configuration" in ds.dims else np.where(np.isfinite(velocity), velocity, 0.0),
     )
 
 

@@ -114,6 +114,13 @@ def test_a_blow_is_its_initial_state(more):
         agree(ds, histories, quantity)
 
 
+def test_a_motion_that_begins_otherwise_has_no_initial_state():
+    scene = {"beam": BEAM, "modes": {"before": 8, "modal_model": True}, "response": {"duration": 0.1, "samples": 64}}
+    for begins in ({"initial": {"force": 100.0}}, {"body": {"position": 1.0, "mass": 1.0, "from": 0.0, "velocity": 1.0}}):
+        space = state_space(modal_model(run({**scene, **begins})))
+        assert np.isnan(space.initial_state[space.initial_state.size // 2 :]).all() and np.isfinite(space.a).all()
+
+
 def test_a_case_of_a_sweep_is_itself():
     sweep = {"parameter": "rotation%angular_velocity", "values": [0.0, 30.0]}
     scene = {"beam": BEAM, "rotation": {"angular_velocity": 0.0}, "force": FORCE, "response": RESPONSE, "modes": MODES}
