@@ -171,13 +171,26 @@ def _value(value: Any) -> str:
     return repr(value.item() if isinstance(value, np.generic) else value)
 
 
+WITH_FILES = (("record", "file"), ("design", "file"), ("force", "file"), ("base", "file"), ("identify", "with"))
+
+
 def _with_paths(groups: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The same with files of a record as they are found from here, since the scene will lie elsewhere."""
-    if "record" not in groups:
-        return groups
-    files = groups["record"].get("file", [])
-    files = [files] if isinstance(files, (str, Path)) else files
-    return {**groups, "record": {**groups["record"], "file": [str(Path(file).absolute()) for file in files]}}
+    """The same with all files as they are found from here, since the scene will lie elsewhere."""
+    placed = dict(groups)
+    for group, name in WITH_FILES:
+        if group not in groups:
+            continue
+        several = groups[group] if isinstance(groups[group], (list, tuple)) else [groups[group]]
+        several = [{**one, name: _placed(one[name])} if one and name in one else one for one in several]
+        placed[group] = several if isinstance(groups[group], (list, tuple)) else several[0]
+    return placed
+
+
+def _placed(files: Any) -> Any:
+    """One path, or several, from the root."""
+    if isinstance(files, (str, Path)):
+        return str(Path(files).absolute())
+    return [str(Path(file).absolute()) for file in files]
 
 
 def _scene_file(scene: Scene, scratch: Path, name: str) -> Path:

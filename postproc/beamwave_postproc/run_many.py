@@ -53,8 +53,8 @@ def run_many(
     if errors not in ("raise", "return"):
         raise ValueError(f"errors is {errors!r}; accepted: 'raise' or 'return'")
     processes = _cores() if processes is None else processes
-    if processes < 1:
-        raise ValueError(f"processes is {processes}; accepted: 1 or more")
+    if not isinstance(processes, int) or processes < 1:
+        raise ValueError(f"processes is {processes!r}; accepted: a whole number from 1 on")
     names = [f"scene_{number}" if is_text(scene) else Path(scene).stem for number, scene in enumerate(scenes, 1)]
     twice = [name for name, count in Counter(names).items() if count > 1]
     if output is not None and twice:

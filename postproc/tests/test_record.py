@@ -246,6 +246,9 @@ def test_files_of_a_mapping_are_looked_for_from_here(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     path = _scene_file({"record": {"file": "a.nc", "time": 1}, "spectrum": {}}, tmp_path / "elsewhere", "scene")
     assert f"file = '{tmp_path / 'a.nc'}'" in path.read_text()
+    groups = {"design": {"file": "t.csv"}, "force": [{"file": "f.csv"}, {"amplitude": 1}], "identify": {"with": ["b.nml"]}}
+    text = _scene_file(groups, tmp_path / "elsewhere", "scene").read_text()
+    assert all(str(tmp_path / name) in text for name in ("t.csv", "f.csv", "b.nml"))
 
 
 def test_the_program_reads_what_was_written(tmp_path):

@@ -40,6 +40,7 @@ contains
     integer, intent(in) :: line               !! 0 for something absent: `FILE: place: what`
     character(*), intent(in) :: place         !! `group%name` or `&group`
     character(*), intent(in) :: what          !! what is wrong, and what would be accepted
+    if (.not. allocated(self%file)) self%file = ''   ! of a list that is only counted
     self%count = self%count + 1
     self%cut = self%count > most_messages
     if (self%cut) return
