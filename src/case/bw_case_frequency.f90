@@ -60,10 +60,11 @@ contains
     complex(dp), allocatable :: factor(:)
     allocate (answer)
     pieces = pieces_of(scene, units, allocated(scene%capture))
-    if (junctions > 0) call scatter(pieces%beam, two_pi*scene%frequency_response%frequency*units%time%hi, junctions, answer)
+    omega = two_pi*scene%frequency_response%frequency*units%time%hi
+    if (junctions > 0) call scatter(pieces%beam, omega, junctions, monitor, answer)
+    if (monitor%stop_requested()) return
     call in_uniform_parts(pieces)                    ! where it tapers
     associate (asked => scene%frequency_response)
-      omega = two_pi*asked%frequency*units%time%hi
       call forced%place(pieces%beam, asked%position, asked%points)
       allocate (answer%value(size(omega), size(asked%points)))
       factor = factors_of(asked%quantity, two_pi*asked%frequency, units%time%hi**2/units%mass)
@@ -78,11 +79,12 @@ contains
     if (allocated(answer%error)) call judge_error(answer, notes, status)
   end subroutine find_frequency_response
 
-  pure subroutine scatter(beam, omega, junctions, answer)
-    !! What bodies and steps do to waves.
+  subroutine scatter(beam, omega, junctions, monitor, answer)
+    !! The shares of a wave's power that bodies and steps transmit and reflect.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: omega(:)                 !! in h/l²
     integer, intent(in) :: junctions                 !! room for them
+    class(monitor_type), intent(inout) :: monitor    !! the shares mean nothing where it asks to stop
     type(answer_type), intent(inout) :: answer
     type(dd) :: place
     integer, allocatable :: joints(:)
@@ -94,6 +96,9 @@ contains
       place = joint_position(beam, joints(i))
       answer%junction(i) = place%hi
       do j = 1, size(omega)
+        if (mod(j, at_once) == 0) then
+          if (monitor%stop_requested()) return
+        end if
         call find_scattered(beam, joints(i), omega(j)**2, answer%transmitted(j, i), answer%reflected(j, i))
       end do
     end do
