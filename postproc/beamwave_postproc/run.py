@@ -171,19 +171,21 @@ def _value(value: Any) -> str:
     return repr(value.item() if isinstance(value, np.generic) else value)
 
 
-WITH_FILES = (("record", "file"), ("design", "file"), ("force", "file"), ("base", "file"), ("identify", "with"))
+WITH_FILES = {"record": "file", "design": "file", "force": "file", "base": "file", "identify": "with"}
 
 
 def _with_paths(groups: Mapping[str, Any]) -> Mapping[str, Any]:
     """The same with all files as they are found from here, since the scene will lie elsewhere."""
-    placed = dict(groups)
-    for group, name in WITH_FILES:
-        if group not in groups:
-            continue
-        several = groups[group] if isinstance(groups[group], (list, tuple)) else [groups[group]]
-        several = [{**one, name: _placed(one[name])} if one and name in one else one for one in several]
-        placed[group] = several if isinstance(groups[group], (list, tuple)) else several[0]
-    return placed
+    return {group: _placed_in(value, WITH_FILES.get(str(group).lower())) for group, value in groups.items()}
+
+
+def _placed_in(group: Any, holder: str | None) -> Any:
+    """A group, or a list of several, whose name `holder` holds files as they are found from here; None: it has none."""
+    if isinstance(group, (list, tuple)):
+        return [_placed_in(one, holder) for one in group]
+    if holder is None or not group:
+        return group
+    return {name: _placed(value) if str(name).lower() == holder else value for name, value in group.items()}
 
 
 def _placed(files: Any) -> Any:
@@ -195,7 +197,7 @@ def _placed(files: Any) -> Any:
 
 def _scene_file(scene: Scene, scratch: Path, name: str) -> Path:
     """Path of the scene: as given, or a file of its text in `scratch`, of this name; raises as `run` does."""
-    if not isinstance(scene, (str, os.PathLike, Mapping)):
+    if not is_scene(scene):
         raise TypeError(f"a scene is a path, a text or a mapping of groups, and no {type(scene).__name__}")
     text = namelist(_with_paths(scene)) if isinstance(scene, Mapping) else scene
     if not str(text).strip():
@@ -210,6 +212,11 @@ def _scene_file(scene: Scene, scratch: Path, name: str) -> Path:
     if not path.exists():
         raise FileNotFoundError(errno.ENOENT, "no such scene", str(path))
     return path
+
+
+def is_scene(scene: object) -> bool:
+    """Whether it is of one of the types that `run` accepts."""
+    return isinstance(scene, (str, os.PathLike, Mapping))
 
 
 def is_text(scene: Scene) -> bool:

@@ -14,7 +14,7 @@ from typing import Callable, Literal, Union
 
 import xarray as xr
 
-from .run import STREAMS, RunFailed, Scene, call_program, check_output, find_program, is_text
+from .run import STREAMS, RunFailed, Scene, call_program, check_output, find_program, is_scene, is_text
 
 STOPPED = 5  # exit status of a run that was stopped in order
 Progress = Callable[[int, int], object]
@@ -45,10 +45,11 @@ def run_many(
     Ctrl-C, or an exception of `progress`, stops all runs in order, and is raised when they have ended; where `output`
     is given, what is finished of sweeps is saved. A second Ctrl-C ends them at once.
 
-    Raises `ValueError` for `processes` below 1, for scenes that would write the same file into `output`, and for
-    another word than these two for `errors`, and `FileNotFoundError` without a program, all before anything is run.
+    Raises `ValueError` for what is no list of scenes, for `processes` below 1, for scenes that would write the same file into
+    `output`, and for another word than these two for `errors`, and `FileNotFoundError` without a program, all before
+    anything is run.
     """
-    scenes = list(scenes)
+    scenes = _listed(scenes)
     check_output(output)
     if errors not in ("raise", "return"):
         raise ValueError(f"errors is {errors!r}; accepted: 'raise' or 'return'")
@@ -75,6 +76,17 @@ def run_many(
             _wait_for(futures, crew)
             raise
     return _results(futures, errors)
+
+
+def _listed(scenes: Iterable[Scene]) -> list[Scene]:
+    """The scenes as a list; raises `ValueError` where they are one scene, or one of them is none."""
+    if is_scene(scenes) or not isinstance(scenes, Iterable):
+        raise ValueError(f"scenes is a {type(scenes).__name__}; accepted: a list of scenes, of one as of many")
+    listed = list(scenes)
+    for number, scene in enumerate(listed, 1):
+        if not is_scene(scene):
+            raise ValueError(f"scene {number} is a {type(scene).__name__}; accepted: a path, a text or a mapping of groups")
+    return listed
 
 
 def _cores() -> int:

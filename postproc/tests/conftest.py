@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 import synthetic
 
+from beamwave_postproc.run import find_program
+
 PAPER_SWEEPS = {
     "fig2": ({}, {"rotation_angular_velocity": [0.0, 50.0, 100.0]}),
     "fig3": ({}, {"modes_before": [5, 10, 20, 50]}),
@@ -29,6 +31,28 @@ def pytest_addoption(parser):
         help="directory of results made by the program, for the tests of the xarray idioms "
         "(default: $BEAMWAVE_RESULTS, else synthetic files)",
     )
+
+
+@pytest.fixture(scope="session")
+def beamwave():
+    """Path of the program, where it is built; elsewhere what needs it is skipped."""
+    try:
+        return str(Path(find_program()).absolute())
+    except FileNotFoundError:
+        pytest.skip("the program is not built")
+
+
+@pytest.fixture(scope="session")
+def stand_in():
+    """Makes a program `beamwave` in a directory that does what a script says; returns its path."""
+
+    def make(directory, script):
+        path = directory / "beamwave"
+        path.write_text(f"#!/bin/sh\n{script}\n")
+        path.chmod(0o755)
+        return path
+
+    return make
 
 
 @pytest.fixture(scope="session")

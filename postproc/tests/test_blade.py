@@ -8,7 +8,6 @@ import scipy.linalg
 
 from beamwave_postproc import run
 from beamwave_postproc.blade import NotABlade, blade_scene, main, read_blade
-from beamwave_postproc.run import find_program
 
 FRACTION = np.array([0.0, 0.1, 0.3, 0.6, 0.85, 1.0])
 MASS = np.array([700.0, 450.0, 380.0, 250.0, 120.0, 30.0])
@@ -78,15 +77,6 @@ def element_frequencies(stiffness, omega=0.0, in_plane=False, parts=40):
     # The reciprocal problem, whose largest values are the lowest modes: these keep their digits on a fine mesh.
     reciprocal = scipy.linalg.eigh(inertia[2:, 2:], stiff[2:, 2:], eigvals_only=True)
     return 1 / np.sqrt(reciprocal[::-1][:3])
-
-
-@pytest.fixture
-def beamwave():
-    """The program, where it is built; elsewhere what needs it is skipped."""
-    try:
-        return find_program()
-    except FileNotFoundError:
-        pytest.skip("the program is not built")
 
 
 @pytest.mark.parametrize("direction", ["flap", "edge"])

@@ -9,7 +9,7 @@ import scipy.io.wavfile
 import xarray as xr
 
 from beamwave_postproc.record import NotARecord, Wanted, cli, read_channels
-from beamwave_postproc.run import _scene_file, find_program
+from beamwave_postproc.run import _scene_file
 
 RATE, SAMPLES = 2048.0, 300
 TIMES = np.arange(SAMPLES) / RATE
@@ -246,16 +246,12 @@ def test_files_of_a_mapping_are_looked_for_from_here(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     path = _scene_file({"record": {"file": "a.nc", "time": 1}, "spectrum": {}}, tmp_path / "elsewhere", "scene")
     assert f"file = '{tmp_path / 'a.nc'}'" in path.read_text()
-    groups = {"design": {"file": "t.csv"}, "force": [{"file": "f.csv"}, {"amplitude": 1}], "identify": {"with": ["b.nml"]}}
+    groups = {"Design": {"FILE": "t.csv"}, "force": [{"file": "f.csv"}, {"amplitude": 1}], "identify": {"with": ["b.nml"]}}
     text = _scene_file(groups, tmp_path / "elsewhere", "scene").read_text()
     assert all(str(tmp_path / name) in text for name in ("t.csv", "f.csv", "b.nml"))
 
 
-def test_the_program_reads_what_was_written(tmp_path):
-    try:
-        beamwave = find_program()
-    except FileNotFoundError:
-        pytest.skip("no program")
+def test_the_program_reads_what_was_written(beamwave, tmp_path):
     path = tmp_path / "acc.npy"
     np.save(path, HISTORIES)
     converted(path, "--sample-rate", "2048", "--unit", "m/s^2", "--quantity", "acceleration", "--points", "0.5", "1")

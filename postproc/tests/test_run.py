@@ -1,7 +1,6 @@
 """`run(scene)`: the program is found and called, its result opened, its refusals raised."""
 
 import os
-import stat
 import warnings
 from pathlib import Path
 
@@ -19,23 +18,6 @@ PAPER = {
     "capture": {},
     "modes": {"before": 3, "after": 3},
 }
-
-
-@pytest.fixture
-def beamwave():
-    """The program, where it is built; elsewhere what needs it is skipped."""
-    try:
-        return find_program()
-    except FileNotFoundError:
-        pytest.skip("the program is not built")
-
-
-def stand_in(directory, script):
-    """A program that does what `script` says."""
-    path = directory / "beamwave"
-    path.write_text(f"#!/bin/sh\n{script}\n")
-    path.chmod(path.stat().st_mode | stat.S_IXUSR)
-    return path
 
 
 def test_groups_become_a_namelist_that_reads_back(tmp_path):
@@ -90,7 +72,7 @@ def test_the_result_is_kept_where_told(beamwave, tmp_path):
         ),
     ],
 )
-def test_what_is_no_scene_runs_nothing(tmp_path, monkeypatch, scene, error):
+def test_what_is_no_scene_runs_nothing(tmp_path, monkeypatch, scene, error, stand_in):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "R&D").mkdir()
     (tmp_path / "a.nml").write_text(namelist(PAPER))
@@ -137,18 +119,23 @@ def test_numbers_that_cannot_be_trusted_are_a_warning(beamwave):
         assert int(run(scene, program=beamwave)["case_status"]) != 0
 
 
-def answering(directory, source, status, said):
-    """A program that leaves the result `source` where it is told, writes `said`, and ends with `status`."""
-    told = "".join(f"echo '{line}' >&2\n" for line in said)
-    return stand_in(directory, f'mkdir -p "$4"\ncp "{source}" "$4/scene.nc"\n{told}exit {status}')
+@pytest.fixture
+def answering(stand_in, tmp_path, full_result):
+    """Makes a program that leaves a result where it is told, writes lines to standard error, and ends with a status."""
+
+    def make(status, said):
+        told = "".join(f"echo '{line}' >&2\n" for line in said)
+        return stand_in(tmp_path, f'mkdir -p "$4"\ncp "{full_result}" "$4/scene.nc"\n{told}exit {status}')
+
+    return make
 
 
 @pytest.mark.parametrize(("status", "kinds"), [(0, [ProgramWarning] * 2), (4, [Untrusted])])
-def test_what_the_program_warns_of_is_a_warning_in_python(tmp_path, full_result, status, kinds):
+def test_what_the_program_warns_of_is_a_warning_in_python(answering, status, kinds):
     said = ["a scene.nml: warning: large deflection: 2: much", "b.nml: warning: aliasing", "as its second line says"]
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        run(PAPER, program=answering(tmp_path, full_result, status, said))
+        run(PAPER, program=answering(status, said))
     assert [warning.category for warning in caught] == kinds
     assert "\n".join(str(warning.message) for warning in caught) == (
         "large deflection: 2: much\naliasing\nas its second line says"
@@ -156,10 +143,10 @@ def test_what_the_program_warns_of_is_a_warning_in_python(tmp_path, full_result,
     assert {Path(warning.filename) for warning in caught} == {Path(__file__)}
 
 
-def test_a_run_without_a_warning_is_silent(tmp_path, full_result):
+def test_a_run_without_a_warning_is_silent(answering):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        run(PAPER, program=answering(tmp_path, full_result, 0, []))
+        run(PAPER, program=answering(0, []))
 
 
 def test_the_program_s_own_warnings_arrive(beamwave):
@@ -168,7 +155,7 @@ def test_the_program_s_own_warnings_arrive(beamwave):
         run(fast, program=beamwave)
 
 
-def test_the_program_is_looked_for_where_the_documents_say(tmp_path, monkeypatch):
+def test_the_program_is_looked_for_where_the_documents_say(tmp_path, monkeypatch, stand_in):
     own, on_path, by_name = (tmp_path / name for name in ("own", "on_path", "by_name"))
     for directory in (own, on_path, by_name):
         directory.mkdir()
@@ -184,7 +171,7 @@ def test_the_program_is_looked_for_where_the_documents_say(tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize("way", ["package", "environment", "directory"])
-def test_the_program_built_in_the_checkout_is_found(tmp_path, monkeypatch, way):
+def test_the_program_built_in_the_checkout_is_found(tmp_path, monkeypatch, way, stand_in):
     checkout, elsewhere = tmp_path / "a checkout", tmp_path / "elsewhere"
     package = checkout / "postproc" / "beamwave_postproc"
     installed = elsewhere / "site-packages" / "beamwave_postproc"
@@ -207,14 +194,14 @@ def test_the_program_built_in_the_checkout_is_found(tmp_path, monkeypatch, way):
         find_program()
 
 
-def test_a_stopped_run_is_raised_with_its_status(tmp_path):
+def test_a_stopped_run_is_raised_with_its_status(tmp_path, stand_in):
     program = stand_in(tmp_path, "echo 'stopped in order' >&2; exit 5")
     with pytest.raises(RunFailed, match="stopped in order") as failure:
         run(PAPER, program=program)
     assert failure.value.status == 5
 
 
-def test_nothing_is_left_in_the_temporary_directory(tmp_path, monkeypatch):
+def test_nothing_is_left_in_the_temporary_directory(tmp_path, monkeypatch, stand_in):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "scratch"))
     Path(tmp_path / "scratch").mkdir()
     with pytest.raises(RunFailed):

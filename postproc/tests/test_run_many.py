@@ -2,7 +2,6 @@
 
 import os
 import signal
-import stat
 import subprocess
 import sys
 import time
@@ -11,29 +10,12 @@ from pathlib import Path
 import pytest
 
 from beamwave_postproc import RunFailed, Untrusted, run, run_many
-from beamwave_postproc.run import find_program
 
 BEAM = {"length": 1.0, "diameter": 0.037, "density": 7870.0, "youngs_modulus": 2.0e11}
 
 
 def scene(length=1.0, modes=3):
     return {"beam": {**BEAM, "length": length}, "modes": {"before": modes}}
-
-
-@pytest.fixture
-def beamwave():
-    try:
-        return find_program()
-    except FileNotFoundError:
-        pytest.skip("the program is not built")
-
-
-def stand_in(directory, script):
-    """A program that does what `script` says."""
-    path = directory / "stand-in"
-    path.write_text(f"#!/bin/sh\n{script}\n")
-    path.chmod(path.stat().st_mode | stat.S_IXUSR)
-    return path
 
 
 def test_results_are_those_of_single_runs_in_the_order_of_the_scenes(beamwave):
@@ -60,7 +42,7 @@ def test_failures_can_be_values(beamwave):
     assert isinstance(bad, RunFailed) and isinstance(missing, FileNotFoundError)
 
 
-def test_no_more_run_at_once_than_were_asked_for(tmp_path):
+def test_no_more_run_at_once_than_were_asked_for(tmp_path, stand_in):
     log = tmp_path / "log"
     program = stand_in(tmp_path, f'echo + >> "{log}"; sleep 0.3; echo - >> "{log}"; exit 3')
     run_many([scene()] * 6, 2, program=program, errors="return")
@@ -90,14 +72,31 @@ def test_warnings_come_in_the_order_of_the_scenes(tmp_path, beamwave):
 
 
 @pytest.mark.parametrize("wrong", [{"processes": 0}, {"errors": "ignore"}, {"output": ""}])
-def test_wrong_arguments_are_refused_before_anything_runs(wrong, tmp_path):
+def test_wrong_arguments_are_refused_before_anything_runs(wrong, tmp_path, stand_in):
     program = stand_in(tmp_path, f'touch "{tmp_path}/ran"')
     with pytest.raises(ValueError):
         run_many([scene()], program=program, **wrong)
     assert not (tmp_path / "ran").exists()
 
 
-def test_scenes_of_one_name_are_refused_where_they_would_write_one_file(tmp_path):
+@pytest.mark.parametrize(
+    ("scenes", "said"),
+    [
+        ([None], "scene 1 is a NoneType; accepted: a path"),
+        ([scene(), 3.0], "scene 2 is a float; accepted: a path"),
+        ("a.nml", "scenes is a str; accepted: a list of scenes"),
+        (scene(), "scenes is a dict; accepted: a list of scenes"),
+        (None, "scenes is a NoneType; accepted: a list of scenes"),
+    ],
+)
+def test_what_is_no_list_of_scenes_is_refused_before_anything_runs(scenes, said, tmp_path, stand_in):
+    program = stand_in(tmp_path, f'touch "{tmp_path}/ran"')
+    with pytest.raises(ValueError, match=said):
+        run_many(scenes, program=program, errors="return")
+    assert not (tmp_path / "ran").exists()
+
+
+def test_scenes_of_one_name_are_refused_where_they_would_write_one_file(tmp_path, stand_in):
     program = stand_in(tmp_path, f'touch "{tmp_path}/ran"')
     with pytest.raises(ValueError, match=r"a$"):
         run_many([Path("x/a.nml"), Path("y/a.nml")], output=tmp_path, program=program)
@@ -108,7 +107,7 @@ def test_no_scenes_have_no_results(beamwave):
     assert run_many([]) == []
 
 
-def test_an_exception_of_progress_stops_all_in_order(tmp_path):
+def test_an_exception_of_progress_stops_all_in_order(tmp_path, stand_in):
     program = stand_in(tmp_path, 'trap "exit 5" TERM; case $3 in *) sleep 0.1 & wait; esac; exit 3')
 
     def give_up(done, total):

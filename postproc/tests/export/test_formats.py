@@ -8,7 +8,6 @@ import xarray as xr
 
 from beamwave_postproc import modal_model, run, state_space
 from beamwave_postproc.export.cli import main
-from beamwave_postproc.run import find_program
 
 pytestmark = pytest.mark.filterwarnings("ignore::beamwave_postproc.ProgramWarning")
 BEAM = {"length": 1.2, "diameter": 0.03, "density": 7800.0, "youngs_modulus": 2.0e11}
@@ -22,18 +21,14 @@ SCENE = {
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory):
+def results(beamwave, tmp_path_factory):
     """Makes a result of a scene, by its name."""
-    try:
-        find_program()
-    except FileNotFoundError:
-        pytest.skip("the program is not built")
     directory = tmp_path_factory.mktemp("results")
 
     def make(name, scene):
         path = directory / f"{name}.nc"
         if not path.exists():
-            run(scene, directory).close()
+            run(scene, directory, program=beamwave).close()
             (directory / "scene.nc").rename(path)
         return path
 

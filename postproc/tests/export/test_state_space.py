@@ -6,7 +6,6 @@ from scipy.signal import StateSpace as Lti
 from scipy.signal import lsim
 
 from beamwave_postproc import modal_model, run, state_space
-from beamwave_postproc.run import find_program
 
 BEAM = {"length": 1.2, "diameter": 0.03, "density": 7800.0, "youngs_modulus": 2.0e11}
 # linear between samples, as lsim takes inputs: a triangle whose corners are samples
@@ -48,12 +47,7 @@ BEAMS = {
 }
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _program():
-    try:
-        find_program()
-    except FileNotFoundError:
-        pytest.skip("the program is not built")
+pytestmark = pytest.mark.usefixtures("beamwave")
 
 
 def triangle(time, load):
