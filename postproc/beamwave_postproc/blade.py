@@ -11,7 +11,7 @@ from pathlib import Path
 
 from .run import namelist
 from .terminal import Refusal, Words, printable
-from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool
+from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command
 
 LEAST_ANGLE = 0.01  # degrees that count as none: two decimals are what these files write
 MOST_STATIONS = 1001  # that `&beam` takes
@@ -182,35 +182,28 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the scene; 0, or 2 for wrong words, or 3 if the file has no such scene, or cannot be read or written."""
-    given = parser().parse_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: _run(given, tool))
+    return command(parser(), _run, argv)
 
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
-    problem = _problem(given)
-    if problem:
-        tool.complain(problem)
-        return EXIT_USAGE
-    if not tool.make_directory(given.output):
-        return EXIT_FILE
+    _check(given)
     directory = given.output or given.file.parent
+    directory.mkdir(parents=True, exist_ok=True)
     return tool.each([given.file], directory, lambda: _convert(given, directory, tool))
 
 
-def _problem(given: argparse.Namespace) -> str:
-    """What is wrong with the words; empty if nothing is."""
+def _check(given: argparse.Namespace) -> None:
+    """Raise `WrongWords` where a word is out of range; completes the blade's length."""
     if (given.length is None) == (given.tip_radius is None):
-        return "the file does not hold the blade's length; accepted: --length or --tip-radius"
+        raise WrongWords("the file does not hold the blade's length; accepted: --length or --tip-radius")
     if not 0 <= given.hub_radius < math.inf:
-        return f"--hub-radius is {given.hub_radius:g}; accepted: 0 or above"
+        raise WrongWords(f"--hub-radius is {given.hub_radius:g}; accepted: 0 or above")
     if given.length is None:
         given.length = given.tip_radius - given.hub_radius
     if not 0 < given.length < math.inf:
-        return f"the blade's length is {given.length:g} m; accepted: above 0"
+        raise WrongWords(f"the blade's length is {given.length:g} m; accepted: above 0")
     if not (math.isfinite(given.rpm) and math.isfinite(given.pitch)):
-        return "--rpm and --pitch; accepted: finite numbers"
-    return ""
+        raise WrongWords("--rpm and --pitch; accepted: finite numbers")
 
 
 def _convert(given: argparse.Namespace, directory: Path, tool: Tool) -> int:

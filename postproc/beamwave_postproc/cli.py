@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .files import FORMATS, Wish, compare_files, draw_file, film_file, name_pictures, page_file
 from .kinds import KINDS
 from .terminal import Words
-from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool
+from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command, refuse_repeated
 
 MM = 1.0 / 25.4  # inches
 LEAST, MOST = 1.5, 60.0  # inches, of a side of a picture
@@ -55,51 +54,44 @@ def size_of(text: str) -> tuple[float, float]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the pictures of each file, or its page; 0, or 2 for wrong words, or 3 if any could not be drawn."""
-    given = parser().parse_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: _run(given, tool))
+    return command(parser(), _run, argv)
 
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     """Draw what was asked for; the highest exit status of any file."""
     given.only = [name for names in given.only for name in names.split(",") if name]
-    files, empty = results_in(given.files)
-    for directory in empty:
-        tool.complain(f"{directory}: a directory without a result (*.nc)")
-    problem = _problem(given, files)
-    if problem:
-        tool.complain(problem)
-        return EXIT_USAGE
-    if not tool.make_directory(given.output):
-        return EXIT_FILE
-    return max([EXIT_FILE if empty else EXIT_DONE, *_drawn(given, tool, files)])
+    files, status = results_in(given, tool)
+    _check(given, files)
+    if given.output is not None:
+        if not given.compare:
+            refuse_repeated(files)
+        given.output.mkdir(parents=True, exist_ok=True)
+    return max([status, *_drawn(given, tool, files)])
 
 
-def results_in(paths: Sequence[Path]) -> tuple[list[Path], list[Path]]:
-    """The files that `paths` stand for, and those directories that hold no result."""
+def results_in(given: argparse.Namespace, tool: Tool) -> tuple[list[Path], int]:
+    """The results that the words stand for; the exit status is 3 where a directory is without one, which is said."""
     files: list[Path] = []
-    empty = []
-    for path in paths:
+    status = EXIT_DONE
+    for path in given.files:
         found = sorted(path.glob("*.nc")) if path.is_dir() else [path]
         files += found
-        empty += [] if found else [path]
-    return files, empty
+        if not found:
+            tool.complain(f"{path}: a directory without a result (*.nc)")
+            status = EXIT_FILE
+    return files, status
 
 
-def _problem(given: argparse.Namespace, files: list[Path]) -> str:
-    """What is wrong with the words; empty if nothing is."""
+def _check(given: argparse.Namespace, files: list[Path]) -> None:
+    """Raise `WrongWords` where words exclude each other."""
     if given.compare and len(files) != 2:
-        return f"--compare lays two results over each other; {len(files)} are given"
+        raise WrongWords(f"--compare lays two results over each other; {len(files)} are given")
     if given.compare and (given.only or given.size):
-        return "--compare draws all that two results share, of its own size: leave out --only and --size"
+        raise WrongWords("--compare draws all that two results share, of its own size: leave out --only and --size")
     if given.page and given.format != "png":
-        return "--page holds its pictures itself: leave out --format"
+        raise WrongWords("--page holds its pictures itself: leave out --format")
     if given.compare and given.animate:
-        return "--compare makes no film: leave out --animate"
-    twice = [stem for stem, count in Counter(file.stem for file in files).items() if count > 1]
-    if given.output is not None and not given.compare and twice:
-        return f"several files would write the same pictures: {', '.join(twice)}"
-    return ""
+        raise WrongWords("--compare makes no film: leave out --animate")
 
 
 def _drawn(given: argparse.Namespace, tool: Tool, files: list[Path]) -> Iterator[int]:

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from .terminal import Refusal, Words
-from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool
+from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command
 
 MOST_ROWS = 1_000_000  # that `&design` takes
 MARK = "# made by beamwave-design"
@@ -168,9 +168,7 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the table; 0, or 2 for wrong words, or 3 if it could not be written."""
-    given = parser().parse_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: _run(given, tool))
+    return command(parser(), _run, argv)
 
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
@@ -183,8 +181,7 @@ def _run(given: argparse.Namespace, tool: Tool) -> int:
         draw = sobol_sequence if given.sobol else latin_hypercube
         table = draw(inputs, given.rows, seed=given.seed)
     except Refusal as refusal:
-        tool.complain(str(refusal))
-        return EXIT_USAGE
+        raise WrongWords(str(refusal)) from refusal
     kind = "Sobol sequence" if given.sobol else "Latin hypercube"
     comments = [f"{MARK}: {kind} of {given.rows} rows, seed {given.seed}"]
     comments += [f"# {name}={one}" for name, one in inputs.items()]

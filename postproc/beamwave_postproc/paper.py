@@ -6,6 +6,7 @@ Reads DIR/fig2.nc … fig7.nc, the results of the scenes in input/paper/, and wr
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,7 @@ from .draw.jump import velocity_jump
 from .draw.waves import dispersion, group_velocity, phase_velocity
 from .files import draw_one
 from .terminal import Words
-from .tool import Tool
+from .tool import Tool, command
 
 MIDPOINT = 0.5
 
@@ -38,14 +39,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = Words(prog="python -m beamwave_postproc.paper", description=__doc__.splitlines()[0])
     words.add_argument("directory", metavar="DIR", type=Path, help="holds fig2.nc … fig7.nc; the pictures go there")
     words.add_argument("--overwrite", action="store_true", help="replace files that are there and are not its own")
-    given = words.parse_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: max(_draw(tool, given.directory, name, figure) for name, figure in FIGURES.items()))
+    return command(words, _run, argv)
 
 
-def _draw(tool: Tool, directory: Path, name: str, figure: Callable[[xr.Dataset], Figure]) -> int:
-    """Draw one figure beside its result; the exit status."""
-    return draw_one(tool, directory / f"{name}.nc", directory / f"{name}.png", figure)
+def _run(given: Namespace, tool: Tool) -> int:
+    """Draw each figure beside its result; the highest exit status of any."""
+    where = given.directory
+    return max(draw_one(tool, where / f"{name}.nc", where / f"{name}.png", figure) for name, figure in FIGURES.items())
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from .draw.measured import QUANTITIES
 from .files import write_from
 from .result import require
 from .terminal import Words
-from .tool import Tool
+from .tool import Tool, command
 
 NAMES = ("angular_frequency", "decay_rate", *QUANTITIES[1:])
 MEASURED = [f"measured_{name}{part}" for name in NAMES for part in ("", "_error", "_bound")] + ["peak_status"]
@@ -36,9 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = Words(prog="python -m beamwave_postproc.peaks", description=__doc__.splitlines()[0])
     words.add_argument("files", metavar="FILE.nc", nargs="+", type=Path, help="a result of beamwave with a spectrum")
     words.add_argument("--overwrite", action="store_true", help="replace files that are there and are not its own")
-    given = words.parse_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: max(_write(tool, file) for file in given.files))
+    return command(words, lambda given, tool: max(_write(tool, file) for file in given.files), argv)
 
 
 def _write(tool: Tool, source: Path) -> int:

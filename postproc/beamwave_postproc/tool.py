@@ -11,12 +11,14 @@ import select
 import signal
 import threading
 import warnings
-from collections.abc import Iterator, Sequence
+from argparse import Namespace
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Callable, NoReturn, Optional
 
 from .result import NotAResult
-from .terminal import Streams, printable, reason
+from .terminal import Refusal, Streams, Words, printable, reason
 from .writing import put, remove_drafts
 
 try:
@@ -34,6 +36,35 @@ PATIENCE = 4  # times that by the clock, on a busy machine or where a read block
 MEGABYTES, TIMES_SIZE = 650, 50  # beyond what Python itself holds; a file may hold its arrays compressed
 STACK = 16  # MB of each thread that a library keeps for a processor
 TOO_LONG = "given up: it takes far longer than a file of this size should"
+
+
+class WrongWords(Refusal):
+    """What is wrong with the words of a command, and what would be accepted."""
+
+
+def command(words: Words, work: Callable[[Namespace, Tool], int], argv: Sequence[str] | None = None) -> int:
+    """Run a command of these words to its exit status: what `work` returns for them, 2 for wrong words, 3 where a file is refused."""
+    given = words.parse_intermixed_args(argv)
+    tool = Tool(overwrite=given.overwrite)
+
+    def run() -> int:
+        try:
+            return work(given, tool)
+        except WrongWords as wrong:
+            tool.complain(reason(wrong))
+            return EXIT_USAGE
+        except OSError as failure:
+            tool.complain(": ".join(filter(None, [failure.filename and str(failure.filename), reason(failure)])))
+            return EXIT_FILE
+
+    return tool.run(run)
+
+
+def refuse_repeated(files: Iterable[Path]) -> None:
+    """Raise `WrongWords` where files of one name would write the same file."""
+    twice = sorted(stem for stem, count in Counter(file.stem for file in files).items() if count > 1)
+    if twice:
+        raise WrongWords(f"several files would write the same: {', '.join(twice)}; accepted: each without --output")
 
 
 class Tool(Streams):
@@ -58,16 +89,6 @@ class Tool(Streams):
             self.complain("standard output cannot be written")
             status = max(status, EXIT_FILE)
         return status
-
-    def make_directory(self, path: Path | None) -> bool:
-        """Make the directory for what is written, where one is given; whether it is there."""
-        try:
-            if path is not None:
-                path.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            self.complain(f"{path}: {reason(failure)}")
-            return False
-        return True
 
     def each(self, sources: Sequence[Path], directory: Path, work: Work) -> int:
         """Do the work on one file, or on several at once, that writes into `directory`; returns its exit status.

@@ -12,7 +12,7 @@ import xarray as xr
 from ..cli import results_in
 from ..files import write_from
 from ..terminal import Words
-from ..tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, PICTURE_SECONDS, Tool
+from ..tool import PICTURE_SECONDS, Tool, command, refuse_repeated
 from .formats import WRITERS
 from .model import modal_model
 
@@ -32,22 +32,15 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the model of each result; 0, or 2 for wrong words, or 3 where one holds none or cannot be written."""
-    given = parser().parse_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: _run(given, tool))
+    return command(parser(), _run, argv)
 
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
-    files, empty = results_in(given.files)
-    for directory in empty:
-        tool.complain(f"{directory}: a directory without a result (*.nc)")
-    twice = sorted({file.stem for file in files if sum(other.stem == file.stem for other in files) > 1})
-    if given.output is not None and twice:
-        tool.complain(f"several results would write the same file: {', '.join(twice)}")
-        return EXIT_USAGE
-    if not tool.make_directory(given.output):
-        return EXIT_FILE
-    return max([EXIT_FILE if empty else EXIT_DONE, *(_export(given, tool, file) for file in files)])
+    files, status = results_in(given, tool)
+    if given.output is not None:
+        refuse_repeated(files)
+        given.output.mkdir(parents=True, exist_ok=True)
+    return max([status, *(_export(given, tool, file) for file in files)])
 
 
 def _export(given: argparse.Namespace, tool: Tool, source: Path) -> int:

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from ..terminal import Words, printable
-from ..tool import EXIT_FILE, EXIT_USAGE, Tool
+from ..tool import Tool, WrongWords, command, refuse_repeated
 from .channels import Channel, NotARecord, Wanted
 from .readers import ACCEPTED, read_channels
 from .write import grouped, write_record
@@ -52,40 +52,31 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Write a NetCDF file for each file; 0, or 2 for wrong words, or 3 if any could not be read or written."""
-    given = parser().parse_intermixed_args(argv)
-    tool = Tool(overwrite=given.overwrite)
-    return tool.run(lambda: _run(given, tool))
+    return command(parser(), _run, argv)
 
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     """Convert each file; the highest exit status of any."""
-    problem = _problem(given)
-    if problem:
-        tool.complain(problem)
-        return EXIT_USAGE
-    if not tool.make_directory(given.output):
-        return EXIT_FILE
+    _check(given)
+    if given.output is not None:
+        refuse_repeated(given.files)
+        given.output.mkdir(parents=True, exist_ok=True)
     places = [(file, given.output or file.parent) for file in given.files]
     return max(tool.each([file], place, partial(_convert, file, place, given, tool)) for file, place in places)
 
 
-def _problem(given: argparse.Namespace) -> str:
-    """What is wrong with the words; empty if nothing is."""
+def _check(given: argparse.Namespace) -> None:
+    """Raise `WrongWords` where a word is out of range or excludes another."""
     if given.sample_rate is not None and not 0 < given.sample_rate < float("inf"):
-        return f"--sample-rate is {given.sample_rate:g}; accepted: above 0"
+        raise WrongWords(f"--sample-rate is {given.sample_rate:g}; accepted: above 0")
     if given.sample_rate is not None and given.time is not None:
-        return "--sample-rate excludes --time; accepted: one or the other"
+        raise WrongWords("--sample-rate excludes --time; accepted: one or the other")
     if not 0 < given.time_scale < float("inf"):
-        return f"--time-scale is {given.time_scale:g}; accepted: above 0"
+        raise WrongWords(f"--time-scale is {given.time_scale:g}; accepted: above 0")
     if given.sample_rate is not None and given.time_scale != 1.0:
-        return "--sample-rate excludes --time-scale; accepted: one or the other"
+        raise WrongWords("--sample-rate excludes --time-scale; accepted: one or the other")
     if given.points and not all(0 <= point <= 1 for point in given.points):
-        return "--points are places x/l; accepted: 0 to 1"
-    stems = [file.stem for file in given.files]
-    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
-    if given.output is not None and twice:
-        return f"several files would become the same: {', '.join(twice)}"
-    return ""
+        raise WrongWords("--points are places x/l; accepted: 0 to 1")
 
 
 def _convert(source: Path, directory: Path, given: argparse.Namespace, tool: Tool) -> None:
