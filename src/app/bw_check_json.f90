@@ -22,7 +22,7 @@ module bw_check_json
     character(:), allocatable :: notes             !! lines
   end type scene_facts
 
-  character(*), parameter :: nl = new_line('a')
+  character(*), parameter :: nl = new_line('a'), digits = '0123456789'
 
 contains
 
@@ -98,29 +98,64 @@ contains
     integer :: last
     allocate (objects(0))
     rest = message
-    do
-      last = index(rest, nl//file//':')            ! behind which the next one begins
-      if (last == 0) last = len(rest) + 1
-      call append(objects, error_object(file, rest(:last - 1)))
-      if (last > len(rest)) exit
-      rest = rest(last + 1:)
+    do while (rest /= '')
+      last = error_length(file, rest)
+      call append(objects, error_object(file, rest(:last)))
+      rest = rest(last + 2:)
     end do
     object = '{"file": '//json_text(file)//json_member('status', json_number(status))// &
       json_member('errors', json_list(objects))//json_member('warnings', '[]')//json_member('remarks', '[]')//'}'
   end function refused_scene
 
+  pure integer function error_length(file, text) result(length)
+    !! Letters of the error that a text begins with: the next one begins in a line of its own, with the scene's file or another place.
+    character(*), intent(in) :: file, text
+    integer :: next
+    length = 0
+    if (index(text, file//':') == 1) length = len(file)
+    do
+      next = index(text(length + 1:), nl)
+      if (next == 0) exit
+      length = length + next
+      if (index(text(length + 1:), file//':') == 1 .or. line_mark(text(length + 1:)) > 0) then
+        length = length - 1
+        return
+      end if
+    end do
+    length = len(text)
+  end function error_length
+
+  pure integer function line_mark(text) result(colon)
+    !! Where the path ends of a text `PATH:LINE: …`; 0: it has no such place in its first line.
+    character(*), intent(in) :: text
+    integer :: next, last
+    last = index(text//nl, nl) - 1
+    colon = index(text(:last), ':')
+    do while (colon > 0)
+      next = verify(text(colon + 1:last), digits)
+      if (next > 1) then
+        if (text(colon + next:min(last, colon + next + 1)) == ': ') return
+      end if
+      next = index(text(colon + 1:last), ':')
+      if (next == 0) colon = 0
+      if (next > 0) colon = colon + next
+    end do
+  end function line_mark
+
   pure function error_object(file, message) result(object)
-    !! `FILE:LINE: group%name: what` taken apart; what it lacks is null.
+    !! `FILE:LINE: group%name: what` taken apart; what it lacks is null, and the file is the scene's where it names no other.
     character(*), intent(in) :: file, message
     character(:), allocatable :: object
-    character(*), parameter :: digits = '0123456789', letters = 'abcdefghijklmnopqrstuvwxyz_()%&'//digits
-    character(:), allocatable :: group, line, name, what
+    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_()%&'//digits
+    character(:), allocatable :: group, line, name, path, what
     integer :: colon, percent
+    path = file
     line = 'null'
     group = 'null'
     name = 'null'
     what = message
-    if (index(what, file//':') == 1) what = what(len(file) + 2:)
+    if (index(what, file//':') /= 1 .and. line_mark(what) > 0) path = what(:line_mark(what) - 1)
+    if (index(what, path//':') == 1) what = what(len(path) + 2:)
     colon = index(what, ':')
     if (colon > 1) then
       if (verify(what(:colon - 1), digits) == 0) then
@@ -140,7 +175,7 @@ contains
       end if
       what = what(colon + 2:)
     end if
-    object = '{"line": '//line//json_member('group', group)//json_member('name', name)// &
+    object = '{"file": '//json_text(path)//json_member('line', line)//json_member('group', group)//json_member('name', name)// &
       json_member('message', json_text(what))//'}'
   end function error_object
 

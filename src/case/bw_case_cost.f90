@@ -139,6 +139,7 @@ contains
         if (answers_by_modes(scene)) counts(modal_answers) = 2.0_dp*size(asked%frequency)*size(asked%points)*modes_of_answer
       end associate
     end if
+    if (scene%modes%modal_model) call add_integrals(moving)
     if (.not. allocated(scene%response)) return
     associate (response => scene%response, points => size(scene%response%points))
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
@@ -149,11 +150,7 @@ contains
         if (planning) followed = times_over*merge(2*most_loaded, 4*first_modes, response%acceleration)
         counts(loaded_steps) = followed*response%samples*(4.0_dp + points*count([.true., response%velocity, response%acceleration, &
                                                                                response%bending_moment, response%shear_force]))
-        if (response%shear_force .or. allocated(scene%bases)) then
-          associate (places => counts(merge(closed_places, other_places, closed)))
-            places = places + gauss_stages*followed**2   ! over half waves of the last mode
-          end associate
-        end if
+        if (response%shear_force .or. allocated(scene%bases)) call add_integrals(followed)
       end if
       if (.not. allocated(scene%spectrum)) return
       if (.not. (any(response%points == 0.5_dp) .and. any(response%points == 1.0_dp))) return   ! waves are measured there
@@ -161,6 +158,14 @@ contains
       counts(line_searches) = 1.0_dp
       counts(line_samples) = response%samples*min(moving, 200.0_dp)
     end associate
+  contains
+    pure subroutine add_integrals(modes)
+      !! Of mass times shape, over half waves of the last mode.
+      real(dp), intent(in) :: modes
+      associate (places => counts(merge(closed_places, other_places, closed)))
+        places = places + gauss_stages*modes**2
+      end associate
+    end subroutine add_integrals
   end function case_counts
 
   pure function shared_terms(scene) result(shared)

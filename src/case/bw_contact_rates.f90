@@ -50,7 +50,8 @@ contains
     allocate (history(grid%samples, size(quantity)), source=0.0_dp)
     n = response%finite_samples
     associate (free => motion%modes%configuration(alone)%set)
-      call make_view(given, free, summed, loads, scene%response%points, quantity, point, view, flexibility)
+      call make_view(given, free, summed, loads, scene%response%points, quantity, point, monitor, view, flexibility)
+      if (monitor%stop_requested()) return
       q = spread(0.0_dp, 1, free%count)
       v = q
       duration = (n*grid%step%hi)

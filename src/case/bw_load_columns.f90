@@ -7,6 +7,7 @@ module bw_load_columns
   use bw_load_modes, only: carried_mass, find_residuals, find_shears, total_mass
   use bw_load_sum, only: load_view
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_monitor, only: monitor_type
   use bw_response_par, only: response_par
   use bw_scene, only: scene_type
   use bw_varying_beam, only: varying_beam
@@ -51,7 +52,7 @@ contains
     if (weight_of(quantity) > 2) factor = factor/units%length
   end function factor_of_quantity
 
-  subroutine make_view(given, modes, summed, loads, points, quantity, point, view, flexibility)
+  subroutine make_view(given, modes, summed, loads, points, quantity, point, monitor, view, flexibility)
     !! What the loads drive and what is looked at.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
@@ -59,6 +60,7 @@ contains
     type(placed_loads), intent(in) :: loads
     real(dp), intent(in) :: points(:)                    !! ξ
     integer, intent(in) :: quantity(:), point(:)         !! (columns)
+    class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     type(load_view), intent(out) :: view
     real(dp), allocatable, intent(out) :: flexibility(:) !! of what is missing: at the points, and as each load sees it, (points + loads)
     real(dp), allocatable :: drive(:, :), residual(:, :, :), terms(:, :, :), soft(:)
@@ -66,7 +68,8 @@ contains
     integer :: c, l, sheared
     sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points whose shear forces are asked for
     weights = 0.0_dp
-    call find_drive(given, modes, loads%place, loads%accelerated, drive, points(:sheared), weights(:, :sheared, 3))
+    call find_drive(given, modes, loads%place, loads%accelerated, monitor, drive, points(:sheared), weights(:, :sheared, 3))
+    if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
     allocate (residual(size(drive, 2), size(points), 3), soft(size(points) + size(loads%place)))
@@ -96,17 +99,18 @@ contains
     end associate
   end subroutine make_view
 
-  subroutine find_drive(given, modes, places, accelerated, drive, points, shear)
+  subroutine find_drive(given, modes, places, accelerated, monitor, drive, points, shear)
     !! How each kind of load drives the modes: forces at their places, and the acceleration of the frame by −1 behind them.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: places(:)                    !! of forces
     logical, intent(in) :: accelerated                   !! the frame is
+    class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
     real(dp), intent(in) :: points(:)                    !! none: no shear forces are asked for
     real(dp), intent(out) :: shear(:, :)                 !! shear forces of the modes at the points, (modes, points)
     real(dp) :: participation(modes%count)
-    if (accelerated .or. size(points) > 0) call find_shears(given, modes, points, shear, participation)
+    if (accelerated .or. size(points) > 0) call find_shears(given, modes, points, shear, participation, monitor)
     drive = modes%shapes(places)
     if (accelerated) drive = reshape([drive, participation], [modes%count, size(places) + 1])
   end subroutine find_drive

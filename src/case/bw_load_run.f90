@@ -75,7 +75,8 @@ contains
           until = to_dd(ends)
         end if
         call make_view(beam_of(scene, units, configuration), set, summed(configuration), loads, scene%response%points, &
-                       run%quantity, run%point, view, flexibility)
+                       run%quantity, run%point, monitor, view, flexibility)
+        if (monitor%stop_requested()) return
         if (.not. allocated(q)) q = spread(0.0_dp, 1, set%count)
         if (.not. allocated(v)) v = q
         if (allocated(tail%amplitude)) deallocate (tail%amplitude, tail%lag, tail%load, tail%largest, tail%squares)
@@ -171,7 +172,8 @@ contains
     call configuration%source%find(first_numbers(min(configuration%source%highest, times_as_many*n)), before, monitor=monitor)
     if (monitor%stop_requested()) return
     allocate (nothing(before%count, 0))
-    call find_drive(given, before, loads%place, loads%accelerated, drive, no_points, nothing)
+    call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
+    if (monitor%stop_requested()) return
     moved = spread(0.0_dp, 1, before%count)
     moving = moved
     do l = 1, size(loads%course)

@@ -12,6 +12,7 @@ module bw_modal_model
   use bw_load_columns, only: find_drive
   use bw_load_modes, only: find_residuals, total_mass
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_monitor, only: monitor_type
   use bw_piece_beam, only: holds_tip
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, varying_of
@@ -22,12 +23,13 @@ module bw_modal_model
 
 contains
 
-  subroutine find_modal_model(scene, units, modes, room, model)
+  subroutine find_modal_model(scene, units, modes, room, monitor, model)
     !! Find the model of the modes that a result holds.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes           !! after all that happens at t = 0, or the first of them
     integer, intent(in) :: room                    !! how many of them a result holds at most; 0: nothing is known of them
+    class(monitor_type), intent(inout) :: monitor  !! the model means nothing where it asks to stop
     type(modal_model), allocatable, intent(out) :: model
     type(varying_beam) :: given
     real(dp), allocatable :: points(:)
@@ -40,7 +42,7 @@ contains
       points = scene%frequency_response%points
     end if
     call find_modes(units, modes, points, model)
-    call find_shapes(scene, units, given, modes, min(room, modes%count), points, model)
+    call find_shapes(scene, units, given, modes, min(room, modes%count), points, monitor, model)
     model%mass = moving_mass(given)*units%mass
   end subroutine find_modal_model
 
@@ -72,7 +74,7 @@ contains
     end do
   end subroutine find_modes
 
-  subroutine find_shapes(scene, units, given, modes, kept, points, model)
+  subroutine find_shapes(scene, units, given, modes, kept, points, monitor, model)
     !! What a force at each point and the base do to the modes, what these show there, and what all other modes add.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -80,6 +82,7 @@ contains
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: kept                    !! modes that the model has; it may be fewer than there are
     real(dp), intent(in) :: points(:)
+    class(monitor_type), intent(inout) :: monitor
     type(modal_model), intent(inout) :: model
     real(dp), allocatable :: drive(:, :), residual(:, :, :), terms(:, :, :), weights(:, :, :)
     real(dp) :: flexibility(2*size(points)), factor(3)
@@ -87,7 +90,8 @@ contains
     n = size(points)
     allocate (weights(modes%count, n, 3), residual(n + 1, n, 3))
     allocate (terms, mold=residual)
-    call find_drive(given, modes, points, .true., drive, points, weights(:, :, 3))
+    call find_drive(given, modes, points, .true., monitor, drive, points, weights(:, :, 3))
+    if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
     call find_residuals(given, modes, kept, points, .true., drive, weights, points, residual, terms, flexibility)

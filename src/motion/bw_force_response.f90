@@ -4,9 +4,10 @@ module bw_force_response
   !!
   !! With g the motion from velocity 1, q̇_j = (2j/h)q_(j−1) + (−1)^j g, so that the equation itself leads from power to power:
   !! (4j(j−1)/h²)q_(j−2) + (2j/h)cq_(j−1) + β²q_j = x^j − (−1)^j(ġ + (c − 2j/h)g). Downwards from a power so high that what it was taken
-  !! for has died away this is stable where the roots s of s² + cs + β² are small, |s|h < 2(n!)^(1/n). Where they are not, q_j
-  !! is (M_j(s₁) − M_j(s₂))/(s₁ − s₂), with M_j = ∫e^(s(t−τ))x^j dτ from sM_j = (2j/h)M_(j−1) − x^j + (−1)^j e^(st), upwards or downwards as
-  !! |s|h is large or small. Without dimensions.
+  !! for has died away this is stable where the roots s of s² + cs + β² are small, |s|h < 2(n!)^(1/n). Where one is not, s₁, the factors
+  !! (d/dt − s₁)(d/dt − s₂) are taken one by one: s₁q_j = (2j/h)q_(j−1) + (−1)^j g − M_j(s₂) upwards, whether or not the roots are the same,
+  !! with M_j = ∫e^(s(t−τ))x^j dτ from sM_j = (2j/h)M_(j−1) − x^j + (−1)^j e^(st), upwards or downwards as |s|h is large or small.
+  !! Without dimensions.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -14,7 +15,6 @@ module bw_force_response
 
   integer, parameter, public :: force_degree = 10  !! of a force in a step
   real(dp), parameter :: slow = 8.0_dp             !! |s|h up to which recurrences go downwards, about 2(n!)^(1/n)
-  real(dp), parameter :: apart = 1.0e-5_dp         !! of c/2, by which the roots of a mode at its critical damping are taken apart
   integer, parameter, public :: highest_power = force_degree + 40   !! from which recurrences come down, at most
   integer :: power
   real(dp), parameter :: inverse(2:highest_power) = [(1.0_dp/(4*power*(power - 1)), power=2, highest_power)]
@@ -28,28 +28,22 @@ contains
     real(dp), intent(in), contiguous :: x(:, 0:)      !! powers of x at the times, to the highest, (times, powers)
     real(dp), intent(in), contiguous :: free(:), rate(:)   !! g and ġ then
     real(dp), intent(out), contiguous :: displacement(:, 0:), velocity(:, 0:)   !! (times, powers)
-    complex(dp) :: root, s(2)
-    complex(dp), dimension(force_degree, 0:force_degree) :: first, second
+    complex(dp) :: moment(force_degree, 0:force_degree), larger   ! of the other root; the root that is not the smaller one
     real(dp) :: half
     integer :: j, n
     n = size(x, 1)
-    if (abs(beta_squared)*length**2 < slow**2 .and. c*length < slow) then
+    half = 0.5_dp*c
+    larger = -half - sqrt(cmplx(half**2 - beta_squared, 0.0_dp, dp))
+    if (abs(larger)*length < slow) then
       call slow_response(beta_squared*length**2, c*length, x, free, rate, length, displacement)
-      displacement = length**2*displacement
     else
-      half = 0.5_dp*c
-      root = sqrt(cmplx(half**2 - beta_squared, 0.0_dp, dp))
-      if (abs(root) < apart*half) root = apart*half
-      s = [-half + root, -half - root]
-      if (half > 0.0_dp .and. abs(aimag(root)) == 0.0_dp .and. abs(s(2)) > 0.0_dp) s(1) = beta_squared/s(2)
-      call find_moments(s(1)*length, x, first)
-      if (abs(aimag(root)) > 0.0_dp) then             ! the other root is the conjugate
-        displacement = (length/aimag(root))*aimag(first(:n, :))
-      else
-        call find_moments(s(2)*length, x, second)
-        displacement = length*real((first(:n, :) - second(:n, :))/(2.0_dp*root))
-      end if
+      call find_moments(beta_squared/larger*length, x, moment)
+      displacement(:, 0) = real((free/length - moment(:n, 0))/(larger*length))
+      do j = 1, force_degree
+        displacement(:, j) = real(((2*j)*displacement(:, j - 1) + sign_of(j)*free/length - moment(:n, j))/(larger*length))
+      end do
     end if
+    displacement = length**2*displacement
     velocity(:, 0) = free
     do j = 1, force_degree
       velocity(:, j) = (2*j/length)*displacement(:, j - 1) + sign_of(j)*free

@@ -9,6 +9,7 @@ module bw_load_modes
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_monitor, only: monitor_type
   use bw_piece_beam, only: holds_tip, joint_position
   use bw_static_shape, only: gauss_places, static_shapes
   use bw_varying_beam, only: value_of, varying_beam
@@ -20,7 +21,7 @@ module bw_load_modes
 
 contains
 
-  pure subroutine find_shears(given, modes, xi, shear, participation)
+  subroutine find_shears(given, modes, xi, shear, participation, monitor)
     !! The shear force of each mode at points, of the inner side where a body is, positive where what lies beyond pulls as displacement
     !! is positive; and the mass that each mode moves as the frame does, ∫ρAΦ dx + Σm_bΦ(ξ_b).
     type(varying_beam), intent(in) :: given
@@ -28,6 +29,7 @@ contains
     real(dp), intent(in) :: xi(:)                  !! (points)
     real(dp), intent(out) :: shear(:, :)           !! (modes, points)
     real(dp), intent(out) :: participation(:)      !! (modes)
+    class(monitor_type), intent(inout) :: monitor  !! what is found means nothing where it asks to stop
     real(dp) :: inertia(modes%count), reaction(modes%count), beyond(modes%count), ends(0:size(given%beam%piece))
     real(dp) :: edges(size(xi) + 2)
     type(dd) :: place
@@ -61,7 +63,7 @@ contains
         do p = 1, size(xi)
           if (xi(p) == edges(e)) shear(:, p) = inertia*beyond - reaction
         end do
-        if (e > 1) beyond = beyond + mass_times_shape(given, modes, i, ends(i - 1:i), edges(e - 1:e))
+        if (e > 1) beyond = beyond + mass_times_shape(given, modes, i, ends(i - 1:i), edges(e - 1:e), monitor)
       end do
     end do
     participation = beyond
@@ -80,15 +82,16 @@ contains
     end do
   end subroutine find_edges
 
-  pure function mass_times_shape(given, modes, i, ends, part) result(integral)
+  function mass_times_shape(given, modes, i, ends, part, monitor) result(integral)
     !! Over a part of a piece, (modes).
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: i                       !! the piece
     real(dp), intent(in) :: ends(2), part(2)       !! of the piece, and of the part
+    class(monitor_type), intent(inout) :: monitor
     real(dp) :: integral(modes%count)
     integer, parameter :: at_once = 32             ! half waves whose shapes are in memory
-    real(dp), allocatable :: place(:), weight(:), rule(:), rule_weight(:)
+    real(dp), allocatable :: place(:), rule(:), rule_weight(:)
     real(dp) :: width
     integer :: halves, j, first, last
     call gauss_places(rule, rule_weight)
@@ -96,11 +99,12 @@ contains
     width = (part(2) - part(1))/halves
     integral = 0.0_dp
     do first = 0, halves - 1, at_once
+      if (monitor%stop_requested()) return
       last = min(first + at_once, halves) - 1
       place = [(part(1) + width*(j + rule), j=first, last)]
-      weight = [(width*rule_weight, j=first, last)]
-      weight = weight*given%beam%piece(i)%mass%hi*value_of(given%law(i)%mass, (place - ends(1))/(ends(2) - ends(1)))
-      integral = integral + matmul(modes%some_shapes(1, modes%count, place), weight)
+      associate (mass => given%beam%piece(i)%mass%hi*value_of(given%law(i)%mass, (place - ends(1))/(ends(2) - ends(1))))
+        integral = integral + matmul(modes%some_shapes(1, modes%count, place), mass*[(width*rule_weight, j=first, last)])
+      end associate
     end do
   end function mass_times_shape
 

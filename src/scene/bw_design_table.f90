@@ -48,6 +48,7 @@ contains
         call read_names(text_between(reader%bytes, reader%first, reader%last), form, table, messages)
         table%line = int(reader%line)
         if (size(table%names) == 0) exit
+        call grow(table)
       else if (rows == most_rows) then
         call messages%add(line, 'row '//text_of(rows + 1), 'is one too many; accepted: at most '//text_of(most_rows)//' rows')
         exit

@@ -2,7 +2,7 @@ module bw_unfinished_work
   !! The unfinished work of a scene: the scene, what its result will hold, and the drafts with its finished cases. The first host has
   !! the draft that becomes the result; each further one has its own, since clients of a file server write whole pages back.
   !! Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or version
-  !! whose place a run takes.
+  !! whose place a run takes, unless it runs a part.
   use bw_case_result, only: case_done, case_misfit
   use bw_error, only: error_type, fail, status_bad_file
   use bw_file_lock, only: own_host
@@ -35,7 +35,7 @@ contains
 
   subroutine remove(self, own, others, error)
     !! Take away drafts of this work, or of other work.
-    !! **Errors**: one cannot be read, or not be taken away.
+    !! **Errors**: one cannot be read or taken away; it is other work, which a part leaves alone.
     class(unfinished_work), intent(inout) :: self
     logical, intent(in) :: own, others
     type(error_type), allocatable, intent(inout) :: error
@@ -48,6 +48,9 @@ contains
       call self%draft%file%close()
       if (allocated(error)) return
       if (.not. merge(own, others, is_ours)) cycle
+      if (self%parts > 1 .and. .not. is_ours) call fail(error, status_bad_file, self%path//': holds unfinished work of another '// &
+        'scene, table or version, maybe of another part; a part takes none away: remove it, or run the scene once without --part')
+      if (allocated(error)) return
       self%took_away = self%took_away .or. .not. is_ours
       problem = remove_file(paths(i)%text)
       if (problem /= 0) call cannot_be_written(error, paths(i)%text, problem)

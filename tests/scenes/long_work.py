@@ -30,6 +30,7 @@ FEW = {
     "pieces with tension": of_pieces(400, modes={"before": 20, "after": 20}, **TENSION),
     "modes of pieces": of_pieces(50, modes={"before": 2, "after": 50_000}),
     "a release with shear": with_tolerance(1e-7, shear={}, release={"time": 0.5}),
+    "a modal model": captured_beam(modes={"before": 4000, "after": 4000, "modal_model": True}, response={"duration": 1.0, "samples": 64}),
     "many sweeps with a tolerance": of_pieces(20, modes={"tolerance": 1e-5}, response={"duration": 1.0, "samples": 64}),
 }
 ALL = {

@@ -69,6 +69,14 @@ def test_what_is_absent_has_no_line(here):
     assert [(error["line"], error["group"], error["name"]) for error in scene["errors"]] == [(None, "beam", None)]
 
 
+def test_errors_of_a_table_have_its_path_and_their_lines(here):
+    here.scene("a", {**captured_beam(), "design": {"file": "t.csv"}})
+    (here.directory / "t.csv").write_text("impact%mass_ratio, modes%nothing\n0.2, 1\n-1, 2\nx, 3\n")
+    (scene,) = checked(here, "a.nml", status=2)
+    assert [(error["file"], error["line"]) for error in scene["errors"]] == [("t.csv", 1), ("t.csv", 3), ("t.csv", 4)]
+    assert all("t.csv" not in error["message"] for error in scene["errors"])
+
+
 def test_good_scenes_come_first_and_no_file_is_a_scene_with_an_error(here):
     here.scene("good", captured_beam())
     scenes = checked(here, "none.nml", "good.nml", status=3)

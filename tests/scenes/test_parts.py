@@ -168,6 +168,19 @@ def test_parts_take_up_what_a_run_left_and_a_run_what_parts_left(here, whole):
     assert results.differences(here.result("a"), whole) == []
 
 
+def test_a_part_leaves_the_work_of_another_scene_to_its_owner(here, whole):
+    here.scene("a", SCENE, SPEEDS)
+    assert part(here, 1, 2).returncode == 0
+    here.scene("a", SCENE, {**SPEEDS, "count": SPEEDS["count"] + 1} if "count" in SPEEDS else {**SPEEDS, "values": SPEEDS["values"][:-1]})
+    for number in (1, 2):
+        refused = part(here, number, 2)
+        assert refused.returncode == 3
+        assert "output/a.partial: holds unfinished work of another scene, table or version" in refused.stderr
+    here.scene("a", SCENE, SPEEDS)
+    assert part(here, 2, 2).returncode == 0
+    assert results.differences(here.result("a"), whole) == []
+
+
 @pytest.mark.parametrize("value", ["0/3", "4/3", "3", "1/2/3", "-1/2", "a/b", "1/", "/2", "1.5/2", "99999999999/99999999999"])
 def test_what_is_no_part_is_refused(here, value):
     here.scene("a", SCENE)

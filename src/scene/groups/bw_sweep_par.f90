@@ -105,27 +105,22 @@ contains
     integer, intent(in) :: n                   !! ≥ 2
     logical, intent(in) :: logarithmic         !! then both are > 0
     real(dp), allocatable :: values(:)
-    real(qp) :: ends(2)
-    integer :: i
-    allocate (values(n))
+    real(qp) :: ends(2), step
+    real(qp), allocatable :: coarse(:), fine(:)    ! factors of a value: each is one of either, as exponentials cost much
+    integer :: i, m
     ends = [real(first, qp), real(last, qp)]
-    if (logarithmic) ends = log(ends)
-    do i = 2, n - 1
-      values(i) = between(ends, i - 1, n - 1, logarithmic)
-    end do
+    if (logarithmic) then
+      ends = log(ends)
+      step = (ends(2) - ends(1))/(n - 1)
+      m = ceiling(sqrt(real(n, dp)))
+      coarse = [(exp(ends(1) + i*m*step), i=0, (n - 1)/m)]
+      fine = [(exp(i*step), i=0, m - 1)]
+      values = [(real(coarse(i/m + 1)*fine(mod(i, m) + 1), dp), i=0, n - 1)]
+    else
+      values = [(real(((n - 1 - i)*ends(1) + i*ends(2))/(n - 1), dp), i=0, n - 1)]
+    end if
     values(1) = first
     values(n) = last
   end function spaced
-
-  pure real(dp) function between(ends, i, n, logarithmic)
-    !! The point i/n of the way between two ends, which are logarithms if `logarithmic`.
-    real(qp), intent(in) :: ends(2)
-    integer, intent(in) :: i, n
-    logical, intent(in) :: logarithmic
-    real(qp) :: value
-    value = ((n - i)*ends(1) + i*ends(2))/n
-    if (logarithmic) value = exp(value)
-    between = real(value, dp)
-  end function between
 
 end module bw_sweep_par
