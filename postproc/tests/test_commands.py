@@ -55,10 +55,7 @@ def modes_only(tmp_path):
 def unpainted(monkeypatch):
     """Pictures are made and laid out, and their files hold the first bytes of a PNG only."""
 
-    def write(fig, path, **options):
-        Path(path).write_bytes(PNG)
-
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", write)
+    monkeypatch.setattr("beamwave_postproc.files.write_png", lambda fig, path, *_: path.write_bytes(PNG))
 
 
 @pytest.fixture
@@ -138,11 +135,11 @@ def test_an_output_that_cannot_be_a_directory_is_said(modes_only, text_file, cap
 
 
 def test_a_full_disk_leaves_no_picture(modes_only, monkeypatch, capsys):
-    def fail(fig, path, **options):
-        Path(path).write_bytes(PNG)
+    def fail(fig, path, *_):
+        path.write_bytes(PNG)
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
+    monkeypatch.setattr("beamwave_postproc.files.write_png", fail)
     assert cli.main([str(modes_only)]) == 3
     assert "No space left" in capsys.readouterr().err
     assert not list(modes_only.parent.glob("*.png"))

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ..parts.describe import description_of, title_of
 from ..parts.labels import plain
 from ..parts.select import one_case
+from ..parts.sheet import write_png
 from ..writing import MARK
 from .tables import Table, tables_of
 
@@ -93,7 +94,7 @@ def _unit_whole(name: str) -> str:
 def _figure(kind: str, fig: Figure) -> str:
     """A picture, embedded, named by its kind."""
     image = io.BytesIO()
-    fig.savefig(image, format="png", dpi=DPI)
+    write_png(fig, image, DPI)
     words = kind.replace("_", " ")
     data = base64.b64encode(image.getvalue()).decode("ascii")
     return f'<figure id="{kind}"><img alt="{words[:1].upper()}{words[1:]}" src="data:image/png;base64,{data}"></figure>'

@@ -65,11 +65,11 @@ def grow_by_head(fig: Figure, head: Head, *, grow: bool = True) -> float:
     above = MARGIN
     placed = []
     fig.set_label(plain(f"{head.title}: {head.about}"))
-    scenes = [fitting(fig, [plain(part) for part in scene], width, **SMALL) for scene in head.scenes]
+    scenes = [fitting([plain(part) for part in scene], width, **SMALL) for scene in head.scenes]
     small = [*scenes, *map(plain, head.lines)]
     for text, style in [(head.title, TITLE), (plain(head.warning), WARNING), *((line, SMALL) for line in small)]:
         if text:
-            artist = fig.text(0.0, 0.0, broken(fig, text, width, **style), va="top", linespacing=1.25, **style)
+            artist = fig.text(0.0, 0.0, broken(text, width, **style), va="top", linespacing=1.25, **style)
             placed.append((artist, above))
             above += artist.get_window_extent().height / fig.dpi + GAP
     if head.handles:
@@ -87,11 +87,11 @@ def _legend(fig: Figure, head: Head, width: float) -> Any:
     """Legend in as many columns as fit into `width` inches, or in one with its entries broken."""
     em = ENTRY / 72.0
     beside = (HANDLE + TEXT_PAD) * em
-    sizes = [width_of(fig, label, fontsize=ENTRY) + beside for label in head.labels]
+    sizes = [width_of(label, fontsize=ENTRY) + beside for label in head.labels]
     columns = next((n for n in range(len(sizes), 0, -1) if _width(sizes, n, COLUMN_GAP * em) <= width), 1)
     labels = head.labels
     if max(sizes) > width:
-        labels = [broken(fig, label, width - beside, fontsize=ENTRY) for label in labels]
+        labels = [broken(label, width - beside, fontsize=ENTRY) for label in labels]
     return fig.legend(
         head.handles,
         labels,

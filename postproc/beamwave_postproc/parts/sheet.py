@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .head import Head, add_head, head_of
 
 SIZE: ContextVar[tuple[float, float] | None] = ContextVar("SIZE", default=None)  # of new figures, inches
+COMPRESSION = 3  # of PNG: a tenth larger than by default, and written in half the time
 Given = Any  # axes of the caller: one, or a sequence or array of them, or None
 
 
@@ -88,7 +92,15 @@ def mosaic_for(ax: Given, layout: list[str], ratios: list[float], *, width: floa
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure apart from pyplot: no display is needed. In `of_size` it has that size."""
-    return Figure(figsize=SIZE.get() or (width, height), layout="constrained")
+    fig = Figure(figsize=SIZE.get() or (width, height), layout="constrained")
+    FigureCanvasAgg(fig)  # whose renderer stays while words are measured; another canvas makes one for each word
+    return fig
+
+
+def write_png(fig: Figure, target: Path | io.BytesIO, dpi: float, metadata: dict[str, str] | None = None) -> None:
+    """Write a figure as PNG. It is drawn once: `savefig` draws twice, the first time for its layout alone."""
+    fig.set_dpi(dpi)
+    FigureCanvasAgg(fig).print_png(target, metadata=metadata, pil_kwargs={"compress_level": COMPRESSION})
 
 
 @contextmanager

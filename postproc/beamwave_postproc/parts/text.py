@@ -3,42 +3,59 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any
 
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+FONT = ("font.family", "font.sans-serif", "font.size", "mathtext.fontset")  # settings that a width depends on
+DPI = 100.0
 
-def width_of(fig: Figure, text: str, **style: Any) -> float:
-    """Width in inches of one line as `fig` sets it."""
-    artist = fig.text(0.0, 0.0, text, **style)
-    width = artist.get_window_extent().width / fig.dpi
+
+def width_of(text: str, **style: Any) -> float:
+    """Width in inches of one line in a figure."""
+    return _width(text, tuple(style.items()), tuple(str(mpl.rcParams[name]) for name in FONT))
+
+
+@lru_cache(maxsize=4096)  # heads of one result's pictures have most words in common
+def _width(text: str, style: tuple[tuple[str, Any], ...], _font: tuple[str, ...]) -> float:
+    artist = _ruler().text(0.0, 0.0, text, **dict(style))
+    width = artist.get_window_extent().width / DPI
     artist.remove()
     return float(width)
 
 
-def fitting(fig: Figure, parts: list[str], width: float, **style: Any) -> str:
+@lru_cache(maxsize=1)
+def _ruler() -> Figure:
+    """A figure on which words are measured."""
+    return FigureCanvasAgg(Figure(dpi=DPI)).figure
+
+
+def fitting(parts: list[str], width: float, **style: Any) -> str:
     """As many of `parts`, the first ones foremost, as fit a line of `width` inches, with `…` for those left out."""
-    gap, room = width_of(fig, "; ;", **style) - width_of(fig, ";", **style), width - width_of(fig, "; …", **style)
+    gap, room = width_of("; ;", **style) - width_of(";", **style), width - width_of("; …", **style)
     shown: list[str] = []
     for part in parts:
-        size = width_of(fig, part, **style) + gap
+        size = width_of(part, **style) + gap
         if size <= room or not shown:
             shown.append(part)
             room -= size
     line = "; ".join([*shown, *["…"] * (len(shown) < len(parts))])
     whole = "; ".join(parts)
-    return whole if width_of(fig, whole, **style) <= width else line
+    return whole if width_of(whole, **style) <= width else line
 
 
-def broken(fig: Figure, text: str, width: float, **style: Any) -> str:
+def broken(text: str, width: float, **style: Any) -> str:
     """Break `text` at blanks outside formulas into lines of at most `width` inches, where its words allow it."""
-    if width_of(fig, text, **style) <= width:
+    if width_of(text, **style) <= width:
         return text
-    blank = width_of(fig, "a a", **style) - width_of(fig, "aa", **style)
+    blank = width_of("a a", **style) - width_of("aa", **style)
     lines: list[list[str]] = [[]]
     room = width
     for word in re.findall(r"(?:\$[^$]*\$|[^ ])+", text):
-        size = width_of(fig, word, **style)
+        size = width_of(word, **style)
         if lines[-1] and size > room:
             lines.append([])
             room = width

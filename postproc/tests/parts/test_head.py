@@ -64,9 +64,9 @@ def test_lines_break_at_blanks_outside_formulas_and_fit(many_points):
     fig = dispersion(many_points)
     text = r"$\omega = 0$ rad/s, $\gamma = 0.2$; $a\ b$ and words and more words"
     for width in (1.0, 2.0, 3.0):
-        lines = broken(fig, text, width, fontsize=9).split("\n")
+        lines = broken(text, width, fontsize=9).split("\n")
         assert " ".join(lines) == text and all(line.count("$") % 2 == 0 for line in lines)
-    assert broken(fig, text, 100.0, fontsize=9) == text
+    assert broken(text, 100.0, fontsize=9) == text
 
 
 def test_the_axes_keep_their_height_whatever_the_head_holds(full_result):
