@@ -33,6 +33,13 @@ def pytest_addoption(parser):
     )
 
 
+@pytest.fixture(autouse=True)
+def _coarse(monkeypatch):
+    """Files of pictures have few dots, which are written sooner."""
+    monkeypatch.setattr("beamwave_postproc.files.DPI", 50)
+    monkeypatch.setattr("beamwave_postproc.page.html.DPI", 50)
+
+
 @pytest.fixture(scope="session")
 def beamwave():
     """Path of the program, where it is built; elsewhere what needs it is skipped."""

@@ -10,7 +10,7 @@ import pytest
 import synthetic
 from PIL import Image
 
-from beamwave_postproc import KINDS, cli, open_result, paper
+from beamwave_postproc import KINDS, cli, files, open_result, paper
 from beamwave_postproc.writing import MARK
 
 PACKAGE = Path(__file__).parents[1]
@@ -211,7 +211,7 @@ def test_pictures_have_the_format_that_is_asked_for_and_are_replaced_as_its_own(
 def test_a_picture_has_the_size_that_is_asked_for_head_and_all(full_result, tmp_path, words, inches):
     assert cli.main([str(full_result), "--output", str(tmp_path), "--only", "velocity", "--size", words]) == 0
     with Image.open(tmp_path / "struck_velocity.png") as image:
-        np.testing.assert_allclose(image.size, 200.0 * np.array(inches), atol=1.0)
+        np.testing.assert_allclose(image.size, files.DPI * np.array(inches), atol=1.0)
         assert "beam l" in image.text["Description"] and image.text["Software"] == MARK
 
 

@@ -5,6 +5,7 @@ import pytest
 import synthetic
 
 from beamwave_postproc import NothingToDraw, compare, open_result
+from beamwave_postproc.compare import COMPARED
 from beamwave_postproc.parts.labels import plain
 from beamwave_postproc.parts.pairs import differences, head_of_both, pairs_of
 
@@ -38,7 +39,7 @@ def test_what_both_hold_is_drawn(two):
 
 def test_changes_are_those_of_b_over_a_in_per_cent(two):
     first, second = two
-    _, right = compare(first, second)["frequencies"].axes
+    _, right = COMPARED["frequencies"](first, second).axes
     drawn = {line.get_label(): line for line in right.lines}
     for label, name in (("frequency", "angular_frequency"), ("group velocity", "group_velocity")):
         expected = 100.0 * (second[name].values / first[name].values - 1.0)
@@ -47,7 +48,7 @@ def test_changes_are_those_of_b_over_a_in_per_cent(two):
 
 def test_histories_stand_above_their_difference_at_the_points_of_both(two):
     first, second = two
-    axes = compare(first, second)["displacement"].axes
+    axes = COMPARED["displacement"](first, second).axes
     assert [one.get_ylabel().split("= ")[1].split(" ")[0] for one in axes] == ["0.5", "0.5", "1", "1"]
     a, b = (line.get_ydata() for line in axes[2].lines)
     np.testing.assert_allclose(a, 1e3 * first["displacement"][1], rtol=1e-15)
@@ -60,14 +61,14 @@ def test_histories_stand_above_their_difference_at_the_points_of_both(two):
 def test_what_may_be_nothing_but_error_carries_a_warning_by_its_letter(two):
     first, second = two
     doubtful = second.assign(displacement_error=("point", [0.0, 2e9, 0.0]))
-    head = " ".join(text.get_text() for text in compare(first, doubtful)["displacement"].texts).replace("\n", " ")
+    head = " ".join(text.get_text() for text in COMPARED["displacement"](first, doubtful).texts).replace("\n", " ")
     assert "B: Warning: the displacement may be nothing but error" in head and "A: Warning" not in head
-    assert not any("Warning" in text.get_text() for text in compare(first, second)["displacement"].texts)
+    assert not any("Warning" in text.get_text() for text in COMPARED["displacement"](first, second).texts)
 
 
 def test_the_axis_of_time_ends_with_the_record_at_a_tick(two):
     first, second = two
-    axes = compare(first, second)["displacement"].axes[-1]
+    axes = COMPARED["displacement"](first, second).axes[-1]
     step = float(first["time"][1] - first["time"][0])
     factor = axes.lines[0].get_xdata()[-1] / float(first["time"][-1])
     assert axes.get_xlim()[1] == pytest.approx(factor * first.sizes["time"] * step, rel=1e-12)
@@ -75,7 +76,7 @@ def test_the_axis_of_time_ends_with_the_record_at_a_tick(two):
 
 def test_other_times_have_no_difference_and_the_head_says_so(two):
     first, second = two
-    fig = compare(first, second.isel(time=slice(None, None, 2)))["displacement"]
+    fig = COMPARED["displacement"](first, second.isel(time=slice(None, None, 2)))
     assert len(fig.axes) == 2 and any("the times differ" in text.get_text() for text in fig.texts)
 
 
@@ -83,7 +84,7 @@ def test_the_head_says_what_differs(two):
     first, second = two
     texts = [
         plain(text.get_text()).replace("\n", " ").replace("\u00a0", " ")
-        for text in compare(first, second)["spectrum"].texts
+        for text in COMPARED["spectrum"](first, second).texts
     ]
     assert texts[0] == "A: Beam rest; B: Beam turning"
     assert texts[1].startswith("A: rest.nc; rotation ω = 0") and texts[2].startswith("B: turning.nc; rotation ω = 50")
@@ -103,7 +104,7 @@ def test_sweeps_over_the_same_values_are_compared_case_by_case(paper_results):
         pairs, note = pairs_of(first, first)
         assert [pair.labels[0].split("\u00a0")[2] for pair in pairs] == ["0", "50", "100"] and not note
         assert all(pair.labels[0] == pair.labels[1] for pair in pairs)
-        axes = compare(first, first)["displacement"].axes
+        axes = COMPARED["displacement"](first, first).axes
         assert len(axes[0].lines) == 6 and not any(line.get_ydata().any() for line in axes[1].lines)
         pairs, note = pairs_of(first, other)
         assert len(pairs) == 1 and note == "of A and B the first case"
@@ -120,7 +121,7 @@ def test_the_case_of_each_sweep_that_is_drawn_is_named_by_all_that_either_sweeps
 def test_a_jump_of_the_tip_alone_has_no_ramp_beside_another_one_either(two):
     first, second = two
     limit = first.assign(velocity_jump=first["velocity_jump"].where(first["profile_position"] == 1.0, 0.0))
-    (axes,) = compare(limit, second)["velocity_jump"].axes
+    (axes,) = COMPARED["velocity_jump"](limit, second).axes
     rest, mark, other = axes.lines
     assert not rest.get_ydata().any() and list(mark.get_xdata()) == [1.0] and mark.get_linestyle() == "None"
     np.testing.assert_array_equal(other.get_ydata(), second["velocity_jump"])
@@ -129,10 +130,10 @@ def test_a_jump_of_the_tip_alone_has_no_ramp_beside_another_one_either(two):
 
 def test_points_at_which_both_rest_take_no_panel_and_rest_alone_invents_no_number(two):
     first, second = (ds.assign(displacement=ds["displacement"].where(ds["point_position"] != 0.5, 0.0)) for ds in two)
-    assert ["= 1" in axes.get_ylabel() for axes in compare(first, second)["displacement"].axes] == [True, True]
+    assert ["= 1" in axes.get_ylabel() for axes in COMPARED["displacement"](first, second).axes] == [True, True]
     still = [ds.assign(displacement=0.0 * ds["displacement"]) for ds in two]
-    assert all(axes.get_yticks().tolist() == [0.0] for axes in compare(*still)["displacement"].axes)
-    same = compare(two[0], two[0])["displacement"].axes
+    assert all(axes.get_yticks().tolist() == [0.0] for axes in COMPARED["displacement"](*still).axes)
+    same = COMPARED["displacement"](two[0], two[0]).axes
     assert [axes.get_yticks().size > 1 for axes in same] == [True, False, True, False]
 
 
