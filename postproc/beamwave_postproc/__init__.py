@@ -24,7 +24,7 @@ from .draw.record_response import record_response
 from .draw.record_shapes import record_shapes
 from .draw.record_spectrum import record_spectrum
 from .draw.record_windows import record_windows
-from .draw.space_time import space_time
+from .draw.space_time import space_time, space_time_moment
 from .draw.spectrogram import spectrogram
 from .draw.spectrum import spectrum
 from .draw.sweep_map import sweep_map
@@ -90,6 +90,7 @@ __all__ = [
     "save_film",
     "shear_force",
     "space_time",
+    "space_time_moment",
     "spectrogram",
     "spectrum",
     "state_space",

@@ -60,6 +60,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "bending_moment": history.bending_moment,
     "shear_force": history.shear_force,
     "space_time": space_time.space_time,
+    "space_time_moment": space_time.space_time_moment,
     "wavenumber_spectrum": wavenumber.wavenumber_spectrum,
     "spectrogram": spectrogram.spectrogram,
     "spectrum": spectrum.spectrum,

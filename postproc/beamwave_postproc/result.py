@@ -40,6 +40,15 @@ def open_result(path: str | Path) -> xr.Dataset:
     if why:
         ds.close()
         raise NotAResult(f"{path}: {why}")
+    return _with_contact_unit(ds)
+
+
+def _with_contact_unit(ds: xr.Dataset) -> xr.Dataset:
+    """K of F = Kδᵖ in N/mᵖ, where p is known: the file has the force at 1 m."""
+    if "contact_stiffness" in ds and "contact_exponent" in ds:
+        exponents = np.unique(ds["contact_exponent"].values)
+        if exponents.size == 1 and np.isfinite(exponents[0]) and ds["contact_stiffness"].attrs.get("units") == "N":
+            ds["contact_stiffness"].attrs["units"] = f"N m-{exponents[0]:g}"
     return ds
 
 

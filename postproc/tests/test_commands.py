@@ -38,6 +38,7 @@ ELSEWHERE = {
     "bending_moment",
     "shear_force",
     "space_time",
+    "space_time_moment",
     "wavenumber_spectrum",
     "lines",
     "changes",

@@ -87,7 +87,8 @@ def test_the_head_says_what_differs(two):
         for text in COMPARED["spectrum"](first, second).texts
     ]
     assert texts[0] == "A: Beam rest; B: Beam turning"
-    assert texts[1].startswith("A: rest.nc; rotation ω = 0") and texts[2].startswith("B: turning.nc; rotation ω = 50")
+    assert texts[1].startswith("A: rest.nc; beam l = 1 m") and "rotation ω = 0" in texts[1]
+    assert texts[2].startswith("B: turning.nc; rotation ω = 50")
     assert "they differ in ω = 0 rad/s and 50 rad/s" in texts[3]
     # What is the same stands in the head once.
     assert "beam" not in texts[2] and "rotation ω = 50 rad/s" in texts[2] and "else as A" in texts[2]

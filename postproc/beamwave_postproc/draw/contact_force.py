@@ -7,8 +7,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..parts.contacts import Contact, contacts_of, mass_in_contact
-from ..parts.events import mark_events
+from ..parts.contacts import Contact, contacts_of, mass_at_beam
+from ..parts.events import ROW, events_of, mark_events
 from ..parts.labels import axis_label
 from ..parts.passage import blow_at
 from ..parts.select import left_out, one_case
@@ -19,6 +19,7 @@ from ..style import COLOURS, styled
 
 MOST = 4  # contacts whose force is drawn
 ROOM = 1.5  # times the end of the last contact, up to which mass and beam are followed
+LEAST = 24  # samples of the beam that are drawn at least
 SAME_PLACE = 1e-9
 FINE = 2000  # moments at which they are drawn
 
@@ -48,31 +49,32 @@ def _draw_forces(row: list[Axes], case: xr.Dataset, contacts: list[Contact]) -> 
     """Force of each contact over the time since its begin."""
     peak = max(contact.force.max() for contact in contacts)
     prefix, factor = si_prefix(np.array([peak]), "N")
+    clock, ticks = si_prefix(np.array([contact.time[-1] - contact.time[0] for contact in contacts]), "s")
     for axes, contact in zip(row, contacts):
         since = contact.time - contact.time[0]
-        clock, ticks = si_prefix(since, "s")
         axes.plot(ticks * since, factor * contact.force, color=COLOURS[2])
         axes.fill_between(ticks * since, 0.0, factor * contact.force, color=COLOURS[2], alpha=0.2, linewidth=0.0)
         begin = with_unit(float(contact.time[0]), "s", 3)
-        axes.set_title(f"contact {contact.number}, at {begin}\n{with_unit(contact.impulse, 'N s', 3)}")
-        axes.set(xlim=(0.0, ticks * since[-1]), ylim=(0.0, 1.08 * factor * peak), xlabel=f"Since its begin ({clock}s)")
+        axes.set_title(f"contact {contact.number}, at {begin}\nimpulse {with_unit(contact.impulse, 'N s', 3)}")
+        axes.set(xlim=(0.0, ticks * since[-1]), ylim=(0.0, 1.08 * factor * peak), xlabel=f"Time in contact ({clock}s)")
         if axes is not row[0]:
             axes.tick_params(labelleft=False)
     row[0].set_ylabel(f"Contact force ({prefix}N)")
 
 
 def _draw_motion(axes: Axes, case: xr.Dataset, point: int, end: float) -> None:
-    """Positions of the mass and of the beam where it strikes, from the blow to some time after the last contact."""
+    """Positions of the mass and of the beam where it strikes, from the blow to some time after the last contact or the capture."""
     time, beam = case["time"].values, case["displacement"].values[point]
-    end = min(ROOM * end, time[-1])
+    end = min(max(ROOM * end, time[min(LEAST, time.size) - 1]), time[-1])
     moments = np.linspace(0.0, end, FINE)
-    mass = mass_in_contact(case, moments)
+    mass = mass_at_beam(case, moments, np.interp(moments, time, beam))
     prefix, factor = si_prefix(np.concatenate([mass, beam[time <= end]]), units_of(case["displacement"]))
     clock, ticks = si_prefix(np.array([end]), "s")
     axes.plot(ticks * moments, factor * mass, color=COLOURS[2], label="mass")
     axes.plot(ticks * time[time <= end], factor * beam[time <= end], color=COLOURS[1], linestyle="--", label="beam at the struck place")
     axes.set(xlim=(0.0, ticks * end), xlabel=axis_label(case["time"], clock), ylabel=f"Position ({prefix}m)")
-    mark_events(axes, [case], ticks, words=False)
+    captured = any(event.kind == "capture" for event in events_of(case))
+    axes.set_title("", pad=6.0 + ROW * mark_events(axes, [case], ticks, words=captured))
 
 
 def _struck_point(case: xr.Dataset) -> int | None:

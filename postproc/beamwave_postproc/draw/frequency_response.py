@@ -16,7 +16,8 @@ from ..style import curve_style, logarithmic, styled
 
 KIND = {"m N-1": "Receptance", "m s-1 N-1": "Mobility", "m s-2 N-1": "Accelerance"}
 DEPTH = 1e-7  # what lies further below the highest resonance is not shown
-RIGHT_ANGLES = (-180, -90, 0, 90, 180)
+RIGHT_ANGLE, MANY = 90.0, 9  # degrees; ticks from where on every second is left out
+END = 170.0  # degrees, that no phase passes: what is 180 but for rounding is drawn at −180
 
 
 @styled
@@ -43,11 +44,13 @@ def frequency_response(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen =
     damped = any(np.nanmax(np.abs(answer.imag)) > 0.0 for *_, answer in curves)
     sheet = sheet_for(ax, 2 if damped else 1, share="x", height=2.6 if damped else 3.4)
     magnitude, lowest = sheet.axes[0], sheet.axes[-1]
+    phases: list[np.ndarray] = []
     for label, style, answer in curves:
         plain = {**style, "marker": "", "linewidth": 1.1}
         magnitude.plot(frequency, np.abs(answer), label=label, **plain)
         if damped:
-            lowest.plot(frequency, np.degrees(np.angle(answer)), **plain)
+            phases.append(_phase(answer))
+            lowest.plot(frequency, phases[-1], **plain)
     for axes in sheet.axes:
         logarithmic(axes, "x", frequency[0], frequency[-1])
     low = min(np.nanmin(np.abs(answer)[np.abs(answer) > 0.0]) for *_, answer in curves if np.abs(answer).any())
@@ -55,11 +58,21 @@ def frequency_response(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen =
     unit = ds["frequency_response_real"]
     magnitude.set_ylabel(KIND.get(unit.attrs.get("units", ""), "Magnitude") + in_units(unit))
     if damped:
-        lowest.set(ylabel="Phase (degrees)", yticks=RIGHT_ANGLES, ylim=(-190, 190))
+        ends = [int(np.round(reduce(phases) / RIGHT_ANGLE)) for reduce in (np.nanmin, np.nanmax)]
+        turn = 1 if ends[1] - ends[0] < MANY else 2
+        lowest.set(ylabel="Phase (degrees)", yticks=RIGHT_ANGLE * np.arange(ends[0], ends[1] + 1, turn))
     lowest.set_xlabel(axis_label(ds["response_frequency"]))
     force = ds["frequency_response_position"]
     where = f"force at ξ = {float(force):g}" if force.size == 1 else ""
     return sheet.finish(ds, (*drawn.notes, where, left))
+
+
+def _phase(answer: np.ndarray) -> np.ndarray:
+    """Phase in degrees without steps of 360 degrees, below 180: a displacement lags."""
+    held = np.isfinite(answer)
+    phase = np.full(answer.size, np.nan)
+    phase[held] = np.degrees(np.unwrap(np.angle(answer[held])))
+    return phase - 360.0 * np.ceil((np.nanmax(phase, initial=-np.inf) - END) / 360.0) if held.any() else phase
 
 
 def _answer(case: xr.Dataset, point: int) -> np.ndarray:

@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..parts.bands import draw_bands, is_scattered
 from ..parts.curves import Curve, Panel, panels_of
 from ..parts.envelope import draw_envelope, is_dense
 from ..parts.events import ROW, mark_events
@@ -66,6 +67,8 @@ def shear_force(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, 
 def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
     """Draw variable `name` (case, point, time): points as rows, panels of cases as columns, all against one time."""
     require(ds, name, "time", "point_position")
+    if is_scattered(ds):
+        return _of_many(ds, name, ax, limit)
     drawn = panels_of(ds, name, panels=COLUMNS)
     cases = [curve.data for curve in drawn.curves]
     points, left = shown_points(ds, cases, name, FEW if limit and len(drawn.panels) > 1 else limit)
@@ -82,6 +85,29 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
     ends = (growth_note(cases, name), end_note(cases, name))
     told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes)
     return sheet.finish(ds, dict.fromkeys(told), warning=error_warning(cases, name, points))
+
+
+def _of_many(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
+    """Draw the bands in which variable `name` of all cases lies, points as rows, and what is the same for all."""
+    cases = [ds.isel(case=i) for i in range(ds.sizes["case"])]
+    cases = [case for case in cases if np.isfinite(case[name].values).any()]
+    if not cases:
+        raise NothingToDraw(f"{name} holds nothing but fill")
+    points, left = shown_points(ds, cases, name, limit)
+    sheet = sheet_of_points(ax, len(points), 1)
+    values = [np.array([case[name][point].values for case in cases]) for point in points]
+    scales = common_prefixes(_peaks(values), units_of(ds[name]))
+    for axes, point, rows, (prefix, scale) in zip(sheet.axes, points, values, scales):
+        draw_bands(axes, ds["time"].values * _time_factor(ds), scale * rows)
+        axes.set_ylabel(point_label(ds, name, point, prefix))
+        _scale_values(axes, scale * rows, [grows(case) for case in cases])
+    if name == "bending_moment":
+        _add_stress(sheet.axes, cases, points, [scale for _, scale in scales])
+    _mark_time(sheet.axes, ds, Panel("", [Curve(0, case, "", {}) for case in cases]), name, alike=True)
+    lost = ds.sizes["case"] - len(cases)
+    told = [f"{len(cases)} cases" + (f", {lost} more without numbers" if lost else ""), left, growth_note(cases, name)]
+    told += [end_note(cases, name), error_note(ds, cases, name, points)]
+    return sheet.finish(ds, told, warning=error_warning(cases, name, points))
 
 
 def _least(panels: list[Panel], name: str, point: int) -> float:
@@ -175,15 +201,15 @@ def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:
         scale_for_growth(axes, values, growing)
 
 
-def _mark_time(column: list[Axes], ds: xr.Dataset, panel: Panel, name: str) -> None:
-    """Time axis of one column up to its last number, its events, and what its cases share."""
+def _mark_time(column: list[Axes], ds: xr.Dataset, panel: Panel, name: str, *, alike: bool = False) -> None:
+    """Time axis of one column up to its last number, its events, of which with `alike` those that all cases share, and its title."""
     factor, cases = _time_factor(ds), [curve.data for curve in panel.curves]
     held = max(samples_held(case, name) for case in cases)
     time = ds["time"].values[:held] * factor
     for axes in column:
         end = 2 * time[-1] - time[-2] if time.size > 1 else float(ds.get("response_duration", 1.0)) * factor
         axes.set_xlim(time[0], end)
-        rows = mark_events(axes, cases, factor, words=axes is column[0])
+        rows = mark_events(axes, cases, factor, words=axes is column[0], alike=alike)
         if axes is column[0]:
             axes.set_title(panel.title, pad=6.0 + ROW * rows)
     column[-1].set_xlabel(axis_label(ds["time"], si_prefix(ds["time"].values, units_of(ds["time"]))[0]))

@@ -56,6 +56,7 @@ def _draw_one(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[int],
         axes.plot(position, row + HALF * _unit_shape(curve.data, row), **_look(curve, number in coarse))
         axes.axhline(row, color=GREY, linewidth=0.6, zorder=0)
     words = [_frequency(curve.data, row) if named else "" for row in range(count)]
+    words = [word if _unit_shape(curve.data, row).any() else "\nturn of the whole" for row, word in enumerate(words)]
     axes.set_yticks(range(count), [f"mode {number}{word}" for number, word in zip(ds["mode"].values, words)])
     mark_places(axes, ds, "x")
     axes.grid(visible=False)

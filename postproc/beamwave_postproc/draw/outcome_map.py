@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -14,9 +15,11 @@ from ..parts.outcome import LARGEST, Outcome, first_order_index, outcomes_of
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, unit_text, units_of
 from ..result import NothingToDraw, swept_inputs
-from ..style import styled
+from ..style import logarithmic, styled
 
 FEWEST = 4  # cases
+DECADES = 30.0  # between the least and the largest value of an input, from where on its axis is logarithmic
+MARGIN = 1.2  # of a logarithmic axis
 
 
 @styled
@@ -60,23 +63,33 @@ def _inputs(ds: xr.Dataset, outcome: Outcome, given: Sequence[str] | None) -> li
     return [names[order[0]], names[order[1]]]
 
 
+def _scaled(axes: Axes, which: Literal["x", "y"], variable: xr.DataArray) -> np.ndarray:
+    """Label one axis of an input, logarithmic where its values span decades; returns the values in its unit."""
+    prefix, factor = si_prefix(variable.values, units_of(variable))
+    values = factor * variable.values.astype(float)
+    axes.set(**{f"{which}label": input_label(variable, prefix)})
+    if values.min() > 0.0 and values.max() > DECADES * values.min():
+        logarithmic(axes, which, values.min() / MARGIN, values.max() * MARGIN)
+    return values
+
+
 def _draw(axes: Axes, ds: xr.Dataset, outcome: Outcome, names: list[str]) -> None:
-    x, y = (ds[name] for name in names)
+    x, y = (_scaled(axes, which, ds[name]) for which, name in zip("xy", names))
     values = outcome.variable.values
     held = np.isfinite(values)
     prefix, factor = si_prefix(values, units_of(outcome.variable))
     order = np.argsort(values[held])  # the largest on top
-    columns, rows = np.unique(x.values), np.unique(y.values)
-    if columns.size * rows.size == values.size and len(set(zip(x.values, y.values))) == values.size:
+    columns, rows = np.unique(x), np.unique(y)
+    if columns.size * rows.size == values.size and len(set(zip(x, y))) == values.size:
         grid = np.full((rows.size, columns.size), np.nan)
-        grid[np.searchsorted(rows, y.values), np.searchsorted(columns, x.values)] = values * factor
+        grid[np.searchsorted(rows, y), np.searchsorted(columns, x)] = values * factor
         drawn = axes.pcolormesh(columns, rows, np.ma.masked_invalid(grid), shading="nearest", cmap="cividis", rasterized=True)
         axes.set_facecolor("0.75")
     else:
         size = float(np.clip(4000.0 / values.size, 3.0, 40.0))
         drawn = axes.scatter(
-            x.values[held][order],
-            y.values[held][order],
+            x[held][order],
+            y[held][order],
             c=(values[held] * factor)[order],
             s=size,
             cmap="cividis",
@@ -85,4 +98,3 @@ def _draw(axes: Axes, ds: xr.Dataset, outcome: Outcome, names: list[str]) -> Non
         )
     axes.figure.colorbar(drawn, ax=axes, label=unit_text(prefix + units_of(outcome.variable)))
     axes.grid(visible=False)
-    axes.set(xlabel=input_label(x), ylabel=input_label(y))

@@ -50,7 +50,7 @@ def record_response(ds: xr.Dataset, *, ax: Given = None) -> Figure:
             modelled = np.abs(_complex(case, "modelled_response")[sensor])
             seen = shown & np.isfinite(modelled)
             row[0].plot(frequency[seen], modelled[seen], color=COLOURS[3], linewidth=0.9, linestyle="--", label="model of the beam")
-        top = 3.0 * np.nanmax(np.abs(first[sensor, shown]))
+        top = 3.0 * np.nanmax(np.abs([first[sensor, shown], np.nan_to_num(known[sensor, shown])]))
         logarithmic(row[0], "y", max(ROOM * top, 0.3 * np.nanmin(np.abs(first[sensor, shown]))), top)
         row[0].set_ylabel(f"{sensor_name(case, sensor)}\n{_unit(case, sensor)}")
         for axes in row:

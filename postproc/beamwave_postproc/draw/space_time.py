@@ -1,4 +1,4 @@
-"""The moving beam at a glance: its deflection over place and time, as an image."""
+"""The moving beam at a glance: its deflection, or its bending moment, over place and time, as an image."""
 
 from __future__ import annotations
 
@@ -10,17 +10,24 @@ from matplotlib.figure import Figure
 from ..parts.events import ROW, mark_events
 from ..parts.growth import end_note, grows, samples_held
 from ..parts.labels import axis_label
-from ..parts.line import beam_line, places_of_line, whole_line
+from ..parts.line import FORCES, beam_line, force_line, places_of_line, whole_line
 from ..parts.passage import first_part
 from ..parts.places import mark_places
 from ..parts.points import error_warning
 from ..parts.select import Chosen, chosen, one_case
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, units_of
-from ..result import require, require_numbers
+from ..result import NothingToDraw, require, require_numbers
+from ..stress import factors
 from ..style import styled
 
 PLACES, TIMES = 160, 900  # of the image
+ALIKE = 1e-9  # of a stress: rounding
+
+
+def space_time_moment(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Draw the bending moment of the first case over time (x) and place ξ (y), with the stress that goes with it where one section tells it."""
+    return space_time(ds, "bending_moment", cases=cases, ax=ax)
 
 
 @styled
@@ -50,8 +57,12 @@ def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.nd
     """One image of places, times and histories (time, point), with its own scale of colours."""
     xi, time, history = line
     time, history = _means(time), _means(history)
-    places = places_of_line(case, xi, PLACES)
-    image = beam_line(case, xi, history)(places)
+    if name in FORCES:
+        places = np.linspace(xi[0], xi[-1], PLACES)
+        image = force_line(xi, history)(places)
+    else:
+        places = places_of_line(case, xi, PLACES)
+        image = beam_line(case, xi, history)(places)
     words, image = _scaled(case, name, image)
     clock, ticks = si_prefix(time, units_of(case["time"]))
     step = time[1] - time[0] if time.size > 1 else 1.0
@@ -64,7 +75,23 @@ def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.nd
     bar = axes.figure.colorbar(shown, ax=axes, label=words, pad=0.02)
     if image.any():  # white is zero; no colours of a sign that does not occur
         bar.ax.set_ylim(image.min(), image.max())
+        if name == "bending_moment" and not grows(case):
+            _add_stress(bar.ax, case, np.abs(image).max() / np.abs(history).max())
     axes.set_title("", pad=6.0 + ROW * mark_events(axes, [case], ticks, words=True))
+
+
+def _add_stress(bar: Axes, case: xr.Dataset, scale: float) -> None:
+    """The stress of the outermost fibre at the left of a bar of moments times `scale`, where all of the beam has one section."""
+    try:
+        of_moment = factors(case, "stress")
+    except (KeyError, NothingToDraw):
+        return
+    if np.ptp(of_moment) > ALIKE * of_moment[0]:
+        return
+    prefix, times = si_prefix(np.array(bar.get_ylim()) / scale * of_moment[0], "Pa")
+    factor = of_moment[0] * times / scale
+    left = bar.secondary_yaxis("left", functions=(lambda value: value * factor, lambda value: value / factor))
+    left.set_ylabel(f"Outermost fibre's stress ({prefix}Pa)")
 
 
 def _scaled(case: xr.Dataset, name: str, image: np.ndarray) -> tuple[str, np.ndarray]:

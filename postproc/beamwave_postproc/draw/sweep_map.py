@@ -15,6 +15,7 @@ from ..result import NothingToDraw, require, require_numbers, swept_inputs, to_g
 from ..style import COLOURS, logarithmic, styled
 
 MAX_MODES = 4
+FEW = 5  # values of an input, up to which each has its tick in the middle of its cells
 SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
 GROWS = {"facecolor": "0.92", "edgecolor": "0.6", "hatch": "///", "linewidth": 0.0}
 LACKS = "0.75"  # colour of a case without numbers
@@ -69,10 +70,13 @@ def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:
         mesh = axes.pcolormesh(x, y, masked, shading="nearest", cmap="cividis", rasterized=True)
         axes.figure.colorbar(mesh, ax=axes, label="Frequency (Hz)")
     for coordinate, which in ((x, "x"), (y, "y")):
-        axes.set(
-            **{f"{which}label": input_label(coordinate), f"{which}lim": (coordinate.values[0], coordinate.values[-1])}
-        )
-        if _log_spaced(coordinate.values):
+        few = coordinate.size <= FEW
+        half = 0.5 * np.diff(coordinate.values)[[0, -1]] if few else np.zeros(2)
+        ends = coordinate.values[0] - half[0], coordinate.values[-1] + half[1]
+        axes.set(**{f"{which}label": input_label(coordinate), f"{which}lim": ends})
+        if few:
+            axes.set(**{f"{which}ticks": coordinate.values})
+        elif _log_spaced(coordinate.values):
             logarithmic(axes, which, coordinate.values[0], coordinate.values[-1])
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..parts.bands import draw_bands, is_scattered
 from ..parts.curves import Curve, Panel, panels_of
 from ..parts.describe import turns_out_of_plane
 from ..parts.labels import axis_label
@@ -14,7 +15,7 @@ from ..parts.relation import Relation, plain_relation, relation_of
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require
-from ..style import GREY, label_decades, logarithmic, styled
+from ..style import COLOURS, GREY, label_decades, logarithmic, styled
 
 SAMPLES = 2000  # of the smooth relation
 EQUATIONS = {"angular_frequency": "Eq. 2", "phase_velocity": "Eq. 32", "group_velocity": "Eq. 33"}
@@ -40,6 +41,8 @@ def group_velocity(ds: xr.Dataset, *, modes: Chosen = None, cases: Chosen = None
 def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
     """Draw variable `name` (case, mode) against `wavenumber`: logarithmic, so that the low modes show."""
     require(ds, "wavenumber", "angular_frequency", name)
+    if is_scattered(ds):
+        return _of_many(ds, name, ax)
     drawn = panels_of(ds, name)
     columns = min(len(drawn.panels), 2)
     rows = -(-len(drawn.panels) // columns)
@@ -52,6 +55,26 @@ def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
     for axes in sheet.axes[len(drawn.panels) :]:
         axes.set_visible(False)
     return sheet.finish(ds, [*drawn.notes, _first_modes(ds), _growing(drawn.curves)])
+
+
+def _of_many(ds: xr.Dataset, name: str, ax: Given) -> Figure:
+    """Draw the modes of all cases by their medians, and below the bands in which the cases lie around these."""
+    drawn = (ds["wavenumber"] > 0.0) & (ds[name] > 0.0)
+    modes = drawn.any("case")
+    if not modes.any():
+        raise NothingToDraw(f"no mode has both a wave number and a number in {name}")
+    p, values = (ds[one].where(drawn).isel(mode=np.flatnonzero(modes)) for one in ("wavenumber", name))
+    middle = p.median("case").values, values.median("case").values
+    sheet = sheet_for(ax, 2, height=2.7, share="x", ratios=[1.3, 1.0])
+    above, below = sheet.axes
+    above.plot(*middle, linestyle="", marker="o", color=COLOURS[0], markersize=3.5)
+    logarithmic(above, "y", 0.45 * middle[1].min(), 1.8 * middle[1].max())
+    above.set_ylabel(axis_label(ds[name]))
+    draw_bands(below, middle[0], 100.0 * (values.transpose("case", "mode").values / middle[1] - 1.0))
+    logarithmic(below, "x", 0.55 * middle[0].min(), 1.3 * middle[0].max())
+    below.set(xlabel=axis_label(ds["wavenumber"]), ylabel="Off the median (%)")
+    lost = "" if drawn.isel(mode=np.flatnonzero(modes)).all() else "modes that grow have no frequency and are not drawn"
+    return sheet.finish(ds, [f"{ds.sizes['case']} cases", _first_modes(ds), lost])
 
 
 def _draw_panel(axes: Axes, panel: Panel, name: str, limits: tuple, *, alone: bool) -> None:

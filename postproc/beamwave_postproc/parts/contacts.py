@@ -9,6 +9,7 @@ import xarray as xr
 
 from ..result import NothingToDraw, require
 from .describe import turns_out_of_plane
+from .events import events_of
 from .section import beam_mass
 
 
@@ -73,6 +74,19 @@ def mass_in_contact(case: xr.Dataset, times: np.ndarray) -> np.ndarray:
     last = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
     places, velocities = np.array(states).T
     return free_flight(places[last], velocities[last], rate, times - np.array(starts)[last])[0]
+
+
+def mass_at_beam(case: xr.Dataset, times: np.ndarray, beam: np.ndarray) -> np.ndarray:
+    """Position (m) at `times` of the mass that strikes where the beam is at `beam`: from a capture on it moves with the beam, with
+    the indentation that it has then. After a release it is NaN.
+    """
+    mass = mass_in_contact(case, times)
+    events = {event.kind: event.time for event in reversed(events_of(case))}
+    captured, released = (events.get(kind, np.inf) for kind in ("capture", "release"))
+    if np.isfinite(captured):
+        indentation = mass_in_contact(case, np.array([captured]))[0] - np.interp(captured, times, beam)
+        mass = np.where(times >= captured, beam + indentation, mass)
+    return np.where(times > released, np.nan, mass)
 
 
 def free_flight(

@@ -96,6 +96,11 @@ def _is_idle(ds: xr.Dataset, name: str, swept: str) -> bool:
     return len(first) * np.unique(ds[swept]).size == len(keys) > len(first) and all(same)
 
 
+def is_grid(ds: xr.Dataset, names: list[str]) -> bool:
+    """Whether the cases are the product of several inputs."""
+    return _grid(ds, names) is not None
+
+
 def _grid(ds: xr.Dataset, names: list[str]) -> np.ndarray | None:
     """Index of each case by the values of its inputs, where there are several and the cases are their product."""
     if len(names) < 2:

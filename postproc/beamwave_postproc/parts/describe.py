@@ -10,7 +10,7 @@ import xarray as xr
 
 from .labels import symbol_of, value_text
 from .scene import Group, Value, given_in, groups_of, word_of
-from .units import LONG, number_text, unit_text, units_of
+from .units import LONG, number_text, si_prefix, unit_text, units_of
 
 FEW = 4  # swept values that are listed, and bodies that are told one by one
 DIGITS, WHOLE = 6, 15  # of an input that is a real number, and of a whole one
@@ -42,9 +42,9 @@ def description_of(ds: xr.Dataset) -> str:
 
 
 def brief_of(ds: xr.Dataset) -> list[str]:
-    """The file of a result, and the groups of its scene, those first that tell one scene from another: its effects."""
+    """The file of a result, its beam, and the other groups of its scene, those first that tell one scene from another: effects."""
     beam, effects, others = _told(ds)
-    return list(filter(None, [file_of(ds), *effects, *others[:1], *beam, *others[1:]]))
+    return list(filter(None, [file_of(ds), *beam, *effects, *others]))
 
 
 def _told(ds: xr.Dataset) -> tuple[list[str], list[str], list[str]]:
@@ -170,8 +170,9 @@ def _input(variable: xr.DataArray) -> str:
     if variable.dims != ("case",):
         values = variable.values
     elif values.size > FEW:
-        first, last = number_text(values[0], digits), number_text(values[-1], digits)
-        text = f"{symbol}\u00a0from {first} to {last}\u00a0{units}".rstrip("\u00a0")
+        prefix, factor = si_prefix(values, units_of(variable))
+        first, last = (number_text(factor * value) for value in (values[0], values[-1]))
+        text = f"{symbol}\u00a0from {first} to {last}\u00a0{unit_text(prefix + units_of(variable))}".rstrip("\u00a0")
         return f"{text} ({values.size}\u00a0values)"
     return f"{symbol}\u00a0=\u00a0{listed([number_text(value, digits) for value in values], units)}"
 

@@ -14,9 +14,11 @@ from ..style import GREY
 from .labels import flag_words
 
 ROW = 11.0  # height of a row of words, points
+RISE = 4.0  # of the lowest row above the axes, points
 GAP = 4.0  # between words of one row, points
 LASTING: dict[str, Any] = {"color": "0.88", "zorder": 0}  # look of a span of time
-ON_AN_IMAGE: dict[str, Any] = {"color": "black", "alpha": 0.12, "zorder": 0.4}  # through which the image is seen
+ABOVE: dict[str, Any] = {"color": "0.55", "clip_on": False}
+STRIP = 0.018  # of the height of an image, over which spans stand, so that it is seen
 
 
 class Event(NamedTuple):
@@ -43,16 +45,15 @@ def events_of(case: xr.Dataset) -> list[Event]:
     ]
 
 
-def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> int:
+def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool, alike: bool = False) -> int:
     """Draw each event of `cases` (s, times `factor`) as a line, or as a span where it lasts.
 
-    With `words` each kind is named once above the axes, where it first happens; of a single case with how many there
+    With `alike` only those that all cases share, as lines. With `words` each kind is named once above the axes, where it first happens; of a single case with how many there
     are. Returns how many rows of words stand there.
     """
     first, last = axes.get_xlim()
     marked: list[Event] = []
-    events = dict.fromkeys(event for case in cases for event in events_of(case))
-    for event in sorted(events, key=lambda event: event.time):
+    for event in sorted(_common(cases) if alike else _all(cases), key=lambda event: event.time):
         start, end = event.time * factor, min(event.end * factor, last)
         if first <= start <= last:
             _draw(axes, start, end)
@@ -60,12 +61,23 @@ def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bo
     return _write(axes, _names(marked, factor, counted=len(cases) == 1)) if words else 0
 
 
+def _all(cases: list[xr.Dataset]) -> list[Event]:
+    """The events of all cases, each once."""
+    return list(dict.fromkeys(event for case in cases for event in events_of(case)))
+
+
+def _common(cases: list[xr.Dataset]) -> list[Event]:
+    """Events of one time and kind in all cases, as moments: how long they last differs."""
+    keys = [{(event.time, event.kind) for event in events_of(case)} for case in cases]
+    return [Event(time, time, kind, 0.0) for time, kind in set.intersection(*keys)]
+
+
 def _draw(axes: Axes, start: float, end: float) -> None:
     """A line at `start`, and a span to `end` where that is later; the limits of the axes stay as they are."""
     whole = axes.get_xaxis_transform()
     if end > start:
-        look = ON_AN_IMAGE if axes.images else LASTING
-        axes.add_artist(Rectangle((start, 0.0), end - start, 1.0, transform=whole, linewidth=0.0, **look))
+        bottom, height, look = (1.0, STRIP, ABOVE) if axes.images else (0.0, 1.0, LASTING)
+        axes.add_artist(Rectangle((start, bottom), end - start, height, transform=whole, linewidth=0.0, **look))
     line = Line2D(
         [start, start], [0.0, 1.0], transform=whole, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.5
     )
@@ -96,7 +108,7 @@ def _write(axes: Axes, names: dict[float, str]) -> int:
             name,
             (time, 1.0),
             xycoords=axes.get_xaxis_transform(),
-            xytext=(0.0, 2.0),
+            xytext=(0.0, RISE),
             textcoords="offset points",
             ha="left",
             va="bottom",
@@ -107,5 +119,5 @@ def _write(axes: Axes, names: dict[float, str]) -> int:
         start = float(axes.get_xaxis_transform().transform((time, 1.0))[0])
         row = next((i for i, end in enumerate(free) if start > end), len(free))
         free[row : row + 1] = [start + box.width + GAP * axes.figure.dpi / 72.0]
-        word.set_position((0.0, 2.0 + ROW * row))
+        word.set_position((0.0, RISE + ROW * row))
     return len(free)

@@ -15,6 +15,7 @@ from .text import broken, fitting, width_of
 
 MARGIN = 0.12  # inches, left and right and at the top
 LEAST_ROW = 0.9  # inches, of a row of axes with its words
+LINES = 2  # of what a scene has
 GAP = 0.05  # inches, between the parts
 # Titles and file names are anybody's: a dollar in them begins no formula.
 TITLE: dict[str, Any] = {"fontsize": 10.5, "fontweight": "bold", "parse_math": False}
@@ -28,7 +29,7 @@ HANDLE, TEXT_PAD, COLUMN_GAP = 3.4, 0.6, 1.6  # of a legend, in its font's size
 class Head:
     """What stands above the axes: a warning, lines of words, and a legend of these handles and labels.
 
-    Of each list in `scenes`, groups of a scene, one line shows what has room; `about` is all that there is to say of the scene, which
+    Of each list in `scenes`, groups of a scene, two lines show what has room; `about` is all that there is to say of the scene, which
     the figure's label holds.
     """
 
@@ -65,7 +66,7 @@ def grow_by_head(fig: Figure, head: Head, *, grow: bool = True) -> float:
     above = MARGIN
     placed = []
     fig.set_label(plain(f"{head.title}: {head.about}"))
-    scenes = [fitting([plain(part) for part in scene], width, **SMALL) for scene in head.scenes]
+    scenes = [fitting([plain(part) for part in scene], width, LINES, **SMALL) for scene in head.scenes]
     small = [*scenes, *map(plain, head.lines)]
     for text, style in [(head.title, TITLE), (plain(head.warning), WARNING), *((line, SMALL) for line in small)]:
         if text:

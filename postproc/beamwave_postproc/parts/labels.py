@@ -28,12 +28,17 @@ INPUT_SYMBOLS = {
     "beam_youngs_modulus": "$E$",
     "beam_area": "$A$",
     "beam_second_moment": "$I$",
+    "contact_stiffness": "$K$",
+    "contact_exponent": "$p$",
 }
 INPUT_WORDS = {
     "rotation_angular_velocity": "Angular velocity",
     "impact_mass_ratio": "Mass ratio",
     "impact_approach_velocity": "Approach velocity",
     "impact_position": "Place of the blow",
+    "contact_stiffness": "Contact stiffness",
+    "contact_exponent": "Exponent of the contact",
+    "contact_damping": "Damping of the contact",
     "beam_length": "Length",
     "beam_youngs_modulus": "Young's modulus",
     "beam_density": "Density",
@@ -115,14 +120,14 @@ def symbol_of(name: str) -> str:
     return INPUT_SYMBOLS.get(name, name.split("_", 1)[-1].replace("_", " "))
 
 
-def input_label(variable: xr.DataArray) -> str:
-    """Words, symbol and unit of an input, for an axis."""
+def input_label(variable: xr.DataArray, prefix: str = "") -> str:
+    """Words, symbol and unit (with an SI `prefix`) of an input, for an axis."""
     name = str(variable.name)
     meaning, _, which = str(variable.attrs.get("long_name", name.replace("_", " "))).partition("; ")
     words = INPUT_WORDS.get(NUMBERED.sub(r"\1", name), meaning)
     symbol = symbol_of(name)
     parts = [words[:1].upper() + words[1:], f"of {which}" if which else "", symbol if "$" in symbol else ""]
-    return " ".join(filter(None, parts)) + in_units(variable)
+    return " ".join(filter(None, parts)) + in_units(variable, prefix)
 
 
 def value_text(variable: xr.DataArray, digits: int = 4) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Callable
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 FEW_POINTS = 9  # a line through fewer has not the beam's form
 SAME_PLACE = 1e-9  # positions are typed as decimals
+FORCES = ("bending_moment", "shear_force")  # in the beam, also at a root that rests
 
 
 def moving_points(case: xr.Dataset) -> np.ndarray:
@@ -59,12 +60,24 @@ def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> Cubic
     return CubicSpline(xi, deflection.T, bc_type=("not-a-knot" if xi.size > 2 else (2, none), (2, none)))
 
 
+def force_line(xi: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Line (place → value, times) straight between `values` (times, points) at `xi`: moments have kinks, and forces steps."""
+
+    def line(places: np.ndarray) -> np.ndarray:
+        left = np.clip(np.searchsorted(xi, places, side="right") - 1, 0, xi.size - 2)
+        part = ((places - xi[left]) / (xi[left + 1] - xi[left]))[:, None]
+        return (1.0 - part) * values.T[left] + part * values.T[left + 1]
+
+    return line
+
+
 def whole_line(case: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Places ξ of the moving points and histories (time, point) of variable `name` there, enough of them for a form.
+    """Places ξ and histories (time, point) of variable `name` at enough points for a form, each once: those that move, of a force all.
 
     Raises `NothingToDraw`, saying what to ask for, where the points are too few or do not reach the tip.
     """
-    order = moving_points(case)
+    places = np.round(case["point_position"].values / SAME_PLACE)
+    order = np.unique(places, return_index=True)[1] if name in FORCES else moving_points(case)
     xi = case["point_position"].values[order]
     if xi.size < FEW_POINTS or abs(xi[-1] - 1.0) > SAME_PLACE:
         raise NothingToDraw(f"needs {FEW_POINTS} points or more up to the tip, as &response points = 0.05, 0.1, … 1.0")

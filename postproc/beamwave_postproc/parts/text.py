@@ -33,18 +33,19 @@ def _ruler() -> Figure:
     return FigureCanvasAgg(Figure(dpi=DPI)).figure
 
 
-def fitting(parts: list[str], width: float, **style: Any) -> str:
-    """As many of `parts`, the first ones foremost, as fit a line of `width` inches, with `…` for those left out."""
-    gap, room = width_of("; ;", **style) - width_of(";", **style), width - width_of("; …", **style)
+def fitting(parts: list[str], width: float, lines: int = 1, **style: Any) -> str:
+    """As many of `parts`, the first ones foremost, as fit `lines` of `width` inches, with `…` for those left out."""
+
+    def fits(some: list[str]) -> bool:
+        return broken("; ".join(some), width, **style).count("\n") < lines
+
+    if fits(parts):
+        return "; ".join(parts)
     shown: list[str] = []
     for part in parts:
-        size = width_of(part, **style) + gap
-        if size <= room or not shown:
+        if not shown or fits([*shown, part, "…"]):
             shown.append(part)
-            room -= size
-    line = "; ".join([*shown, *["…"] * (len(shown) < len(parts))])
-    whole = "; ".join(parts)
-    return whole if width_of(whole, **style) <= width else line
+    return "; ".join([*shown, "…"])
 
 
 def broken(text: str, width: float, **style: Any) -> str:

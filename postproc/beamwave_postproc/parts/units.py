@@ -20,7 +20,7 @@ TAKES = {
 }
 LEAST = 0.5  # a prefix suits if the largest number is at least this in it, k and beyond from 1 on
 LONG = 1e6  # numbers from here on have a power of ten
-RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+RAISED = str.maketrans("0123456789.", "⁰¹²³⁴⁵⁶⁷⁸⁹·")
 
 
 def units_of(variable: xr.DataArray) -> str:
@@ -32,10 +32,10 @@ def unit_text(units: str) -> str:
     """UDUNITS text as a quotient: 'kg m-3' becomes kg/m³, 'm-1' 1/m, and '1' nothing. Other texts, as sensors have, stay."""
     if units == "1":
         return ""
-    if not re.fullmatch(r"[A-Za-zµ%° \d-]+", units):
+    if not re.fullmatch(r"[A-Za-zµ%° \d.-]+", units):
         return units.replace("$", r"\$")
     above, below = [], []
-    for name, power in re.findall(r"([A-Za-zµ%°]+)(-?\d+)?", units):
+    for name, power in re.findall(r"([A-Za-zµ%°]+)(-?\d+(?:\.\d+)?)?", units):
         size = (power or "1").lstrip("-")
         word = name + ("" if size == "1" else size.translate(RAISED))
         (below if power.startswith("-") else above).append(word)

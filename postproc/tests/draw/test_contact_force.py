@@ -5,7 +5,7 @@ import pytest
 
 from beamwave_postproc import NothingToDraw, contact_force, open_result
 from beamwave_postproc.film.motion import motion
-from beamwave_postproc.parts.contacts import mass_in_contact, struck_mass
+from beamwave_postproc.parts.contacts import mass_at_beam, mass_in_contact, struck_mass
 
 BEGIN, END, PEAK = 0.2, 0.3, 5.0  # s, s, N: half a sine, of the impulse 2 PEAK (END − BEGIN)/π
 SAMPLES = 128
@@ -48,6 +48,17 @@ def test_force_and_way_of_the_mass_are_drawn(touched):
     assert alone.get_ylabel() == "Contact force (N)"
 
 
+def test_a_captured_mass_goes_on_with_the_beam_and_keeps_its_indentation(touched):
+    kinds = {"event_kind": ("event", [4.0, 2.0], {"flag_values": [2, 4], "flag_meanings": "capture contact"})}
+    times = {"event_time": ("event", [BEGIN, END], {"units": "s"})}
+    held = touched.assign({**kinds, **times, "event_end": ("event", [END, END], {"units": "s"})})
+    at = np.array([END - 1e-9, 0.5, 0.9])
+    beam = np.interp(at, held["time"], held["displacement"].isel(point=1))
+    mass = mass_at_beam(held, at, beam)
+    # Between the two first moments the mass moves by less than 1e-8 m.
+    np.testing.assert_allclose(mass[1:] - beam[1:], mass[0] - beam[0], atol=1e-7)
+
+
 def test_the_film_has_the_mass_where_the_forces_put_it(touched):
     shown = motion(touched, frames=40)
     np.testing.assert_allclose(shown.mass, mass_in_contact(touched, shown.time))
@@ -59,3 +70,13 @@ def test_without_a_contact_that_lasts_there_is_nothing_to_draw(full_result, touc
         contact_force(ds)
     with pytest.raises(NothingToDraw, match="no contact force"):
         contact_force(touched.assign(contact_force=np.nan * touched["contact_force"]))
+
+
+@pytest.mark.parametrize(("exponents", "unit"), [(1.0, "N m-1"), (1.5, "N m-1.5"), ([1.0, 1.5], "N")])
+def test_the_stiffness_of_a_contact_is_in_newtons_over_metres_to_its_exponent(touched, tmp_path, exponents, unit):
+    dims = "case" if np.ndim(exponents) else ()
+    touched.assign(
+        contact_stiffness=((), 1e8, {"units": "N"}), contact_exponent=(dims, exponents, {"units": "1"})
+    ).to_netcdf(tmp_path / "a.nc")
+    with open_result(tmp_path / "a.nc") as ds:
+        assert ds["contact_stiffness"].attrs["units"] == unit

@@ -47,6 +47,20 @@ def test_each_point_has_a_curve_of_magnitude_and_one_of_phase():
     assert low < np.abs(answers(0.05)).min() and high > np.abs(answers(0.05)).max()
 
 
+def test_a_phase_goes_on_where_its_angle_turns_over():
+    """Of two points, on different sides of a node: the second mode lags by another 180 degrees, and no antiresonance is between."""
+    modes = [1.0 / (f**2 - FREQUENCY**2 + 2j * 0.02 * f * FREQUENCY) for f in (8.0, 30.0)]
+    phase = frequency_response(result(np.array([modes[0] + modes[1], modes[0] - modes[1]]))).axes[1]
+    same, opposite = (line.get_ydata() for line in phase.lines)
+    assert np.abs(np.diff(opposite)).max() < 90.0 and opposite[-1] == pytest.approx(-360.0, abs=10.0)
+    assert same[-1] == pytest.approx(-180.0, abs=10.0) and opposite[0] == pytest.approx(0.0, abs=1.0)
+
+
+def test_what_is_180_degrees_but_for_rounding_is_drawn_at_minus_180():
+    rounded = np.array([answers(0.05)[1], -1.0 + 1e-17j * np.ones(FREQUENCY.size)])
+    assert frequency_response(result(rounded)).axes[1].lines[1].get_ydata() == pytest.approx(-180.0)
+
+
 def test_without_damping_there_is_no_phase_to_draw():
     assert len(frequency_response(result(answers(0.0).real + 0j)).axes) == 1
 

@@ -27,11 +27,11 @@ def test_the_label_of_a_picture_names_scene_effects_inputs_and_file(full_result)
     assert "e = 0" not in texts and "rotary" not in texts  # what is left at nothing is not told
 
 
-def test_the_head_has_one_line_of_the_scene_its_file_and_effects_first(full_result):
+def test_the_head_has_two_lines_of_the_scene_its_file_and_beam_first(full_result):
     with open_result(full_result) as ds:
         title, scene, *_ = (read(text.get_text()) for text in dispersion(ds).texts)
-    assert title == "synthetic" and "\n" not in scene
-    assert scene.startswith("struck.nc; rotation ω = 50 rad/s; impact γ = 0.2, V = 1 m/s; capture") and scene.endswith("; …")
+    assert title == "synthetic" and scene.endswith("max peaks = 10; …")
+    assert scene.startswith("struck.nc; beam l = 1 m") and "rotation ω = 50 rad/s; impact γ = 0.2, V = 1 m/s; capture" in scene
 
 
 def test_forces_and_times_of_events_are_no_inputs(full_result):

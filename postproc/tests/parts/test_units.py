@@ -17,6 +17,7 @@ from beamwave_postproc.parts.units import number_text, si_prefix, unit_text, wit
         ("N m rad-1", "N m/rad"),
         ("m2 s-1", "m²/s"),
         ("J kg-1 K-1", "J/(kg K)"),
+        ("N m-1.5", "N/m¹·⁵"),
     ],
 )
 def test_units_are_quotients(udunits, read):
