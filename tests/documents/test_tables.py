@@ -51,3 +51,10 @@ def test_each_link_to_a_heading_finds_it(document):
     for path, anchor in links:
         target = (PROJECT / document).parent / path if path else PROJECT / document
         assert anchor in headings(text_of(target.resolve().relative_to(PROJECT))), f"{path}#{anchor}"
+
+
+@pytest.mark.parametrize("document", all_documents())
+def test_each_link_to_a_file_finds_it(document):
+    prose = [token.content for token in tokens(text_of(document)) if token.type == "inline"]
+    links = [link for text in prose for link in re.findall(r"\]\(([^)#:\s]+)(?:#[^)\s]*)?\)", text)]
+    assert [link for link in links if not (PROJECT / document).parent.joinpath(link).exists()] == []

@@ -1,6 +1,6 @@
 """Tolerances are kept and no error is above its estimate: a few scenes of every class, others with BEAMWAVE_SEED.
 
-All classes with many scenes, whose figures docs/method.md gives: `python tests/scenes/tails.py`.
+All classes with many scenes, whose figures docs/method/errors.md gives: `python tests/scenes/tails.py`.
 """
 
 import os
