@@ -10,12 +10,14 @@ module bw_case_validity
   use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
-  use bw_missing, only: scaled
+  use bw_missing, only: is_missing, scaled
   use bw_mode_set, only: mode_set
+  use bw_modes_par, only: by_tolerance
   use bw_note, only: remark
   use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
   use bw_rotation, only: speed_in_plane
+  use bw_sampled_peak, only: hidden_share, known_samples
   use bw_scene, only: changes_in_time, counts_in_its_run, is_loaded, scene_type, unit_velocity
   use bw_text, only: append, shortest, string, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -269,6 +271,7 @@ contains
     integer :: n
     n = response%finite_samples
     if (n == 0) return
+    call note_sampling(scene, response, errors, notes)
     if (allocated(errors%displacement)) call note_error('displacement', response%displacement(:n, :), errors%displacement)
     if (allocated(errors%velocity)) call note_error('velocity', response%velocity(:n, :), errors%velocity)
     if (allocated(errors%bending_moment)) call note_error('bending moment', response%bending_moment(:n, :), errors%bending_moment)
@@ -300,6 +303,52 @@ contains
     end subroutine note_error
   end subroutine note_history_errors
 
+  subroutine note_sampling(scene, response, errors, notes)
+    !! Which histories may have their peaks between samples, each at the point where its estimate is the largest, and how many
+    !! samples would show them to 1 %, if these follow the motion: what they hide falls with the square of their distance. Nothing
+    !! is said where the estimated error is larger.
+    type(scene_type), intent(in) :: scene
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
+    type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: words
+    real(dp) :: worst
+    integer :: times
+    words = ''
+    worst = 0.0_dp
+    call add_words('displacement', response%displacement, errors%displacement)
+    if (allocated(response%bending_moment)) call add_words('bending moment', response%bending_moment, errors%bending_moment)
+    if (allocated(response%shear_force)) call add_words('shear force', response%shear_force, errors%shear_force)
+    if (allocated(response%velocity)) call add_words('velocity', response%velocity, errors%velocity)
+    if (allocated(response%acceleration)) call add_words('acceleration', response%acceleration, errors%acceleration)
+    if (words == '') return
+    times = 2**ceiling(0.5_dp*log(worst/unnoticed)/log(2.0_dp))
+    if (times > huge(times)/scene%response%samples) return
+    call append(notes, 'sampling: peaks may lie between samples, and be larger than the largest sample: '//words(3:)// &
+                '; try samples = '//text_of(times*scene%response%samples))
+  contains
+    subroutine add_words(quantity, histories, error)
+      character(*), intent(in) :: quantity
+      real(dp), intent(in) :: histories(:, :)      !! (samples, points)
+      real(dp), intent(in), optional :: error(:)   !! (points)
+      real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: at the root nothing moves
+      real(dp), dimension(size(histories, 2)) :: hidden, peak
+      integer :: n, p
+      do p = 1, size(hidden)
+        n = known_samples(histories(:, p))
+        peak(p) = largest_magnitude(histories(:n, p))
+        hidden(p) = hidden_share(histories(:n, p))
+      end do
+      where (is_missing(hidden) .or. .not. peak > nothing*maxval(peak)) hidden = 0.0_dp
+      if (present(error)) where (error > hidden*peak) hidden = 0.0_dp
+      p = maxloc(hidden, dim=1)
+      if (hidden(p) <= unnoticed) return
+      worst = max(worst, hidden(p))
+      words = words//', the '//quantity//' at xi = '//shortest(scene%response%points(p), 6)//' by about '// &
+        shortest(100.0_dp*hidden(p), 2)//' %'
+    end subroutine add_words
+  end subroutine note_sampling
+
   pure function remedy(scene, quantity) result(words)
     !! What would lessen the error of a history. A velocity and a bending moment inside the beam fall with the square root of the
     !! number of modes (docs/method.md), unless the modes are damped.
@@ -309,9 +358,13 @@ contains
     if (allocated(scene%recontact)) then
       words = 'contacts amplify every error, and a shorter duration has fewer of them'
     else if (quantity == 'displacement' .or. allocated(scene%damping) .or. counts_in_its_run(scene)) then
-      words = 'more modes lessen it: larger counts, or a smaller tolerance'
+      words = 'more modes lessen it: a smaller tolerance, as '//shortest(0.1_dp*scene%modes%tolerance, 2)
+      if (.not. by_tolerance(scene%modes)) words = 'more modes lessen it: larger counts, as before = '// &
+        shortest(2.0_dp*scene%modes%before, 15)
     else
-      words = 'ten times as many modes (before, after) leave about a third of it, and &damping far less'
+      words = 'before = '//shortest(10.0_dp*scene%modes%before, 15)
+      if (by_tolerance(scene%modes)) words = 'tolerance = '//shortest(0.03_dp*scene%modes%tolerance, 1)
+      words = 'ten times as many modes ('//words//') leave about a third of it, and &damping far less'
     end if
   end function remedy
 

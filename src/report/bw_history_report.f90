@@ -1,12 +1,14 @@
 module bw_history_report
-  !! The printed report of histories: the largest value at each point, how far it may be off, and the waves that were measured.
+  !! The printed report of histories: the largest sample at each point and its time, what samples hide, how far it may be off,
+  !! the largest stress, and the waves that were measured.
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, table_of, text_table
+  use bw_columns, only: fixed, short, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing
+  use bw_missing, only: is_missing, scaled
   use bw_response, only: response_type
+  use bw_sampled_peak, only: hidden_share, known_samples
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -28,19 +30,20 @@ contains
       if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
       call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result))
-      table = table_of('|xi|largest|estimated error|% of peak|proved bound', '', [-21, 8, 16, 17, 12, 15], &
-                       [(.true., p=1, 5), allocated(response%displacement_bound)])
+      table = table_of('|xi|largest sample|at|between samples|estimated error|% of it|proved bound', '|||s|+ %', &
+                       [-19, 8, 16, 11, 17, 17, 10, 15], [(.true., p=1, 7), allocated(response%displacement_bound)])
       call table%put_head(lines)
-      call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, table, &
+      call report_quantity('displacement', 'm', scene, response%displacement, response%displacement_error, table, &
                            lines, response%displacement_bound)
-      if (allocated(response%velocity)) call report_quantity('velocity', 'm/s', points, response, response%velocity, &
+      if (allocated(response%velocity)) call report_quantity('velocity', 'm/s', scene, response%velocity, &
                                                              response%velocity_error, table, lines)
-      if (allocated(response%bending_moment)) call report_quantity('bending moment', 'N m', points, response, &
-        response%bending_moment, response%bending_moment_error, table, lines)
-      if (allocated(response%acceleration)) call report_quantity('acceleration', 'm/s2', points, response, response%acceleration, &
+      if (allocated(response%bending_moment)) call report_quantity('bending moment', 'N m', scene, response%bending_moment, &
+        response%bending_moment_error, table, lines)
+      if (allocated(response%acceleration)) call report_quantity('acceleration', 'm/s2', scene, response%acceleration, &
         response%acceleration_error, table, lines)
-      if (allocated(response%shear_force)) call report_quantity('shear force', 'N', points, response, response%shear_force, &
+      if (allocated(response%shear_force)) call report_quantity('shear force', 'N', scene, response%shear_force, &
         response%shear_force_error, table, lines)
+      call report_stress(scene, response, lines)
       if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
         'where a history is largest, and where its error is the largest part of it.')
       if (allocated(scene%recontact)) call lines%append_line( &
@@ -54,41 +57,74 @@ contains
     end associate
   end subroutine report_histories
 
-  subroutine report_quantity(name, unit, points, response, histories, error, table, lines, bound)
+  subroutine report_quantity(name, unit, scene, histories, error, table, lines, bound)
     !! The rows of one quantity.
     character(*), intent(in) :: name, unit
-    real(dp), intent(in) :: points(:)
-    type(response_type), intent(in) :: response
+    type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: histories(:, :)           !! (samples, points)
     real(dp), intent(in), optional :: error(:)        !! (points); absent: there is no estimate
     type(text_table), intent(in) :: table
     type(text_builder), intent(inout) :: lines
     real(dp), intent(in), optional :: bound(:)        !! of the error, (points); absent: none is proved
-    real(dp) :: peak(size(points)), part(size(points))
+    real(dp), dimension(size(histories, 2)) :: peak, part
+    real(dp) :: step
     character(:), allocatable :: head, cells
-    logical :: shown(size(points))
-    integer :: p
-    peak = [(maxval(abs(histories(:response%finite_samples, p)), mask=.not. is_missing(histories(:response%finite_samples, p))), &
-             p=1, size(points))]
+    logical :: shown(size(peak))
+    integer :: p, n, at(size(peak))
+    step = scene%response%duration/scene%response%samples
+    do p = 1, size(peak)
+      n = known_samples(histories(:, p))
+      at(p) = maxloc(abs(histories(:n, p)), dim=1)
+      peak(p) = -1.0_dp
+      if (n > 0) peak(p) = abs(histories(at(p), p))
+    end do
     part = 0.0_dp
     if (present(error)) where (peak > 0.0_dp .and. .not. is_missing(error)) part = error/max(peak, 1.0e-6_dp*error)
-    shown = size(points) <= shown_points
+    shown = size(peak) <= shown_points
     shown(maxloc(peak, dim=1)) = .true.
     if (present(error)) shown(maxloc(part, dim=1)) = .true.
     head = '  '//name//', '//unit
-    do p = 1, size(points)
+    do p = 1, size(peak)
       if (.not. shown(p)) cycle
-      cells = '|-|-|-'                                         ! nothing of it is given
-      if (peak(p) >= 0.0_dp) cells = '|'//fixed(peak(p))//'|-|-'
-      if (present(error) .and. peak(p) == 0.0_dp) cells = '|0'
-      if (present(error) .and. peak(p) > 0.0_dp) then
-        cells = '|'//fixed(peak(p))//'|'//shortest(error(p), 2)//'|'//shortest(100.0_dp*part(p), 2)
+      cells = '|-|-|-|-|-'                                     ! nothing of it is given
+      if (peak(p) == 0.0_dp) cells = '|0'
+      if (peak(p) > 0.0_dp) then
+        cells = '|'//fixed(peak(p))//'|'//shortest((at(p) - 1)*step, 5)//'|'// &
+          short(scaled(hidden_share(histories(:known_samples(histories(:, p)), p)), 100.0_dp))
+        if (.not. present(error)) cells = cells//'|-|-'
+        if (present(error)) cells = cells//'|'//short(error(p))//'|'//shortest(100.0_dp*part(p), 2)
         if (present(bound)) cells = cells//'|'//bound_words(bound(p))
       end if
-      call table%put_row(lines, head//'|'//shortest(points(p), 6)//cells)
+      call table%put_row(lines, head//'|'//shortest(scene%response%points(p), 6)//cells)
       head = ''
     end do
   end subroutine report_quantity
+
+  subroutine report_stress(scene, response, lines)
+    !! The largest sample of the bending stress at any point, where the section is known.
+    type(scene_type), intent(in) :: scene
+    type(response_type), intent(in) :: response
+    type(text_builder), intent(inout) :: lines
+    real(dp) :: stress(size(scene%response%points))
+    integer :: p, at(size(stress))
+    if (.not. allocated(response%stress_of_moment)) return
+    do p = 1, size(stress)
+      associate (moment => response%bending_moment(:known_samples(response%bending_moment(:, p)), p))
+        at(p) = maxloc(abs(moment), dim=1)
+        stress(p) = 0.0_dp
+        if (at(p) > 0) stress(p) = scaled(moment(at(p)), response%stress_of_moment(p))
+      end associate
+    end do
+    p = maxloc(abs(stress), dim=1, mask=.not. is_missing(stress))
+    if (p == 0) return
+    if (stress(p) == 0.0_dp) return
+    call lines%append('  Largest bending stress: '//shortest(abs(stress(p)), 6)//' Pa at xi = '// &
+      shortest(scene%response%points(p), 4)//', t = '// &
+      shortest((at(p) - 1)*(scene%response%duration/scene%response%samples), 5)//' s, at the extreme fibre')
+    if (allocated(response%bending_moment_error)) call lines%append('; estimated error '// &
+      short(scaled(response%bending_moment_error(p), response%stress_of_moment(p)))//' Pa')
+    call lines%append_line('')
+  end subroutine report_stress
 
   pure function later_counts(result) result(words)
     !! Other counts of modes that a beam which changes in time has later on.

@@ -1,8 +1,6 @@
 module bw_load_report
-  !! The printed report of loads: what was applied, and where and when the beam moved most.
+  !! The printed report of loads: what was applied.
   use bw_case_result, only: case_result
-  use bw_kinds, only: dp
-  use bw_missing, only: is_missing
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -14,7 +12,7 @@ module bw_load_report
 contains
 
   subroutine report_loads(scene, result, lines)
-    !! A line for each load, and one for each quantity that says its largest value.
+    !! A line for each load.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -36,23 +34,6 @@ contains
       end do
       if (size(scene%bases) > shown_loads) call lines%append_line('  ... '//text_of(size(scene%bases))//' in the file')
     end if
-    associate (response => result%response)
-      call report_largest('displacement', 'm', response%displacement)
-      if (allocated(response%bending_moment)) call report_largest('bending moment', 'N m', response%bending_moment)
-      if (allocated(response%shear_force)) call report_largest('shear force', 'N', response%shear_force)
-    end associate
-  contains
-    subroutine report_largest(name, unit, histories)
-      !! Where and when.
-      character(*), intent(in) :: name, unit
-      real(dp), intent(in) :: histories(:, :)        !! (samples, points)
-      integer :: place(2)
-      place = maxloc(abs(histories), mask=.not. is_missing(histories))
-      if (any(place == 0)) return
-      call lines%append_line('  Largest '//name//': '//shortest(histories(place(1), place(2)), 6)//' '//unit//' at xi = '// &
-        shortest(scene%response%points(place(2)), 4)//', '// &
-        shortest((place(1) - 1)*(scene%response%duration/scene%response%samples), 5)//' s')
-    end subroutine report_largest
   end subroutine report_loads
 
   pure function in_words(shape) result(words)

@@ -12,7 +12,7 @@ module bw_case_rows
   use bw_mode_set, only: mode_set
   use bw_model_rows, only: model_rows
   use bw_record_rows, only: record_rows
-  use bw_response, only: response_type
+  use bw_response, only: response_type, sampling_type
   use bw_result_table, only: result_table, unit_of_sensors
   implicit none (type, external)
   private
@@ -279,10 +279,14 @@ contains
     !! Histories, their largest values and their errors.
     class(result_table), intent(inout) :: table
     type(response_type), intent(in), optional :: response
-    if (table%real_row('largest_displacement', 'point', 'm', 'largest magnitude of the displacement', needs='simulated', &
+    if (table%real_row('largest_displacement', 'point', 'm', 'largest sample of the displacement', needs='simulated', &
                        summary=.true.)) call table%put(largest_of(response%displacement))
-    if (table%real_row('largest_stress', 'point', 'Pa', 'largest magnitude of the bending stress', needs='bending_stress', &
+    if (table%real_row('largest_displacement_time', 'point', 's', 'time of that sample', needs='simulated')) &
+      call table%put(times_of_largest(response%displacement, response%sampling))
+    if (table%real_row('largest_stress', 'point', 'Pa', 'largest sample of the bending stress', needs='bending_stress', &
                        summary=.true.)) call table%put(largest_of(stresses_of(response)))
+    if (table%real_row('largest_stress_time', 'point', 's', 'time of that sample', needs='bending_stress')) &
+      call table%put(times_of_largest(stresses_of(response), response%sampling))
     if (table%real_row('displacement_error', 'point', 'm', estimate_of//'displacement'//limit_of, needs='estimates')) &
       call table%put(response%displacement_error)
     if (table%real_row('displacement_bound', 'point', 'm', 'bound of the error of the displacement against infinitely many '// &
@@ -379,6 +383,19 @@ contains
       if (any(.not. is_missing(histories(:, p)))) largest(p) = maxval(abs(histories(:, p)), mask=.not. is_missing(histories(:, p)))
     end do
   end function largest_of
+
+  pure function times_of_largest(histories, sampling) result(times)
+    !! When the largest magnitude that is known comes first at each point, s; missing where none is.
+    real(dp), intent(in) :: histories(:, :)            !! (samples, points)
+    type(sampling_type), intent(in) :: sampling
+    real(dp) :: times(size(histories, 2))
+    integer :: p, at
+    times = missing
+    do p = 1, size(times)
+      at = maxloc(abs(histories(:, p)), dim=1, mask=.not. is_missing(histories(:, p)))
+      if (at > 0) times(p) = (at - 1)*sampling%grid%step%hi*sampling%unit_time
+    end do
+  end function times_of_largest
 
   subroutine measured_rows(table, measured)
     !! Waves measured in the histories without any knowledge of the modes, and the bounds of their errors.

@@ -23,8 +23,10 @@ module bw_response_par
 
   type(input_group), parameter, public :: response_group = input_group( &
     'response', needs='impact|force|base|initial|body', absent='no time history', &
-    physics='Histories at points of the beam. Sampling sets no error, since every sample is exact for the modes that are '// &
-    'summed; but a spectrum of the histories shows only frequencies below the Nyquist frequency samples/(2 duration).', &
+    physics='Histories at points of the beam. Every sample is exact for the modes that are summed, however few samples there '// &
+    'are; but a peak may lie between them, and a spectrum shows only frequencies below the Nyquist frequency '// &
+    'samples/(2 duration). Reports and files name the largest sample; the report estimates how much larger the peak may be, '// &
+    'and warns where that matters.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 0.5, samples = 8192, points = 0.25, 0.5, 1, '// &
     'velocity = .true. /', &
     rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. Accelerations and shear forces '// &
