@@ -154,7 +154,54 @@ def test_the_identified_scene_runs(together):
     line = result["peak_mode"][: result["peak_count"]] > 0
     computed = result["modelled_angular_frequency"][: line.size][line]
     decay = result["measured_decay_rate"][: line.size][line]
-    np.testing.assert_allclose(np.hypot(computed, decay), again["angular_frequency"][:4], rtol=1e-12)
+    undamped = np.hypot(again["angular_frequency"], again["growth_rate"])[:4]  # it has the damping of the lines
+    np.testing.assert_allclose(np.hypot(computed, decay), undamped, rtol=1e-12)
+
+
+def test_the_identified_scene_has_the_damping_that_was_measured(here):
+    """All modes have the ratio 0.005, to the accuracy that noise leaves."""
+    beta, ratio = frequencies(), 0.005
+    time = np.arange(SAMPLES) / RATE
+    values = sum(np.exp(-ratio * b * time) * np.cos(np.sqrt(1 - ratio**2) * b * time + i) for i, b in enumerate(beta))
+    noise = NOISE * np.random.default_rng(13).standard_normal(SAMPLES)
+    here.write("ring.csv", as_text(time, (values + noise)[None, :], "time [s],tip [m]"))
+    here.write("ring.nml", scene_of("ring.csv", [UNKNOWN]))
+    assert here.beamwave("run", "ring.nml").returncode == 0
+    scene = (here.directory / "output" / "ring.identified.nml").read_text(encoding="utf-8")
+    said = re.search(r"! damping%ratio = (\S+): (\S+) to (\S+), from the decay of 4 lines", scene)
+    assert float(said[2]) < ratio < float(said[3])
+    assert float(said[3]) - float(said[2]) < 0.05 * ratio
+    assert here.beamwave("run", "output/ring.identified.nml").returncode == 0
+    assert here.result("ring.identified")["damping_ratio"] == pytest.approx(float(said[1]), rel=1e-5)
+    here.write("damped.nml", scene_of("ring.csv", [UNKNOWN], damping={"ratio": 0.02}))  # the user's own number stays
+    here.beamwave("run", "damped.nml")
+    scene = (here.directory / "output" / "damped.identified.nml").read_text(encoding="utf-8")
+    assert scene.count("&damping") == 1 and "ratio = 0.02" in scene
+
+
+def test_where_no_line_is_a_mode_nothing_is_identified(here):
+    """Times in ms under a header without a unit: all lines are a thousand times too low."""
+    rows = ring_down(14, frequencies()).splitlines()[1:]
+    rows = [row.split(",") for row in rows]
+    here.write("ring.csv", "time,tip\n" + "".join(f"{float(t) * 1e3!r},{x}\n" for t, x in rows))
+    here.write("ring.nml", scene_of("ring.csv", [UNKNOWN]).replace("&record", "&record\n time_scale = 1e-3"))
+    assert here.beamwave("run", "ring.nml").returncode == 0
+    stale = here.directory / "output" / "ring.identified.nml"
+    assert stale.exists()
+    here.write("ring.nml", scene_of("ring.csv", [UNKNOWN]))
+    ended = here.beamwave("run", "ring.nml", "--overwrite")
+    assert ended.returncode == 4
+    said = re.search(r"misfit: no line is a mode of the beam: .* if frequencies were (\S+) times as high, 4 of 4", ended.stderr)
+    assert float(said[1]) == pytest.approx(1e3, rel=0.05)  # the modulus is not known to 30 %
+    assert "record%time_scale = 1e-3" in ended.stderr
+    assert "Frequencies are off by" not in ended.stdout and "Identified;" not in ended.stdout
+    assert not stale.exists()
+    result = here.result("ring")
+    assert (result["peak_mode"][: result["peak_count"]] == 0).all()
+    for name in ["identified", "identified_low", "identified_high", "identified_error", "model_scatter"]:
+        assert results.is_fill(result[name]).all()
+    meanings = result.variables["case_status"].attributes["flag_meanings"].split()
+    assert meanings[int(result["case_status"])] == "misfit"
 
 
 OWN, ALONE = "output/loaded.identified.nml", "output/loaded.identified.alone.nml"

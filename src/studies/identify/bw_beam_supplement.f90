@@ -12,6 +12,9 @@ module bw_beam_supplement
   use bw_identified_scene, only: identified_attribute, identified_path, identified_room, identified_text
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i8
+  use bw_lost_lines, only: are_lost, lost_text
+  use bw_measured_damping, only: measured_damping
+  use bw_missing, only: missing
   use bw_model_comparison, only: compare_case, match_lines
   use bw_model_file, only: model_findings, model_rows, put_misfit
   use bw_modelled_response, only: find_modelled_response
@@ -49,6 +52,7 @@ module bw_beam_supplement
     !! All that is fitted together: the cases of the scene, then those of further scenes.
     type(measured_scene), allocatable :: measured(:)     !! (cases of all scenes)
     type(result_lines), allocatable :: lines(:)          !! (the same)
+    type(beam_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
     integer :: own = 0                                   !! cases of the scene itself
     integer :: places = 0                                !! along the beam, of shapes that are written
     type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: it is not
@@ -110,7 +114,7 @@ contains
     allocate (findings%scenes(0))
     if (size(self%scene%unknowns) > 0) then
       call identify_beam(self%scene, quantile, set, findings, lines, more)
-      call list_scenes(self%directory, set, findings, lines)
+      if (.not. are_lost(set%states)) call list_scenes(self%scene, self%directory, set, findings, lines)
     else
       call compare(set, findings, lines, more)
     end if
@@ -192,6 +196,10 @@ contains
                                                                 findings%cases(c)%response)
         if (size(measured%error) == 0 .or. c > shown_cases) cycle
         call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
+        if (all(state%mode_of == 0)) then
+          call report_lost(state, nothing, case_text(set, c), lines, notes)
+          cycle
+        end if
         call lines%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
         if (.not. misfit%tail < unlikely) cycle
@@ -224,34 +232,51 @@ contains
     if (index(text, 'does not') > 0) notes = notes//'misfit'//which//': '//text//nl
   end subroutine note_misfit
 
+  subroutine report_lost(state, values, which, lines, notes)
+    !! No line is a mode.
+    type(beam_state), intent(inout) :: state
+    real(dp), intent(in) :: values(:)
+    character(*), intent(in) :: which            !! case
+    type(text_builder), intent(inout) :: lines
+    character(:), allocatable, intent(inout) :: notes
+    character(:), allocatable :: text
+    text = lost_text(state, values)
+    call lines%append_line('  Misfit: '//text)
+    notes = notes//'misfit'//which//': '//text//nl
+  end subroutine report_lost
+
   subroutine identify_beam(scene, quantile, set, findings, lines, notes)
-    !! All cases together.
+    !! All cases together. Where no line is a mode nothing is identified: the unknowns are missing.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: quantile
     type(record_set), intent(inout) :: set
     type(model_findings), intent(inout) :: findings
     type(text_builder), intent(inout) :: lines
     character(:), allocatable, intent(inout) :: notes
-    type(beam_state), allocatable :: states(:)
     type(corrected_model), allocatable :: corrections(:)
     type(identification) :: found
     integer :: c, i
-    call states_of(set%measured, states)
-    do c = 1, size(states)
-      states(c)%is_harmonic = btest(set%lines(c)%status, harmonic)
+    call states_of(set%measured, set%states)
+    do c = 1, size(set%states)
+      set%states(c)%is_harmonic = btest(set%lines(c)%status, harmonic)
     end do
-    call identify(states, all_unknowns(set%measured), quantile, found)
-    allocate (findings%cases(size(states)), findings%misfits(1))
+    call identify(set%states, all_unknowns(set%measured), quantile, found)
+    allocate (findings%cases(size(set%states)), findings%misfits(1))
     findings%misfits(1) = found%fit%misfit_type
-    do c = 1, size(states)
-      call compare_case(set%lines(c), states(c), found%values, set%places, findings%cases(c))
+    do c = 1, size(set%states)
+      call compare_case(set%lines(c), set%states(c), found%values, set%places, findings%cases(c))
       if (c > shown_cases .or. size(set%lines(c)%error) == 0) cycle
       call report_comparison('Lines beside the modes of the identified beam'//case_text(set, c), set%lines(c), &
                              findings%cases(c), lines)
     end do
     findings%cases = findings%cases(:set%own)
-    if (allocated(set%sensors)) call find_modelled_response(states(1), found%values, set%sensors, set%frequencies, &
-                                                            states(1)%monitor, findings%cases(1)%response)
+    if (allocated(set%sensors)) call find_modelled_response(set%states(1), found%values, set%sensors, set%frequencies, &
+                                                            set%states(1)%monitor, findings%cases(1)%response)
+    if (are_lost(set%states)) then
+      call report_lost(set%states(1), found%values, '', lines, notes)
+      call forget(found, findings)
+      return
+    end if
     call report_identified(found, scene%spectrum%confidence, lines)
     call lines%append_line('  Misfit: '//explained_text(findings%misfits(1)))
     call note_misfit(findings%misfits(1), '', notes)
@@ -268,14 +293,29 @@ contains
     findings%found = found
   end subroutine identify_beam
 
-  subroutine list_scenes(directory, set, findings, lines)
+  subroutine forget(found, findings)
+    !! Nothing was identified.
+    type(identification), intent(inout) :: found
+    type(model_findings), intent(inout) :: findings
+    found%explained = .false.
+    found%values = missing
+    found%low = missing
+    found%high = missing
+    found%belief%correlation = missing
+    findings%misfits%scatter = missing
+    if (allocated(findings%cases(1)%response)) findings%cases(1)%response = cmplx(missing, missing, dp)
+    findings%found = found
+  end subroutine forget
+
+  subroutine list_scenes(scene, directory, set, findings, lines)
     !! The identified scenes, the scene's own and the further ones, and where they will lie.
+    type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     type(record_set), intent(in) :: set
     type(model_findings), intent(inout) :: findings
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: own, further
-    integer :: c
+    integer :: c, i
     own = set%measured(1)%scene%name
     do c = 1, size(set%measured)
       associate (one => set%measured(c)%scene)
@@ -284,7 +324,9 @@ contains
         if (c > 1) then
           if (one%name == set%measured(c - 1)%scene%name) cycle
         end if
-        call append(findings%scenes, identified_text(own, one, unknowns_in(set%measured, c), findings%found))
+        call append(findings%scenes, identified_text(own, one, unknowns_in(set%measured, c), findings%found, &
+          measured_damping(set%states, [(set%measured(i)%scene%name == one%name, i=1, size(set%states))], &
+                           scene%spectrum%confidence, scene%spectrum%false_alarm)))
         call lines%append_line('  identified '//identified_path(directory//'/'//own//'.nc', further))
       end associate
     end do

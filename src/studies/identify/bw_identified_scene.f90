@@ -9,6 +9,7 @@ module bw_identified_scene
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing
+  use bw_random_effects, only: pooled_value
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_unknowns, only: scene_with, with_unknowns
@@ -34,8 +35,8 @@ contains
     character(*), intent(in) :: result                   !! as that of `identified_text`
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: unknowns                      !! how many there are
-    integer, parameter :: of_letter = 4, of_name = 100, of_numbers = 100, around = 100
-      !! letters that one letter of a name may take; of an unknown's name; of its numbers; of the head's own words
+    integer, parameter :: of_letter = 4, of_name = 100, of_numbers = 100, around = 400
+      !! letters that one letter of a name may take; of an unknown's name; of its numbers; of the head's own words and the damping
     letters = len(resolved_text(scene)) + of_letter*(len(scene%name) + len(result)) + (of_name + of_numbers)*unknowns + around
   end function identified_room
 
@@ -49,12 +50,13 @@ contains
     path = path//'nml'
   end function identified_path
 
-  function identified_text(result, scene, unknowns, found) result(text)
-    !! The text, with a line of comment for each unknown.
+  function identified_text(result, scene, unknowns, found, damping) result(text)
+    !! The text, with a line of comment for each unknown, and the measured damping where the scene has none.
     character(*), intent(in) :: result                   !! name of the result that it belongs to
     type(scene_type), intent(in) :: scene                !! without sweeps
     type(identify_par), intent(in) :: unknowns(:)        !! as they stand in it; of group 0 where it does not have them
     type(identification), intent(in) :: found
+    type(pooled_value), intent(in) :: damping            !! ratio; missing where none was measured
     character(:), allocatable :: text
     character, parameter :: nl = new_line('a')
     type(scene_type) :: varied, one
@@ -71,6 +73,11 @@ contains
       text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//end_text(found%low(i))//' to '// &
         end_text(found%high(i))//nl//text
     end do
+    if (.not. (is_missing(damping%value) .or. allocated(scene%damping))) text = &
+      '! damping%ratio = '//shortest(damping%value, 6)//': '//shortest(damping%value - damping%error, 4)//' to '// &
+      shortest(damping%value + damping%error, 4)//', from the decay of '//text_of(damping%count)//' lines; the ratio of one '// &
+      'mode scatters about it by '//shortest(damping%scatter, 2)//nl//text//'&damping'//nl//'  ratio = '// &
+      text_of(damping%value)//nl//'/'//nl
     text = '! '//printable(scene%name, on_one_line=.true.)//'.nml as the result '//printable(result, on_one_line=.true.)// &
       '.nc identified it; intervals as said there.'//nl//text
   contains

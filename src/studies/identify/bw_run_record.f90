@@ -140,14 +140,18 @@ contains
     logical, intent(in) :: overwrite
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: path, text, further
-    integer :: i
+    integer :: i, ignored
     path = supplement%directory//'/'//supplement%scene%name//'.nc'
     further = ''
     do i = 1, 1 + size(supplement%further)
       if (allocated(error)) return
       if (i > 1) further = supplement%further(i - 1)%name
       call read_attribute(path, identified_attribute(i), text)
-      if (text /= '') call keep_identified(path, identified_path(path, further), text, overwrite, error)
+      if (text /= '') then
+        call keep_identified(path, identified_path(path, further), text, overwrite, error)
+      else if (overwrite .and. size(supplement%scene%unknowns) > 0) then
+        ignored = remove_file(identified_path(path, further))     ! of an earlier result, where this one identified nothing
+      end if
     end do
   end subroutine keep_scenes
 
