@@ -5,6 +5,8 @@ module bw_pooled_table
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, scaled
   use bw_random_effects, only: pooled_value
+  use bw_record, only: sensor_type
+  use bw_record_report, only: short_name
   use bw_repeats, only: pooled_lines
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -15,11 +17,12 @@ module bw_pooled_table
 
 contains
 
-  function pooled_table(pooled, cases, confidence, frequencies) result(text)
+  function pooled_table(pooled, cases, confidence, sensors, frequencies) result(text)
     !! The table; nothing where repeats share no line.
     type(pooled_lines), intent(in) :: pooled
     integer, intent(in) :: cases                  !! repeats
     real(dp), intent(in) :: confidence            !! of the intervals
+    type(sensor_type), intent(in) :: sensors(:)
     real(dp), intent(in), optional :: frequencies(:)  !! Hz, of responses to a hammer
     character(:), allocatable :: text
     type(text_builder) :: lines
@@ -39,9 +42,37 @@ contains
                          status_text(pooled%status(k)))
     end do
     call note_rest(lines, size(pooled%count), shown)
+    if (allocated(pooled%constant_real)) call report_constants(pooled, sensors, lines)
     if (allocated(pooled%coherence)) call report_responses(pooled, frequencies, lines)
     text = lines%text()
   end function pooled_table
+
+  subroutine report_constants(pooled, sensors, lines)
+    !! A row for each line, with the modal constant of the sensor that tells it best, and what mass of the mode that is.
+    type(pooled_lines), intent(in) :: pooled
+    type(sensor_type), intent(in) :: sensors(:)
+    type(text_builder), intent(inout) :: lines
+    type(text_table) :: table
+    real(dp) :: magnitude(size(sensors))
+    integer :: k, s
+    if (all(is_missing(pooled%constant_real%value))) return
+    call lines%append_line('')
+    call lines%append_line('  Modal constants, amplitudes over the hammer''s blows: phi phi/M of sensor and hammer; '// &
+                           'the mass M is that of a shape that is 1 at both')
+    table = table_of('line|constant|+/-|next +/-|scatter|phase|mass|at', '|1/kg|1/kg|1/kg|1/kg|degrees|kg', &
+                     [6, 14, 12, 12, 12, 10, 12, 0])
+    call table%put_head(lines)
+    do k = 1, min(shown, size(pooled%count))
+      associate (real_part => pooled%constant_real(k, :), imag_part => pooled%constant_imag(k, :))
+        if (all(is_missing(real_part%value))) cycle
+        magnitude = hypot(real_part%value, imag_part%value)
+        s = maxloc(magnitude/real_part%error, dim=1, mask=.not. is_missing(real_part%value))
+        call table%put_row(lines, text_of(k)//'|'//value_cells(real_part(s), 1.0_dp)//'|'// &
+          shortest(atan2(imag_part(s)%value, real_part(s)%value)*360/two_pi, 3)//'|'//shortest(1/magnitude(s), 4), &
+          '   '//short_name(sensors(s)%name))
+      end associate
+    end do
+  end subroutine report_constants
 
   subroutine report_responses(pooled, frequencies, lines)
     !! H1, H2 and coherence over the repeats at the lines' frequencies, at the sensor that moves most.

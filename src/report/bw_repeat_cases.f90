@@ -4,6 +4,7 @@ module bw_repeat_cases
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_quantile, only: normal, student_quantile
+  use bw_random_effects, only: pooled_number
   use bw_record_lines, only: status_words
   use bw_repeats, only: pool_repeats, pooled_lines, repeated_lines
   use bw_result_draft, only: result_draft
@@ -46,8 +47,38 @@ contains
     end do
     pooled = pool_repeats(lines, resolution, draft%scene%spectrum%confidence, draft%scene%spectrum%false_alarm, &
                           draft%layout%peaks)
+    if (draft%variable('measured_modal_constant_error') > 0) call pool_constants(draft, quantile, pooled)
     if (has(draft%layout, 'hammer frequency')) call pool_responses(draft, pooled)
   end function pooled_cases
+
+  subroutine pool_constants(draft, quantile, pooled)
+    !! Modal constants of the lines that repeats share.
+    type(result_draft), intent(inout) :: draft
+    real(dp), intent(in) :: quantile          !! standard deviations of half an interval
+    type(pooled_lines), intent(inout) :: pooled
+    real(dp), dimension(draft%layout%peaks, draft%layout%points, draft%layout%cases) :: part, other, deviation
+    integer :: c, k, s
+    do c = 1, size(part, 3)
+      part(:, :, c) = reshape(draft%get('measured_modal_constant_real', int(c, i8)), shape(part(:, :, c)))
+      other(:, :, c) = reshape(draft%get('measured_modal_constant_imag', int(c, i8)), shape(part(:, :, c)))
+      deviation(:, :, c) = reshape(draft%get('measured_modal_constant_error', int(c, i8)), shape(part(:, :, c)))
+    end do
+    where (.not. is_missing(deviation)) deviation = max(deviation/quantile, epsilon(deviation)*hypot(part, other))
+    allocate (pooled%constant_real(size(pooled%count), draft%layout%points))
+    pooled%constant_imag = pooled%constant_real
+    associate (spectrum => draft%scene%spectrum)
+      do s = 1, size(part, 2)
+        do k = 1, size(pooled%count)
+          associate (own => pooled%member == k)
+            pooled%constant_real(k, s) = pooled_number(pack(part(:, s, :), own), pack(deviation(:, s, :), own), &
+                                                       spectrum%confidence, spectrum%false_alarm)
+            pooled%constant_imag(k, s) = pooled_number(pack(other(:, s, :), own), pack(deviation(:, s, :), own), &
+                                                       spectrum%confidence, spectrum%false_alarm)
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine pool_constants
 
   subroutine pool_responses(draft, pooled)
     !! Frequency responses from the averages of all cases' power and cross spectra: with the force F and the response HF of a case

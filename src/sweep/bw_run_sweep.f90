@@ -178,7 +178,8 @@ contains
     report = sweep_table(work%draft, statuses)
     if (has(work%layout, 'pooled')) then
       over%pooled = pooled_cases(work%draft)
-      report = report//pooled_table(over%pooled, size(statuses), work%scene%spectrum%confidence, work%layout%record%frequencies)
+      report = report//pooled_table(over%pooled, size(statuses), work%scene%spectrum%confidence, &
+                                       work%layout%record%sensors, work%layout%record%frequencies)
     end if
     if (has(work%layout, 'quantile')) then
       call quantiles_of_cases(work%draft, over%quantiles)

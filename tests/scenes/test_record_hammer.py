@@ -92,6 +92,21 @@ def test_modal_constants_are_inside_their_intervals(here, quantity, later):
     best = np.nanmin(np.where(results.is_fill(real), np.nan, error / np.abs(real)))
     assert best < 0.01
     assert "Frequency response over the repeats" in ended.stdout
+    check_reported_constants(ended.stdout)
+
+
+def check_reported_constants(report):
+    """The report of repeats has the constant of each line at the sensor that tells it best, within three half intervals."""
+    table = report.split("Modal constants, amplitudes over the hammer's blows")[1].split("\n\n")[0].splitlines()[3:]
+    rows = [row.split() for row in table]
+    assert len(rows) >= 3
+    pooled = report.split("Repeats pooled")[1].split("\n\n")[0].splitlines()[3:]
+    lines = {row.split()[0]: 2 * np.pi * float(row.split()[4]) for row in pooled}
+    for line, constant, error, *_, mass, sensor in rows:
+        mode = np.abs(FREQUENCY - lines[line]).argmin()
+        true = CONSTANT[int(sensor[1:]), mode]
+        assert abs(float(constant) - true) < 3 * float(error)
+        assert float(mass) == pytest.approx(1 / abs(float(constant)), rel=0.02)
 
 
 def test_the_frequency_response_is_that_of_the_beam_and_coherent(here):

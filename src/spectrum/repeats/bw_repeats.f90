@@ -31,6 +31,8 @@ module bw_repeats
     integer, allocatable :: member(:, :)                         !! pooled line of each line of each case; 0: none, (lines, cases)
     real(dp), allocatable, dimension(:, :) :: h1_real, h1_imag, h2_real, h2_imag, coherence
       !! of a hammer's blows: H1, H2 in the sensors' units over 1 N, and coherence, (frequencies, sensors); unallocated: none
+    type(pooled_value), allocatable, dimension(:, :) :: constant_real, constant_imag
+      !! modal constants of a hammer's blows, 1/kg, (pooled, sensors); unallocated: none
   end type pooled_lines
 
   type :: repeat_group
