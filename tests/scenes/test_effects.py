@@ -112,7 +112,9 @@ def test_the_table_in_the_readme_is_what_the_program_prints(here):
 
 
 def test_an_effect_matters_from_the_first_mode_that_it_changes_by_more_than_the_tolerance(here):
-    here.scene("slow", captured_beam(rotation={"angular_velocity": 1.0}))
+    response = {"duration": 0.01, "samples": 16}
+    scene = captured_beam(rotation={"angular_velocity": 1.0}, modes=None, response=response)
+    here.scene("slow", {**scene, "modes": {"tolerance": 1e-6}})
     assert here.beamwave("effects", "slow.nml").returncode == 0
     with xr.open_dataset(here.directory / "output/slow.effects.nc") as ds:
         assert float(ds["frequency_tolerance"]) == 1e-6
@@ -121,6 +123,15 @@ def test_an_effect_matters_from_the_first_mode_that_it_changes_by_more_than_the_
         larger = np.abs(rotation["frequency_change"].values) > 1e-6
     # 1 rad/s takes (1/121.8)²/2 = 3.4e-5 off mode 1, (1/849)²/2 = 7e-7 off mode 2.
     assert first == 1 and larger.tolist() == [True] + 9 * [False]
+
+
+def test_a_scene_that_asks_for_no_tolerance_is_held_against_one_per_cent(here):
+    here.scene("slow", captured_beam(rotation={"angular_velocity": 1.0}))
+    ended = here.beamwave("effects", "slow.nml")
+    assert "more than 1 %, as the scene asks for no tolerance" in ended.stdout
+    with xr.open_dataset(here.directory / "output/slow.effects.nc") as ds:
+        assert float(ds["frequency_tolerance"]) == 0.01
+        assert int(row(ds, "rotation")["matters_from_mode"]) == 0  # 3.4e-5 of mode 1
 
 
 def test_counts_are_held_against_the_error_that_they_leave(studied):

@@ -26,12 +26,13 @@ module bw_effect_list
       group_velocity_change = missing              !! with over without, less 1
     integer :: matters_from = 0                    !! the first mode whose frequency changes by more than the tolerance; 0: none
     real(dp) :: response_change = missing          !! largest difference of the displacement over the scene's peak
+    real(dp) :: response_error = missing            !! estimated error of both displacements over that peak; missing: none
     logical :: is_whole = .true.                   !! false: numbers of one of the two runs cannot be trusted, and are left out
     real(dp) :: seconds_with = missing, seconds_without = missing
   end type effect_row
 
   type, public :: effect_list
-    real(dp) :: tolerance = 0.0_dp                 !! what a change of a frequency is measured against
+    real(dp) :: tolerance = 0.0_dp                 !! what a change of a frequency or of the response is measured against
     character(:), allocatable :: tolerance_source  !! where it comes from
     integer :: mode_count = 0                      !! of the compared modes, those that the scene has
     type(effect_row), allocatable :: rows(:)

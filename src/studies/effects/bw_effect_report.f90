@@ -34,19 +34,20 @@ contains
     call lines%append_line('')
     call lines%append_line('  Each effect: the scene run with it beside the scene without it, all else alike. Of the wave')
     call lines%append_line('  velocities the largest change in '//text_of(list%mode_count)// &
-                           ' modes, of the response the largest difference over its peak.')
+                           ' modes, of the response the largest difference over its peak,')
+    call lines%append_line('  and +/- what the estimated errors of both displacements come to, over the same peak.')
     call lines%append_line('')
     call lines%append_line('                                     frequency of mode              wave velocity')
     table = table_of('  effect|state|1|'//text_of(min(middle, list%mode_count))//'|'//text_of(list%mode_count)// &
-                     '|phase|group|response|time|verdict', '', [-25, -6, 9, 9, 9, 9, 9, 10, 8, 0])
+                     '|phase|group|response|+/-|time|verdict', '', [-25, -6, 9, 9, 9, 9, 9, 10, 9, 8, 0])
     call table%put_head(lines)
     do i = 1, size(list%rows)
-      call put_effect(list%rows(i), list%mode_count, table, lines)
+      call put_effect(list%rows(i), list%tolerance, list%mode_count, table, lines)
     end do
     call lines%append_line('')
-    call lines%append_line('  An effect matters from the first mode on whose frequency it changes by more than '// &
-                           shortest(list%tolerance, 2)//',')
-    call lines%append_line('  '//list%tolerance_source//'.')
+    call lines%append_line('  An effect matters from the first mode on whose frequency it changes, or for a response that it')
+    call lines%append_line('  changes, by more than '//shortest(100.0_dp*list%tolerance, 2)//' %, '//list%tolerance_source// &
+                           ', and by more than the error.')
     do i = 1, size(list%rows)
       if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') then
         call lines%append_line('  '//in_words(list%rows(i)%effect)//': '//list%rows(i)%remark)
@@ -55,9 +56,10 @@ contains
     text = lines%text()
   end function effect_report
 
-  subroutine put_effect(row, last, table, lines)
+  subroutine put_effect(row, tolerance, last, table, lines)
     !! The line of an effect: what it changes and costs, or why it is not combined with the scene.
     type(effect_row), intent(in) :: row
+    real(dp), intent(in) :: tolerance
     integer, intent(in) :: last                    !! the last mode that is compared
     type(text_table), intent(in) :: table
     type(text_builder), intent(inout) :: lines
@@ -71,17 +73,21 @@ contains
     call table%put_row(lines, '  '//in_words(row%effect)//'|'//trim(merge('on ', 'off', row%state == effect_on))//'|'// &
                        signed(row%frequency_change(1))//'|'//signed(row%frequency_change(min(middle, last)))//'|'// &
                        signed(row%frequency_change(last))//'|'//signed(largest_change(row%phase_velocity_change))//'|'// &
-                       signed(largest_change(row%group_velocity_change))//'|'//part(row%response_change)//'|'//cost//'|'// &
-                       verdict(row))
+                       signed(largest_change(row%group_velocity_change))//'|'//part(row%response_change)//'|'// &
+                       part(row%response_error)//'|'//cost//'|'//verdict(row, tolerance))
   end subroutine put_effect
 
-  pure function verdict(row) result(text)
+  pure function verdict(row, tolerance) result(text)
     !! The words on whether an effect matters; a dash where numbers that are left out would have to say so.
     type(effect_row), intent(in) :: row
+    real(dp), intent(in) :: tolerance
     character(:), allocatable :: text
+    real(dp) :: least
+    least = tolerance
+    if (.not. is_missing(row%response_error)) least = max(tolerance, row%response_error)
     if (row%matters_from > 0) then
       text = 'matters from mode '//text_of(row%matters_from)//' on'
-    else if (.not. is_missing(row%response_change) .and. row%response_change > 0.0_dp) then
+    else if (.not. is_missing(row%response_change) .and. row%response_change > least) then
       text = 'changes the response alone'
     else if (.not. row%is_whole) then
       text = '-'
@@ -130,7 +136,7 @@ contains
     call file%put_counts('matters_from_mode', 'effect', &
                          'first mode whose frequency the effect changes by more than the tolerance; 0 where none', &
                          self%list%rows%matters_from)
-    call file%put_numbers('frequency_tolerance', '', '1', 'change of a frequency above which an effect matters', &
+    call file%put_numbers('frequency_tolerance', '', '1', 'relative change above which an effect matters', &
                           [self%list%tolerance])
     call put_modes(file, self%list%rows)
     call put_costs(file, self%list%rows)
@@ -160,6 +166,9 @@ contains
     call file%put_numbers('response_change', 'effect', '1', &
                           'largest change of the displacement by the effect over the peak of the scene''s own', &
                           rows%response_change)
+    call file%put_numbers('response_error', 'effect', '1', &
+                          'estimated error of the displacement with and without the effect over the same peak', &
+                          rows%response_error)
     call file%put_numbers('seconds_with', 'effect', 's', 'wall time of a case with the effect, median of the repeats', &
                           rows%seconds_with)
     call file%put_numbers('seconds_without', 'effect', 's', 'wall time of a case without the effect, median of the repeats', &

@@ -10,7 +10,8 @@ module bw_effects
   use bw_effect_table, only: in_words
   use bw_error, only: error_type, status_not_trusted
   use bw_hint, only: compared_modes
-  use bw_modes_par, only: by_tolerance, default_tolerance
+  use bw_missing, only: missing
+  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
   use bw_scene, only: scene_type
@@ -24,6 +25,7 @@ module bw_effects
   real(dp), parameter :: budget = 0.5_dp         !! s of repeats for each scene
   real(dp), parameter :: patience = 10.0_dp      !! s; a scene that takes longer is timed once
   real(dp), parameter :: comparing = 0.5_dp      !! share of the first runs in the progress that is shown
+  real(dp), parameter :: noticeable = 0.01_dp    !! chosen: relative change that matters where a scene does not say which does
 
   type :: effects_study
     type(timed_run), allocatable :: runs(:)      !! of the scenes that are compared, the first of which is studied
@@ -96,9 +98,9 @@ contains
     type(effects_study), intent(inout) :: state
     associate (list => state%list, result => state%results(1))
       list%mode_count = min(compared_modes, result%modes%count)
-      list%tolerance = default_tolerance
-      list%tolerance_source = 'the default of modes%tolerance'
-      if (by_tolerance(scene%modes)) then
+      list%tolerance = noticeable
+      list%tolerance_source = 'as the scene asks for no tolerance'
+      if (by_tolerance(scene%modes) .and. scene%modes%asked) then
         list%tolerance = scene%modes%tolerance
         list%tolerance_source = 'the tolerance of the scene'
       else if (left_by_counts(result) > 0.0_dp) then
@@ -144,6 +146,7 @@ contains
         state%list%rows(row)%without = compared(without)
         call compare_frequencies(state%list%rows(row), state%list%tolerance)
         call compare_responses(with, without, peak_of(state%results(1)), state%list%rows(row)%response_change)
+        state%list%rows(row)%response_error = error_of_both(with, without, peak_of(state%results(1)))
         state%list%rows(row)%is_whole = with%status == case_done .and. without%status == case_done
       end associate
     end associate
@@ -194,6 +197,16 @@ contains
     if (peak > 0.0_dp) change = maxval(abs(with%response%displacement(:finite, :)/peak &
                                            - without%response%displacement(:finite, :)/peak))
   end subroutine compare_responses
+
+  pure real(dp) function error_of_both(with, without, peak) result(error)
+    !! The estimated errors of two displacements over the peak, together; missing where one has no estimate.
+    type(case_result), intent(in) :: with, without
+    real(dp), intent(in) :: peak                   !! of the scene's own, m
+    error = missing
+    if (.not. (allocated(with%response) .and. allocated(without%response)) .or. .not. peak > 0.0_dp) return
+    if (.not. (allocated(with%response%displacement_error) .and. allocated(without%response%displacement_error))) return
+    error = (maxval(with%response%displacement_error) + maxval(without%response%displacement_error))/peak
+  end function error_of_both
 
   subroutine note_untrusted(state)
     !! Note each run that has numbers which cannot be trusted, once: the rows that it belongs to, and why.
