@@ -33,16 +33,18 @@ module bw_modes_par
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., &
     absent='20 modes without `&response`; with it tolerance 1e-6, or what can be had; counts where a mass rebounds at once', &
-    physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose them; the '// &
-    'result has the estimated error either way.', &
+    physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose them: it bounds '// &
+    'the estimated error of the displacement, the largest at any point over the largest displacement of all points; with '// &
+    '`&contact`, `&force`, `&base`, `&initial` and bodies that come or leave that of every quantity asked for. The result has '// &
+    'the estimated errors either way.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 4096 /|&modes tolerance = 1e-9 /', &
     rules='Give counts, or a tolerance. With `&capture` there are two sets of modes, and a count that is not given equals '// &
     'the other one. With bodies that come or leave, `before` counts modes until the first change and `after` those of all '// &
     'later sets. Otherwise there is one set, whose count is `before`; `after`, if given, has to equal it. With `&impact` '// &
     'but without `&capture` or `&contact` a `&response` needs a count: the impulse of an instantaneous rebound tends to 0 '// &
-    'as modes are added, so that the motion depends on their number. A tolerance that is out of reach is refused; the '// &
-    'default is relaxed to one that can be reached. `modal_model` needs the points of `&response` or `&frequency_response`, '// &
-    'at most 200, and at most 4000 modes.')
+    'as modes are added, so that the motion depends on their number. A tolerance that is out of reach is '// &
+    'refused; the default is relaxed to one that can be reached. `modal_model` needs the points of `&response` or '// &
+    '`&frequency_response`, at most 200, and at most 4000 modes.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -50,7 +52,7 @@ module bw_modes_par
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
-               excludes='before after', meaning='largest error of the displacement over its peak; sets counts'), &
+               excludes='before after', meaning='largest error of histories over their peaks; sets counts'), &
     input_name('modes', 'modal_model', logical_input, default='.false.', &
                meaning='the modal model too, for `beamwave-export`')]
 
