@@ -183,7 +183,7 @@ contains
     type(case_motion), intent(inout) :: motion
     if (contacts%cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%recontact%max_contacts)// &
       ', and the mass strikes once more at t = '//known_until()//' s: the histories hold fill from there on. '// &
-      'Give a larger max_contacts, or a duration that ends there')
+      'Give max_contacts = '//text_of(2*scene%recontact%max_contacts)//', or duration = '//known_until())
     if (contacts%lasting) call remark(motion%notes, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call append(motion%notes, &
@@ -219,7 +219,7 @@ contains
     logical, intent(in) :: cut, out_of_range, failed
     if (cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%contact%max_contacts)// &
       ', and the mass strikes once more at t = '//until()//' s: the histories hold fill from there on. '// &
-      'Give a larger max_contacts, or a duration that ends there')
+      'Give max_contacts = '//text_of(2*scene%contact%max_contacts)//', or duration = '//until())
     if (out_of_range) call append(motion%notes, 'overflow: the motion grows out of the range of numbers from t = '//until()// &
       ' s on: the histories hold fill from there')
     if (failed) call append(motion%notes, 'not converged: no force was found that obeys the law of the contact at t = '//until()// &

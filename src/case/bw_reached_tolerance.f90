@@ -23,11 +23,11 @@ contains
     if (modes%asked) then
       errors%status = case_not_converged
       call append(errors%notes, 'tolerance: '//shortest(modes%tolerance, 6)//' is missed with '//text_of(count)// &
-                  ' modes; accepted: '//shortest(1.05_dp*reached, 2)//' or more, or before, which counts modes')
+                  ' modes; accepted: '//shortest(1.05_dp*reached, 2)//' or more, or before = '//text_of(count))
     else if (is_missing(relaxed_tolerance(reached))) then
       errors%status = case_not_converged
       call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: '//instead// &
-                  ', or before, which counts modes')
+                  ', or before = '//text_of(count))
     else
       call remark(errors%notes, 'tolerance: the default '//shortest(modes%tolerance, 6)//' is out of reach; the histories are '// &
                   'found to '//shortest(relaxed_tolerance(reached), 6)//' of their peaks instead')

@@ -239,7 +239,8 @@ contains
       if (.not. lines%converged) call append(result%notes, 'the search for lines was ended before it had converged: '// &
         'some may be missing, and weak ones may be parts of stronger ones that change as they decay')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: the '//text_of(lines%left_out)//' weakest of '// &
-        text_of(lines%left_out + size(lines%angular_frequency))//' lines are not told; a larger max_peaks tells them')
+        text_of(lines%left_out + size(lines%angular_frequency))//' lines are not told; max_peaks = '// &
+        text_of(lines%left_out + size(lines%angular_frequency))//' tells them')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &
       'another &sweep goes through them; each file is a case by itself for every value of it')
