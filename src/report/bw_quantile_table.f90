@@ -17,7 +17,7 @@ module bw_quantile_table
 contains
 
   function quantile_table(draft, quantiles) result(text)
-    !! A line for each number; of modes the first.
+    !! A line for each number that is not 0 in every case; of modes the first.
     type(result_draft), intent(in) :: draft
     type(case_quantiles), intent(in) :: quantiles(:)
     character(:), allocatable :: text
@@ -30,6 +30,7 @@ contains
     call table%put_head(lines)
     do s = 1, size(quantiles)
       do n = 1, min(shown, size(quantiles(s)%cases))
+        if (all(quantiles(s)%values(n, :) == 0.0_dp)) cycle
         call table%put_row(lines, cells_of(draft, s, quantiles(s), n))
       end do
       call note_rest(lines, size(quantiles(s)%cases), shown)

@@ -19,7 +19,7 @@ module bw_report
   private
   public :: case_report, notes_report
 
-  integer, parameter :: shown_modes = 5, shown_events = 20
+  integer, parameter :: shown_modes = 5, shown_events = 8
 
 contains
 

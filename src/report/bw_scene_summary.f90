@@ -184,6 +184,7 @@ contains
         if (.not. sweep%designed) text = text//span_text(sweep%values)
       end associate
     end do
+    if (count(.not. scene%sweeps%designed) > 1) text = text//'; the first varies slowest'
   end function sweep_text
 
   pure function span_text(values) result(text)

@@ -51,8 +51,10 @@ contains
     without = .false.
     printed = 0
     call built%append_line('')
+    call built%append_line('  Each case with its lowest mode: modes are numbered by their frequencies in '// &
+                           'each case, also where these cross')
     table = table_of('case|modes|mode 1: frequency|frequency|phase velocity|group velocity|displacement|swept', &
-                     '||rad/s|Hz|m/s|m/s|m, largest', [8, 8, 19, 12, 16, 16, 14, 0])
+                     '||rad/s|Hz|m/s|m/s|m, largest sample', [8, 8, 19, 12, 16, 16, 19, 0])
     call table%put_head(built)
     do
       r = next_row(rows, printed)

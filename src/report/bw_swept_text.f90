@@ -13,7 +13,8 @@ module bw_swept_text
 contains
 
   function swept_text(scene, i) result(text)
-    !! The swept values of a case: 'name = value, …'; a file of a record by its name, and many of a design by their line.
+    !! The swept values of a case: 'name = value, …'; a file of a record by its name; of a design with many columns the first, and
+    !! its line.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: i
     character(:), allocatable :: text
@@ -21,7 +22,7 @@ contains
     positions = case_positions(scene, i)
     text = ''
     do s = 1, size(scene%sweeps)
-      if (scene%sweeps(s)%designed .and. count(scene%sweeps%designed) > most_columns) cycle
+      if (scene%sweeps(s)%designed .and. count(scene%sweeps(:s)%designed) > most_columns) cycle
       if (text /= '') text = text//', '
       if (scene%sweeps(s)%parameter == 'record%file') then
         text = text//scene%record%files(positions(s))%text
@@ -30,8 +31,7 @@ contains
       end if
     end do
     if (count(scene%sweeps%designed) <= most_columns) return
-    if (text /= '') text = ', '//text
-    text = 'line '//text_of(scene%design%lines(positions(1)))//text
+    text = text//', ... (line '//text_of(scene%design%lines(positions(1)))//')'
   end function swept_text
 
 end module bw_swept_text

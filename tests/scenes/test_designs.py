@@ -271,6 +271,27 @@ def test_the_report_has_the_quantiles_in_hertz(here):
     assert float(line.split()[4]) == pytest.approx(median, rel=1e-5)  # six digits
 
 
+def test_the_report_leaves_out_what_is_0_in_every_case(here):
+    scene = captured_beam(response={**RESPONSE, "points": [0.0, 1.0], "bending_moment": True})
+    design(here, scene, NAMES, PRODUCT)
+    said = here.beamwave("run", "a.nml").stdout.split("Quantiles over")[1]
+    assert "largest sample of the displacement at xi = 1 (m)" in said
+    assert "largest sample of the bending stress at xi = 0 (Pa)" in said
+    assert "displacement at xi = 0" not in said and "stress at xi = 1" not in said  # a clamped root, a free tip
+
+
+def test_the_report_has_the_numbers_of_a_row_and_its_line_where_columns_are_many(here):
+    columns = ["impact%mass_ratio", "beam%density", "beam%length", "beam%diameter", "impact%approach_velocity"]
+    rows = [(0.1, 7870, 1, 0.037, 1.5), (0.2, 7850, 1.1, 0.038, 2.5)]
+    design(here, captured_beam(), columns, rows)
+    said = here.beamwave("run", "a.nml").stdout
+    shown = "impact%mass_ratio = 0.2, beam%density = 7850, beam%length = 1.1, beam%diameter = 0.038, ... (line 3)"
+    assert shown in said
+    design(here, captured_beam(), columns[:4], [row[:4] for row in rows])
+    said = here.beamwave("run", "a.nml", "--overwrite").stdout
+    assert "beam%length = 1.1, beam%diameter = 0.038\n" in said and "(line" not in said
+
+
 def test_a_sweep_has_no_quantiles(product):
     assert "quantile" not in product.sizes
 
