@@ -27,10 +27,14 @@ th, td { padding: .2rem .6rem; text-align: right; }
 td { white-space: nowrap; }
 th { border-bottom: 1px solid #888; font-weight: 600; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; }
-tr:nth-child(even) td { background: #f6f6f6; }
+tbody tr:nth-child(even) td { background: #f6f6f6; }
 pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
-@media print { table { font-size: .6rem; } figure, tr { break-inside: avoid; } }
-figure { margin: 1.5rem 0; } img { max-width: 100%; height: auto; }
+figure { margin: 1.5rem 0; overflow-x: auto; } img { max-width: 100%; min-width: 30rem; height: auto; }
+@media print {
+  body { margin: 0; max-width: none; } table { display: table; font-size: .6rem; } pre { white-space: pre-wrap; }
+  figure, tr { break-inside: avoid; } h2, h3 { break-after: avoid; }
+  figure { margin: .5rem 0; overflow: visible; } img { min-width: 0; max-height: 11.4cm; width: auto; }
+}
 """
 
 
@@ -82,7 +86,7 @@ def _table(table: Table) -> str:
     head = "".join(f"<th>{escape(_unit_whole(name))}</th>" for name in table.columns)
     rows = "\n".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows)
     note = f"<p>{escape(table.note)}</p>" if table.note else ""
-    return f"<h3>{escape(table.title)}</h3>\n<table>\n<tr>{head}</tr>\n{rows}\n</table>{note}"
+    return f"<h3>{escape(table.title)}</h3>\n<table>\n<thead><tr>{head}</tr></thead>\n{rows}\n</table>{note}"
 
 
 def _unit_whole(name: str) -> str:
