@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Callable
+from typing import Any, Callable
 
 import matplotlib as mpl
 import xarray as xr
@@ -50,23 +51,34 @@ def draw_file(tool: Tool, source: Path, directory: Path, wish: Wish = Wish()) ->
     """
 
     def write() -> int:
-        failed: dict[str, list[str]] = {}
+        with open_result(source):
+            pass  # what is no result is refused once
+        kinds = list(wish.kinds.items())
+        parts = tool.share(len(kinds), partial(some, kinds))
+        failed = {kind: why for part in parts for kind, why in part["failed"]}
+        reasons: dict[str, list[str]] = {}
+        for kind in filter(failed.__contains__, wish.kinds):
+            reasons.setdefault(failed[kind], []).append(kind)
+        for why, names in reasons.items():
+            tool.complain(f"{source}: {', '.join(names)}: {why}")
+        if not failed and not any(part["drawn"] for part in parts):
+            raise NothingToDraw("nothing in it to draw")
+        return EXIT_FILE if failed else EXIT_DONE
+
+    def some(kinds: list[tuple[str, Callable[[xr.Dataset], Figure]]], numbers: Iterator[int]) -> dict[str, Any]:
+        """Draw those of these numbers; how many were drawn, and which failed for what reason."""
+        failed: list[tuple[str, str]] = []
         drawn = 0
         with open_result(source) as ds:
-            for kind, draw in wish.kinds.items():
+            for kind, draw in map(kinds.__getitem__, numbers):
                 try:
                     _save_picture(tool, directory / f"{source.stem}_{kind}.{wish.format}", partial(draw, ds), wish.size)
                     drawn += 1
                 except NothingToDraw as lack:
-                    if wish.only:
-                        failed.setdefault(f"{reason(lack)}; it can give {_listed(tool, ds)}", []).append(kind)
+                    failed += [(kind, f"{reason(lack)}; it can give {_listed(tool, ds)}")] if wish.only else []
                 except Exception as failure:  # whatever a library stumbles over in strange numbers
-                    failed.setdefault(reason(failure), []).append(kind)
-        for why, kinds in failed.items():
-            tool.complain(f"{source}: {', '.join(kinds)}: {why}")
-        if not drawn and not failed:
-            raise NothingToDraw("nothing in it to draw")
-        return EXIT_FILE if failed else EXIT_DONE
+                    failed.append((kind, reason(failure)))
+        return {"drawn": drawn, "failed": failed}
 
     return tool.each([source], directory, write)
 

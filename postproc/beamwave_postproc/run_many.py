@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import threading
 import warnings
@@ -15,6 +14,7 @@ from typing import Callable, Literal, Union
 import xarray as xr
 
 from .run import STREAMS, RunFailed, Scene, call_program, check_output, find_program, is_scene, is_text
+from .tool import cores
 
 STOPPED = 5  # exit status of a run that was stopped in order
 Progress = Callable[[int, int], object]
@@ -53,7 +53,7 @@ def run_many(
     check_output(output)
     if errors not in ("raise", "return"):
         raise ValueError(f"errors is {errors!r}; accepted: 'raise' or 'return'")
-    processes = _cores() if processes is None else processes
+    processes = cores() if processes is None else processes
     if not isinstance(processes, int) or processes < 1:
         raise ValueError(f"processes is {processes!r}; accepted: a whole number from 1 on")
     names = [f"scene_{number}" if is_text(scene) else Path(scene).stem for number, scene in enumerate(scenes, 1)]
@@ -87,11 +87,6 @@ def _listed(scenes: Iterable[Scene]) -> list[Scene]:
         if not is_scene(scene):
             raise ValueError(f"scene {number} is a {type(scene).__name__}; accepted: a path, a text or a mapping of groups")
     return listed
-
-
-def _cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _results(futures: list[Future], errors: str) -> list[Outcome]:

@@ -6,6 +6,7 @@ Whatever a file does to the library that reads it becomes one line with the file
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import select
 import signal
@@ -15,7 +16,7 @@ from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Callable, NoReturn, Optional
+from typing import Any, Callable, NoReturn, Optional
 
 from .result import NotAResult
 from .terminal import Refusal, Streams, Words, printable, reason
@@ -35,6 +36,7 @@ PICTURE_SECONDS, FILM_SECONDS = 60.0, 900.0  # the same of steps that draw
 PATIENCE = 4  # times that by the clock, on a busy machine or where a read blocks
 MEGABYTES, TIMES_SIZE = 650, 50  # beyond what Python itself holds; a file may hold its arrays compressed
 STACK = 16  # MB of each thread that a library keeps for a processor
+WORKERS = 4  # processes at most that share the work on a file
 TOO_LONG = "given up: it takes far longer than a file of this size should"
 
 
@@ -112,7 +114,7 @@ class Tool(Streams):
         finally:
             os.close(ours)
             if why:
-                os.kill(child, signal.SIGKILL)
+                _kill_all(child)
             ended = os.waitpid(child, 0)[1]
             remove_drafts(directory, child)
         if os.WIFEXITED(ended) and not why:
@@ -143,6 +145,30 @@ class Tool(Streams):
         """Have `write` write a file, as `put` does, and say its name."""
         put(path, write, overwrite=self.overwrite, mark=mark)
         self.say(str(path))
+
+    def share(self, count: int, work: Callable[[Iterator[int]], Any]) -> list[Any]:
+        """Let processes, one for each core, share works 0 … `count` − 1 (below 256); returns what `work` returns in each, as JSON has it.
+
+        `work` takes numbers from its iterator as long as there are any, and opens for itself what it reads. Where a process dies this one
+        dies with it.
+        """
+        workers = min(cores(), WORKERS, count) if self._channel is not None else 1
+        tickets, full = os.pipe()
+        os.write(full, bytes(range(count)))
+        os.close(full)
+        answers, ours = os.pipe()
+        helpers = [_helper(lambda: os.write(ours, f"{json.dumps(work(_taken(tickets)))}\n".encode())) for _ in range(workers - 1)]
+        os.close(ours)
+        with open(answers, encoding="utf-8") as lines:
+            found = [work(_taken(tickets)), *map(json.loads, lines)]
+        os.close(tickets)
+        for helper in helpers:
+            ended = os.waitpid(helper, 0)[1]
+            if os.WIFSIGNALED(ended):
+                os.kill(os.getpid(), os.WTERMSIG(ended))
+            if ended:
+                raise Refusal("a process that helped has failed")
+        return found
 
     def allow(self, seconds: float) -> None:
         """Let each of the next steps take so much processor time; what is said ends a step."""
@@ -193,6 +219,7 @@ class Tool(Streams):
         self._channel = channel
         status = EXIT_FILE
         try:
+            os.setpgid(0, 0)  # with its helpers, so that all can be ended
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_DFL)
             nowhere = os.open(os.devnull, os.O_RDWR)
@@ -203,6 +230,37 @@ class Tool(Streams):
             status = self.attempt(name, work)
         finally:
             os._exit(status)
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _taken(tickets: int) -> Iterator[int]:
+    """Numbers of works that are left, each of which one process gets."""
+    while ticket := os.read(tickets, 1):
+        yield ticket[0]
+
+
+def _helper(work: Callable[[], object]) -> int:
+    """Do the work in another process, which ends with it; returns its number."""
+    child = os.fork()
+    if child:
+        return child
+    status = EXIT_FILE
+    try:
+        work()
+        status = EXIT_DONE
+    finally:
+        os._exit(status)
+
+
+def _kill_all(child: int) -> None:
+    """End the process of a file and its helpers."""
+    with contextlib.suppress(OSError):  # it has ended, or has not its own group yet
+        os.killpg(child, signal.SIGKILL)
+    os.kill(child, signal.SIGKILL)
 
 
 def _limit_memory(megabytes: float) -> None:

@@ -24,7 +24,7 @@ def put(path: Path, write: Callable[[Path], object], *, overwrite: bool = False,
     replace = overwrite or _is_our_own(path, mark)
     if not replace and os.path.lexists(path):
         raise _is_there(path)
-    draft = path.with_name(f"{DRAFT}-{os.getpid()}-{secrets.token_hex(8)}{path.suffix}")
+    draft = path.with_name(f"{DRAFT}-{_group()}-{secrets.token_hex(8)}{path.suffix}")
     try:
         write(draft)
         _flush(draft)
@@ -41,9 +41,14 @@ def put(path: Path, write: Callable[[Path], object], *, overwrite: bool = False,
         draft.unlink(missing_ok=True)
 
 
-def remove_drafts(directory: Path, process: int) -> None:
-    """Remove what a process left in a directory that ended while it wrote."""
-    for draft in directory.glob(f"{DRAFT}-{process}-*"):
+def _group() -> int:
+    """Number of this process and its helpers together."""
+    return os.getpgrp() if hasattr(os, "getpgrp") else os.getpid()
+
+
+def remove_drafts(directory: Path, group: int) -> None:
+    """Remove what a process and its helpers left in a directory that ended while they wrote."""
+    for draft in directory.glob(f"{DRAFT}-{group}-*"):
         draft.unlink(missing_ok=True)
 
 

@@ -1,11 +1,13 @@
 """Files that do harm become one line each, within 10 s and 1 GB, and nothing is written; the next file follows."""
 
 import faulthandler
+import json
 import os
 import resource
 import signal
 import sys
 import time
+from pathlib import Path
 
 import hostile
 import numpy as np
@@ -14,6 +16,7 @@ import pytest
 from beamwave_postproc import cli
 from beamwave_postproc.record import cli as record
 from beamwave_postproc.record import readers
+from beamwave_postproc.tool import Tool
 
 MOST_SECONDS, MOST_KILOBYTES = 10.0, 10**6
 
@@ -84,3 +87,48 @@ def test_whatever_a_reader_does_the_next_file_is_read(tmp_path, capfd, monkeypat
     assert said in err and len(err.splitlines()) == (0 if harm == "end" else 1)
     assert "\x1b" not in out + err and "\u202e" not in out + err
     assert len(list(tmp_path.iterdir())) == 3
+
+
+def shared(tmp_path, monkeypatch, work, count=24):
+    """Have three processes share works on a file; the exit status."""
+    monkeypatch.setattr("beamwave_postproc.tool.cores", lambda: 3)
+    tool = Tool()
+
+    def do():
+        found = tool.share(count, work)
+        (tmp_path / "found").write_text(json.dumps(found))
+
+    (tmp_path / "a.nc").write_bytes(b"")
+    return tool.each([tmp_path / "a.nc"], tmp_path, do)
+
+
+def test_processes_share_work_of_which_each_part_is_done_once(tmp_path, monkeypatch):
+    def work(numbers):
+        return [(number, os.getpid(), time.sleep(0.05)) for number in numbers]
+
+    assert shared(tmp_path, monkeypatch, work) == 0
+    done = [part for found in json.loads((tmp_path / "found").read_text()) for part in found]
+    assert sorted(number for number, *_ in done) == list(range(24))
+    assert len({process for _, process, _ in done}) == 3
+
+
+@pytest.mark.parametrize(("harm", "said"), [("crash", "ended in signal 11"), ("blocked", "takes far longer"), ("end", "helped has failed")])
+def test_a_helper_that_fails_is_one_line_and_no_process_is_left(tmp_path, monkeypatch, capfd, harm, said):
+    monkeypatch.setattr("beamwave_postproc.tool.SECONDS", 0.5)
+    helpers = tmp_path / "helpers"
+    helpers.mkdir()
+
+    def work(numbers):
+        for _ in numbers:
+            time.sleep(0.05)
+            if os.getpid() != os.getpgrp():
+                (helpers / str(os.getpid())).touch()
+                HARM[harm][0]() if harm != "end" else os._exit(3)
+
+    assert shared(tmp_path, monkeypatch, work) == 3
+    err = capfd.readouterr().err
+    assert said in err and len(err.splitlines()) == 1
+    time.sleep(0.2)
+    left_over = [int(path.name) for path in helpers.iterdir() if Path(f"/proc/{path.name}").exists()]
+    # One that has ended and whose end nobody asks for any more is no process at work.
+    assert not [p for p in left_over if Path(f"/proc/{p}/stat").read_text().split()[2] != "Z"]

@@ -92,12 +92,12 @@ def ways_of(kind):
     return ways + ["kill"] + (["torn"] if kind in ("write", "pwrite") else [])
 
 
-def faults_of(counts, dice, number):
-    """All faults, or a sample of them: the kinds have equal shares of it, however many calls there are of each."""
+def faults_of(counts, dice, number, long):
+    """All faults, or a sample of them, of what takes long a quarter of one: the kinds have equal shares of it, however many calls there are of each."""
     kinds = [kind for kind in KINDS if counts[kind] and not (kind == "malloc" and number > 1)]  # MPI hangs where it has none
     if FAULTS == "all":
         return [f"{kind}:{call}:{way}" for kind in kinds for way in ways_of(kind) for call in range(1, counts[kind] + 1)]
-    drawn = [kinds[i % len(kinds)] for i in range(int(FAULTS) // (1 if number == 1 else 4))]
+    drawn = [kinds[i % len(kinds)] for i in range(int(FAULTS) // (4 if number > 1 or long else 1))]
     return [f"{kind}:{dice.randint(1, counts[kind])}:{dice.choice(ways_of(kind))}" for kind in drawn]
 
 
@@ -110,7 +110,7 @@ def test_a_refused_call_costs_no_finished_case(processes, prepared, injector, na
     shutil.copytree(place.directory, here.directory, dirs_exist_ok=True)
     saved = cases_in(here.directory / "output/a.partial")
     _, counts = injector.run(here, *command)
-    faults = faults_of(counts, random.Random(f"{SEED} {name}"), number)
+    faults = faults_of(counts, random.Random(f"{SEED} {name}"), number, name == "effects")
     print(f"seed {SEED}: {len(faults)} faults in {counts}")
     for fault in faults:
         shutil.rmtree(here.directory)
