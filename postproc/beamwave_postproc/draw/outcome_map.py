@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.labels import input_label
-from ..parts.outcome import LARGEST, Outcome, first_order_index, outcomes_of
+from ..parts.outcome import LARGEST, Outcome, outcomes_of, ranking_of, strength, varied_inputs
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, unit_text, units_of
 from ..result import NothingToDraw, swept_inputs
@@ -48,7 +48,7 @@ def outcome_map(ds: xr.Dataset, *, inputs: Sequence[str] | None = None, ax: Give
 
 
 def _inputs(ds: xr.Dataset, outcome: Outcome, given: Sequence[str] | None) -> list[str]:
-    names = [name for name in swept_inputs(ds) if np.ptp(ds[name].values) > 0.0]
+    names = varied_inputs(ds)
     if given is not None:
         if len(given) != 2 or not set(given) <= set(names):
             raise NothingToDraw(f"inputs are two of those that vary: {', '.join(names)}")
@@ -57,10 +57,8 @@ def _inputs(ds: xr.Dataset, outcome: Outcome, given: Sequence[str] | None) -> li
         raise NothingToDraw("the cases do not vary two inputs")
     if len(names) == 2:
         return names[::-1]
-    held = np.isfinite(outcome.variable.values)
-    shares = [first_order_index(ds[name].values[held].astype(float), outcome.variable.values[held]) for name in names]
-    order = np.argsort(np.nan_to_num(shares))[::-1]
-    return [names[order[0]], names[order[1]]]
+    table = ranking_of(ds, names, outcome).set_index("input")
+    return list(strength(table).sort_values(ascending=False).index[:2])
 
 
 def _scaled(axes: Axes, which: Literal["x", "y"], variable: xr.DataArray) -> np.ndarray:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.labels import symbol_of
-from ..parts.outcome import rankings
+from ..parts.outcome import rankings, strength
 from ..parts.select import left_out
 from ..parts.sheet import Given, sheet_for
 from ..style import COLOURS, styled
@@ -35,7 +35,7 @@ def ranking(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     alone = table["first_order_index"].notna().any()
     notes = [
         f"{table['cases'].max()} cases",
-        "" if alone else "two inputs are correlated, so that their shares of the variance cannot be told apart",
+        "" if alone else "inputs are correlated, or many for so few cases, so that their shares of the variance cannot be told apart",
         left_out(bars, table["input"].nunique(), "inputs"),
         left_out(rows, len(panels), "results"),
     ]
@@ -44,8 +44,7 @@ def ranking(ds: xr.Dataset, *, ax: Given = None) -> Figure:
 
 def _draw(axes: Axes, table: xr.Dataset) -> None:
     """Bars of one outcome, the input that explains most at the top."""
-    strength = table["first_order_index"].fillna(table["rank_correlation"].abs())
-    table = table.loc[strength.sort_values(ascending=False).index[:MOST_INPUTS]]
+    table = table.loc[strength(table).sort_values(ascending=False).index[:MOST_INPUTS]]
     places = np.arange(len(table))
     index = table["first_order_index"].to_numpy()
     if np.isfinite(index).any():

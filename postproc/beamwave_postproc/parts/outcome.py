@@ -10,15 +10,12 @@ import xarray as xr
 
 from ..result import NothingToDraw, swept_inputs
 from .labels import quantity
+from .main_effects import first_order_indices
 
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
 QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
 FEWEST = 30  # cases: of fewer chance says more than the inputs
-FULLEST, MOST_PARTS = 16, 32  # cases in each part of an input's values, and how many parts there are at most
-FEWEST_ALIKE = 4  # cases of one value that are a part by themselves
 CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary independently
-DRAWS = 200  # of an input without influence
-SEED = 20261127
 
 
 @dataclass
@@ -68,32 +65,42 @@ def rankings(ds: xr.Dataset) -> pd.DataFrame:
     """Return which inputs explain the spread of what the cases came to: a row for each outcome and input.
 
     `rank_correlation` is Spearman's, −1 … 1. `first_order_index` is Sobol's, the part of the variance that the input explains
-    by itself: 1 − the variance within parts of its values over the variance of all, both without bias (Kelley's ε²); it needs
-    inputs that vary independently, and is NaN where two are correlated. `by_chance` is what an input without influence
-    exceeds once in twenty times. Raises `NothingToDraw` of fewer than 30 cases, or where nothing varies.
+    by itself, by the main effects of all inputs together (`first_order_indices`); it needs inputs that vary independently and
+    four cases for each, and is NaN otherwise. `by_chance` is what an input without influence exceeds once in twenty times.
+    Raises `NothingToDraw` of fewer than 30 cases, or where nothing varies.
     """
-    names = swept_inputs(ds)
+    names = varied_inputs(ds)
     outcomes = outcomes_of(ds) if "case" in ds.dims else []
     if not outcomes or not names:
         raise NothingToDraw("nothing that differs from case to case")
-    inputs = {name: ds[name].values.astype(float) for name in names if np.ptp(ds[name].values) > 0.0}
-    dice = np.random.default_rng(SEED)
-    rows = []
-    for outcome in outcomes:
-        values = outcome.variable.values
-        held = np.isfinite(values)
-        if held.sum() < FEWEST:
-            continue
-        alone = dependence(np.array([given[held] for given in inputs.values()])) <= CORRELATED
-        for name, given in inputs.items():
-            row = {"outcome": outcome.words, "input": name, "cases": int(held.sum())}
-            row["rank_correlation"] = _correlation(given[held], values[held])
-            row["first_order_index"] = first_order_index(given[held], values[held]) if alone else np.nan
-            row["by_chance"] = _by_chance(given[held], values[held], dice) if alone else np.nan
-            rows.append(row)
-    if not rows:
+    tables = [ranking_of(ds, names, one) for one in outcomes if np.isfinite(one.variable.values).sum() >= FEWEST]
+    if not tables:
         raise NothingToDraw(f"fewer than {FEWEST} cases that differ")
-    return pd.DataFrame(rows)
+    return pd.concat(tables, ignore_index=True)
+
+
+def varied_inputs(ds: xr.Dataset) -> list[str]:
+    """The inputs that differ between cases."""
+    return [name for name in swept_inputs(ds) if np.ptp(ds[name].values) > 0.0]
+
+
+def ranking_of(ds: xr.Dataset, names: list[str], outcome: Outcome) -> pd.DataFrame:
+    """The rows of one outcome in `rankings`."""
+    held = np.isfinite(outcome.variable.values)
+    values = outcome.variable.values[held]
+    inputs = np.array([ds[name].values[held].astype(float) for name in names])
+    table = pd.DataFrame({"outcome": outcome.words, "input": names, "cases": values.size})
+    table["rank_correlation"] = [_correlation(given, values) for given in inputs]
+    alone = dependence(inputs) <= CORRELATED
+    indices = first_order_indices(inputs, values) if alone else None
+    table["first_order_index"] = indices.first_order if indices else np.nan
+    table["by_chance"] = indices.by_chance if indices else np.nan
+    return table
+
+
+def strength(table: pd.DataFrame) -> pd.Series:
+    """By what inputs are ordered: their first-order index, or their rank correlation where there is none."""
+    return table["first_order_index"].fillna(table["rank_correlation"].abs())
 
 
 def dependence(inputs: np.ndarray) -> float:
@@ -102,40 +109,9 @@ def dependence(inputs: np.ndarray) -> float:
     return float(max(map(abs, pairs), default=0.0))
 
 
-def first_order_index(given: np.ndarray, values: np.ndarray) -> float:
-    """The part of the variance of `values` that `given` explains by itself, estimated without bias; NaN of too few."""
-    return _index(_parts(given), values)
-
-
-def _by_chance(given: np.ndarray, values: np.ndarray, dice: np.random.Generator) -> float:
-    """The index that an input with these values and without influence exceeds in 5 % of draws."""
-    parts = _parts(given)
-    return float(np.quantile([_index(parts, dice.permutation(values)) for _ in range(DRAWS)], 0.95))
-
-
-def _parts(given: np.ndarray) -> np.ndarray:
-    """In which part of its values each lies: each value is one if few differ, else as many cases are in each part."""
-    values, which = np.unique(given, return_inverse=True)
-    if values.size <= min(MOST_PARTS, given.size // FEWEST_ALIKE):
-        return which
-    parts = int(np.clip(given.size // FULLEST, 2, MOST_PARTS))
+def _correlation(one: np.ndarray, other: np.ndarray) -> float:
+    """Spearman's; 0 where one of both is the same in all cases."""
     from scipy.stats import rankdata  # here, since few pictures need it and it takes 1 s to import
 
-    return ((rankdata(given, method="ordinal") - 1) * parts // given.size).astype(int)
-
-
-def _index(parts: np.ndarray, values: np.ndarray) -> float:
-    counts = np.bincount(parts)
-    freedom = values.size - counts.size
-    total = values.var(ddof=1)
-    if freedom < 1 or total == 0.0:
-        return float("nan")
-    sums = np.bincount(parts, weights=values - values.mean())
-    within = values.var() * values.size - np.sum(sums**2 / counts)
-    return float(1.0 - within / freedom / total)
-
-
-def _correlation(one: np.ndarray, other: np.ndarray) -> float:
-    from scipy.stats import rankdata
-
-    return float(np.corrcoef(rankdata(one), rankdata(other))[0, 1])
+    ranks = [rankdata(one), rankdata(other)]
+    return float(np.corrcoef(ranks)[0, 1]) if all(np.ptp(rank) > 0.0 for rank in ranks) else 0.0
