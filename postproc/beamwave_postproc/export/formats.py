@@ -72,15 +72,14 @@ def write_mat(model: ModalModel, path: Path, title: str) -> None:
 def write_unv(model: ModalModel, path: Path, title: str) -> None:
     """A universal file: header 151, units 164, nodes 15 along x, and a data set 55 for each mode.
 
-    Shapes are displacements along y and turnings about z, with six digits. Raises `NothingToDraw` for modes without a
-    frequency, which are no normal modes, and without the package pyuff.
+    Shapes are displacements along y and turnings about z, with six digits. Rigid modes have frequency and damping ratio 0.
+    Raises `NothingToDraw` for modes that grow or are overdamped, which are no normal modes, and without the package pyuff.
     """
-    frequency, ratio = np.nan_to_num(model.angular_frequency), np.nan_to_num(model.damping_ratio)
-    unfit = np.flatnonzero((frequency == 0.0) | (ratio >= 1.0)) + 1
+    unfit = np.flatnonzero((model.stiffness < 0.0) | (model.damping > 0.0) & (model.damping**2 >= 4.0 * model.stiffness * model.mass)) + 1
     if unfit.size:
         names = ", ".join(map(str, unfit[:5])) + (", …" if unfit.size > 5 else "")
-        why = "no frequency: a universal file holds modes that oscillate; accepted: mat, npz"
-        raise NothingToDraw(f"mode {names} has {why}")
+        one, grow = ("modes", "grow or are") if unfit.size > 1 else ("mode", "grows or is")
+        raise NothingToDraw(f"{one} {names} {grow} overdamped, which a universal file has no numbers for; accepted: mat, npz")
     try:
         import pyuff
     except ImportError as missing:
@@ -92,9 +91,9 @@ def write_unv(model: ModalModel, path: Path, title: str) -> None:
 
 
 def _heads(pyuff: ModuleType, model: ModalModel, name: str) -> Iterator[dict[str, Any]]:
-    """Header, units and nodes."""
+    """Header, units and nodes; versions and dates of the header, which are not given, pyuff fills as it writes."""
     words = {"description": "modes of a beam", "db_app": "beamwave", "program": "beamwave"}
-    yield pyuff.prepare_151(model_name=name, **words, return_full_dict=True)
+    yield pyuff.prepare_151(model_name=name, **words)
     units = {"units_code": METRE_NEWTON, "units_description": "SI units", "temp_mode": 1, "temp_offset": 0.0}
     yield pyuff.prepare_164(length=1.0, force=1.0, temp=1.0, **units, return_full_dict=True)
     zeros, none = [0.0] * model.position.size, [0] * model.position.size
@@ -109,7 +108,7 @@ def _mode(pyuff: ModuleType, model: ModalModel, name: str, k: int) -> dict[str, 
     numbers = {
         "freq": float(model.angular_frequency[k] / (2.0 * np.pi)),
         "modal_m": float(model.mass[k]),
-        "modal_damp_vis": float(model.damping_ratio[k]),
+        "modal_damp_vis": float(np.nan_to_num(model.damping_ratio[k])),  # there is none of a rigid mode
         "modal_damp_his": 0.0,
     }
     kind = {"model_type": 1, "analysis_type": 2, "data_ch": 3, "spec_data_type": TRANSVERSE, "data_type": 2}

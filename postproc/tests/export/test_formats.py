@@ -1,5 +1,7 @@
 """What `beamwave-export` writes is read by other libraries, and what it cannot write is refused in a sentence."""
 
+import re
+
 import numpy as np
 import pytest
 import pyuff
@@ -81,18 +83,47 @@ def test_a_universal_file_has_nodes_and_a_shape_for_each_mode(plain, tmp_path):
         )
 
 
+def test_the_header_of_a_universal_file_has_dates_and_whole_numbers_in_its_columns(plain, tmp_path):
+    """Records 4, 5 and 7 of data set 151: (10A1, 10A1, 3I10), (10A1, 10A1) twice."""
+    assert main([str(plain), "--format", "unv", "--output", str(tmp_path)]) == 0
+    lines = (tmp_path / "plain.unv").read_text().splitlines()
+    for line in (lines[5], lines[6], lines[8]):
+        assert re.fullmatch(r"\d\d-\w{3}-\d\d", line[:10].strip()) and re.fullmatch(r"\d\d:\d\d:\d\d", line[10:20].strip())
+    assert [int(lines[5][at : at + 10]) for at in (20, 30, 40)] == [0, 0, 0]
+    assert not any("None" in line or "nan" in line for line in lines)
+
+
+FREE = {**SCENE, "support": {"stiffness": 0.0, "rotational_stiffness": 0.0}}
+
+
+def test_rigid_modes_of_a_free_beam_have_frequency_0(results, tmp_path):
+    assert main([str(results("free", FREE)), "--format", "unv", "--output", str(tmp_path)]) == 0
+    modes = pyuff.UFF(str(tmp_path / "free.unv")).read_sets()[3:]
+    assert [one["freq"] for one in modes[:2]] == [0.0, 0.0] and modes[2]["freq"] > 0.0
+    assert [one["modal_damp_vis"] for one in modes] == pytest.approx([0.0, 0.0, 0.02, 0.02, 0.02], rel=1e-4)
+    distance = np.array([0.0, 0.3, 1.2])
+    for one in modes[:2]:  # straight, turned by its slope; six digits of numbers up to 3
+        assert one["r2"] == pytest.approx(one["r2"][0] + one["r6"][0] * distance, abs=1e-5)
+        assert one["r6"] == pytest.approx(one["r6"][0], abs=1e-5)
+
+
 SWEPT = {**SCENE, "sweep": {"parameter": "damping%ratio", "values": [0.0, 0.1]}}
 REFUSED = {
     "a result without a model": ({**SCENE, "modes": {"before": 5}}, [], "modal_model = .true."),
     "a growing mode": (
         {**SCENE, "rotation": {"angular_velocity": 200.0}},
         ["--format", "unv"],
-        "mode 1 has no frequency",
+        "mode 1 grows or is overdamped",
     ),
     "overdamped modes": (
         {**SCENE, "damping": {"ratio": 2.0}},
         ["--format", "unv"],
-        "mode 1, 2, 3, 4, 5 has no frequency",
+        "modes 1, 2, 3, 4, 5 grow or are overdamped",
+    ),
+    "rigid modes that a damping holds back": (
+        {**FREE, "damping": {"mass_proportional": 2.0, "stiffness_proportional": 0.0}},
+        ["--format", "unv"],
+        "modes 1, 2 grow or are overdamped",
     ),
     "a sweep without a case": (SWEPT, [], "has 2 cases; accepted: --case"),
     "a case that is not there": (SWEPT, ["--case", "3"], "2 cases, and no case 3"),
