@@ -130,7 +130,7 @@ class Tool(Streams):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             warnings.simplefilter("default", UserWarning)
-            warnings.showwarning = lambda message, *_: self.complain(f"{name}: warning: {message}")
+            warnings.showwarning = lambda message, kind, *_: self._warn(name, message, kind)
             try:
                 return work() or EXIT_DONE
             except NotAResult as failure:  # which names the file itself
@@ -140,6 +140,11 @@ class Tool(Streams):
             except Exception as failure:  # whatever a library stumbles over
                 self.complain(f"{name}: {reason(failure)}")
         return EXIT_FILE
+
+    def _warn(self, name: str, message: Warning | str, kind: type[Warning]) -> None:
+        """Say a warning, unless it is one library's to the authors of another, whatever filter that has set for it."""
+        if not issubclass(kind, (DeprecationWarning, PendingDeprecationWarning, FutureWarning)):
+            self.complain(f"{name}: warning: {message}")
 
     def save(self, path: Path, write: Callable[[Path], object], mark: str = "") -> None:
         """Have `write` write a file, as `put` does, and say its name."""

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 
 import hostile
@@ -76,6 +77,16 @@ def test_an_encoding_that_lacks_letters_stops_nothing(monkeypatch):
     monkeypatch.setattr("sys.stdout", io.TextIOWrapper(written, encoding="ascii"))
     Tool().say("ξ")
     assert written.getvalue() == b"\\u03be\n"
+
+
+def test_warnings_of_libraries_to_their_callers_are_not_said(capsys):
+    def work():
+        for kind in (UserWarning, DeprecationWarning, FutureWarning):
+            warnings.filterwarnings("always", category=kind)  # as a library may do when it is imported
+            warnings.warn(kind.__name__, kind, stacklevel=1)
+
+    assert Tool().attempt("a.nc", work) == 0
+    assert capsys.readouterr().err == "a.nc: warning: UserWarning\n"
 
 
 def test_a_full_disk_leaves_what_was_there_and_nothing_else(history, tmp_path, monkeypatch, capsys):
