@@ -16,16 +16,23 @@ from .terminal import Refusal, Words
 from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command
 
 MOST_ROWS = 1_000_000  # that `&design` takes
+MOST_WHOLE = 2**31 - 1  # that a scene takes
+LEAST_SHARE = np.finfo(float).tiny  # of probabilities, since a normal number has no end
+MOST_SHARE = 1.0 - np.finfo(float).epsneg
 MARK = "# made by beamwave-design"
 Inverse = Callable[[np.ndarray], np.ndarray]
 
 
 class Distribution:
-    """How an input is distributed; `inverse` gives its value for each probability 0 … 1, in the unit of the scene."""
+    """How an input is distributed; `inverse` gives its value for each probability 0 … 1, in the unit of the scene. Raises
+    `Refusal` where a value may pass the largest number."""
 
     def __init__(self, words: str, inverse: Inverse) -> None:
         self.words = words
         self.inverse = inverse
+        with np.errstate(over="ignore", invalid="ignore"):
+            ends = inverse(np.array([LEAST_SHARE, MOST_SHARE]))
+        _need(bool(np.isfinite(ends).all()), words, f"values, differences and ratios below {np.finfo(float).max:.2g}")
 
     def __repr__(self) -> str:
         return self.words
@@ -52,7 +59,8 @@ def normal(mean: float, deviation: float) -> Distribution:
 def lognormal(mean: float, deviation: float) -> Distribution:
     """Normal in its logarithm; the mean and the standard deviation are those of the number itself."""
     _need(mean > 0.0 and deviation > 0.0, f"lognormal,{mean:g},{deviation:g}", "both above 0")
-    variance = math.log1p((deviation / mean) ** 2)
+    relative = deviation / mean
+    variance = math.log1p(relative * relative)  # a product, unlike a power, may be infinite
     median = mean / math.exp(0.5 * variance)
     return Distribution(
         _words("lognormal", mean, deviation), lambda p: median * np.exp(math.sqrt(variance) * _normal(p))
@@ -61,7 +69,12 @@ def lognormal(mean: float, deviation: float) -> Distribution:
 
 def whole(low: int, high: int) -> Distribution:
     """Every whole number from one to the other, both included."""
-    _need(low < high and low == int(low) and high == int(high), f"whole,{low:g},{high:g}", "two whole numbers, the lower first")
+    inside = -MOST_WHOLE <= low < high <= MOST_WHOLE
+    _need(
+        inside and low == int(low) and high == int(high),
+        f"whole,{low:g},{high:g}",
+        f"two whole numbers, the lower first, at most ±{MOST_WHOLE}",
+    )
     count = int(high) - int(low) + 1
     return Distribution(
         _words("whole", low, high), lambda p: int(low) + np.minimum((p * count).astype(int), count - 1)
@@ -105,7 +118,7 @@ def _normal(share: np.ndarray) -> np.ndarray:
 
 
 def _table(inputs: Mapping[str, Distribution], probabilities: np.ndarray) -> pd.DataFrame:
-    inside = np.clip(probabilities, np.finfo(float).tiny, 1.0 - np.finfo(float).epsneg)  # a normal number has no end
+    inside = np.clip(probabilities, LEAST_SHARE, MOST_SHARE)
     return pd.DataFrame({name: one.inverse(inside[:, i]) for i, (name, one) in enumerate(inputs.items())})
 
 

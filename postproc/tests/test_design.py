@@ -90,6 +90,13 @@ def test_the_command_writes_what_its_words_say(tmp_path, capsys):
     assert main([*words, "--overwrite", "--sobol"]) == 0 and path.read_text() != before
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("words", ["whole,-2147483647,2147483647", "normal,1e300,1e300", "lognormal,1,1e9", "log,5e-324,1e-20"])
+def test_large_numbers_within_bounds_are_finite(words):
+    values = latin_hypercube(dict([parse_input(f"a%a={words}")]), 64)["a%a"].to_numpy(float)
+    assert np.isfinite(values).all() and (np.diff(np.sort(values)) >= 0.0).all()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -102,6 +109,12 @@ def test_the_command_writes_what_its_words_say(tmp_path, capsys):
         ("beam%length=log,0,1", "0 < low"),
         ("beam%length=normal,1,0", "above 0"),
         ("modes%before=whole,1,2.5", "whole numbers"),
+        ("modes%before=whole,1,1e30", "at most ±2147483647"),
+        ("beam%length=uniform,-1e308,1e308", "below 1.8e+308"),
+        ("beam%length=log,1e-300,1e300", "below 1.8e+308"),
+        ("beam%length=normal,0,1e308", "below 1.8e+308"),
+        ("beam%length=lognormal,1,1e300", "below 1.8e+308"),
+        ("beam%length=lognormal,1e-320,1", "below 1.8e+308"),
     ],
 )
 def test_wrong_words_are_refused_with_what_would_be_accepted(tmp_path, capsys, words, said):
