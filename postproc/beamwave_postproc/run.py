@@ -6,12 +6,14 @@ import errno
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Union
 
@@ -119,8 +121,35 @@ def check_output(output: str | Path | None) -> None:
 
 def _waited_for(words: list[str]) -> tuple[int, str]:
     """Run a command to its end."""
-    done = subprocess.run(words, check=False, **STREAMS)
-    return done.returncode, done.stderr
+    with hearing_sigterm(), subprocess.Popen(words, **STREAMS) as process:
+        try:
+            said = process.communicate()[1]
+        except SystemExit:
+            process.terminate()
+            raise
+        except BaseException:
+            process.kill()
+            raise
+    return process.returncode, said
+
+
+@contextmanager
+def hearing_sigterm() -> Iterator[None]:
+    """Make SIGTERM raise `SystemExit`: it would end this process and leave the programs that it has begun to run on. Where the
+    caller hears it in a way of its own, or this is no main thread, nothing is changed.
+    """
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+
+    def leave(number: int, _: object) -> None:
+        raise SystemExit(128 + number)  # the status that shells give to what a signal ended
+
+    signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def warnings_in(text: str) -> list[str]:

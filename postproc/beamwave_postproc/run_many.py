@@ -13,7 +13,7 @@ from typing import Callable, Literal, Union
 
 import xarray as xr
 
-from .run import STREAMS, RunFailed, Scene, call_program, check_output, find_program, is_scene, is_text
+from .run import STREAMS, RunFailed, Scene, call_program, check_output, find_program, hearing_sigterm, is_scene, is_text
 from .tool import cores
 
 STOPPED = 5  # exit status of a run that was stopped in order
@@ -42,8 +42,9 @@ def run_many(
     Python warnings, in the order of the scenes, before that. `progress(done, total)` is called in this thread as scenes
     end.
 
-    Ctrl-C, or an exception of `progress`, stops all runs in order, and is raised when they have ended; where `output`
-    is given, what is finished of sweeps is saved. A second Ctrl-C ends them at once.
+    Ctrl-C, SIGTERM (as `SystemExit`, where the caller does not hear it otherwise) or an exception of `progress` stops all
+    runs in order, and is raised when they have ended; where `output` is given, what is finished of sweeps is saved. A second
+    signal ends them at once.
 
     Raises `ValueError` for what is no list of scenes, for `processes` below 1, for scenes that would write the same file into
     `output`, and for another word than these two for `errors`, and `FileNotFoundError` without a program, all before
@@ -62,7 +63,7 @@ def run_many(
         raise ValueError(f"several scenes would write the same result: {', '.join(twice)}")
     command = find_program(program)
     crew = _Crew()
-    with ThreadPoolExecutor(processes, thread_name_prefix="beamwave") as pool:
+    with hearing_sigterm(), ThreadPoolExecutor(processes, thread_name_prefix="beamwave") as pool:
         futures = [
             pool.submit(call_program, scene, output, overwrite, command, crew.run, name)
             for scene, name in zip(scenes, names)
@@ -108,14 +109,14 @@ def _results(futures: list[Future], errors: str) -> list[Outcome]:
 
 
 def _wait_for(futures: list[Future], crew: _Crew) -> None:
-    """Wait until all runs have ended; another Ctrl-C asks them once more, which ends them at once."""
+    """Wait until all runs have ended; another signal asks them once more, which ends them at once."""
     for future in futures:
         future.cancel()
     for future in futures:
         while not future.done():
             try:
                 future.exception(timeout=0.1)
-            except KeyboardInterrupt:
+            except (KeyboardInterrupt, SystemExit):
                 crew.stop()
             except Exception:
                 continue

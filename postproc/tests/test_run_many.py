@@ -117,7 +117,8 @@ def test_an_exception_of_progress_stops_all_in_order(tmp_path, stand_in):
         run_many([scene()] * 50, 2, program=program, progress=give_up)
 
 
-def test_ctrl_c_stops_all_in_order_and_the_same_call_goes_on(beamwave, tmp_path):
+@pytest.mark.parametrize(("sent", "told"), [(signal.SIGINT, "KeyboardInterrupt"), (signal.SIGTERM, "")])
+def test_a_signal_stops_all_in_order_and_the_same_call_goes_on(beamwave, tmp_path, sent, told):
     """Two long sweeps in a Python of their own: after the signal finished cases are saved, and no process is left."""
     script = tmp_path / "many.py"
     script.write_text(
@@ -137,9 +138,37 @@ def test_ctrl_c_stops_all_in_order_and_the_same_call_goes_on(beamwave, tmp_path)
         while not all(draft.exists() for draft in drafts) and time.monotonic() < deadline:
             time.sleep(0.1)
         time.sleep(2.5)  # of which some cases are saved
-        python.send_signal(signal.SIGINT)
+        python.send_signal(sent)
         said = python.communicate(timeout=60)[1]
-    assert "KeyboardInterrupt" in said
+    assert told in said and python.returncode == (128 + sent if sent == signal.SIGTERM else -sent)
     assert all(draft.exists() for draft in drafts)
     running = subprocess.run(["pgrep", "-f", str(tmp_path / "output")], capture_output=True, text=True, check=False)
     assert running.stdout == ""
+
+
+def test_sigterm_ends_the_program_of_a_single_run(tmp_path, stand_in):
+    program = stand_in(tmp_path, 'trap "exit 5" TERM; echo + > "$0.begun"; while true; do sleep 0.1; done')
+    script = tmp_path / "one.py"
+    script.write_text(
+        "from beamwave_postproc import run\n"
+        f"run({{'beam': {BEAM!r}}}, program={str(program)!r})\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    with subprocess.Popen([sys.executable, script], env=environment, start_new_session=True) as python:
+        deadline = time.monotonic() + 30
+        while not Path(f"{program}.begun").exists() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        python.terminate()
+        assert python.wait(30) == 128 + signal.SIGTERM
+    running = subprocess.run(["pgrep", "-f", str(program)], capture_output=True, text=True, check=False)
+    assert running.stdout == ""
+
+
+def test_a_handler_of_the_caller_is_left_to_it(beamwave):
+    heard = []
+    before = signal.signal(signal.SIGTERM, lambda *_: heard.append(True))
+    try:
+        told = run_many([scene()] * 3, 1, progress=lambda done, total: done == 1 and signal.raise_signal(signal.SIGTERM))
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert heard == [True] and len(told) == 3
