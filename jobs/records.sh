@@ -25,17 +25,18 @@ for file in "$directory"/*; do
   if [ -f "$file" ] && [ "${name##*.}" != nml ]; then files+=("'${name//\'/\'\'}'"); fi
 done
 [ ${#files[@]} -gt 0 ] || { echo "records.sh: no records in $directory" >&2; exit 2; }
-# behind the name of the group, which may end on the same line
+# behind the name of the group, which may end on the same line; through a pipe, since an argument holds some thousands of names only
 copy=$directory/${scene##*/}
-list=$(printf '%s, ' "${files[@]}")
-text=$(LIST=${list%, } awk '
+text=$(printf '%s\n' "${files[@]}" | awk '
+  NR == FNR { names[NR] = $0; count = NR; next }
   !done && match(tolower($0), /^[ \t]*&record([ \t\r\/!]|$)/) {
     place = index($0, "&") + 7
-    print substr($0, 1, place - 1) " file = " ENVIRON["LIST"]
+    print substr($0, 1, place - 1) " file ="
+    for (i = 1; i <= count; i++) print "    " names[i] (i < count ? "," : "")
     $0 = substr($0, place)
     done = 1
   }
   { print }
-  END { exit !done }' "$scene") || { echo "records.sh: no line of $scene begins with &record" >&2; exit 2; }
+  END { exit !done }' - "$scene") || { echo "records.sh: no line of $scene begins with &record" >&2; exit 2; }
 [ "$(cat "$copy" 2> /dev/null)" = "$text" ] || printf '%s\n' "$text" > "$copy"
 exec mpirun beamwave-mpi run "$copy" "$@"

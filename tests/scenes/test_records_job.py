@@ -44,6 +44,21 @@ def test_files_of_a_directory_become_cases(here, submit, record):
     assert "nothing to do" in submit().stdout
 
 
+def test_names_of_any_length_together_are_put_into_the_scene(here, submit):
+    """A single argument or variable of a command may have 128 KiB on Linux."""
+    names = [f"{number:0200}.csv" for number in range(1000)]
+    for name in names:
+        here.write(f"records/{name}", "")
+    here.write("scene.nml", "&record quantity = 'velocity' /\n" + REST)
+    (here.directory / "stand-ins/beamwave-mpi").unlink()
+    (here.directory / "stand-ins/beamwave-mpi").symlink_to(shutil.which("true"))
+    ended = submit()
+    assert ended.returncode == 0, ended.stderr
+    files = ", ".join(f"'{name}'" for name in names)
+    text = " ".join((here.directory / "records/scene.nml").read_text().split())
+    assert text == f"&record file = {files} quantity = 'velocity' / {REST.strip()}"
+
+
 def test_what_cannot_be_a_scene_of_records_is_refused(here, submit):
     here.write("scene.nml", "&records /\n")
     here.write("records/1.csv", text_of(1))
