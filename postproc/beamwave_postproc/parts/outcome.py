@@ -15,7 +15,8 @@ from .main_effects import first_order_indices
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
 QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
 FEWEST = 30  # cases: of fewer chance says more than the inputs
-CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary independently
+CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary independently …
+BY_CHANCE = 4.0  # … unless it is within so many standard deviations, 1/√cases, of inputs that do
 
 
 @dataclass
@@ -91,7 +92,7 @@ def ranking_of(ds: xr.Dataset, names: list[str], outcome: Outcome) -> pd.DataFra
     inputs = np.array([ds[name].values[held].astype(float) for name in names])
     table = pd.DataFrame({"outcome": outcome.words, "input": names, "cases": values.size})
     table["rank_correlation"] = [_correlation(given, values) for given in inputs]
-    alone = dependence(inputs) <= CORRELATED
+    alone = dependence(inputs) <= max(CORRELATED, BY_CHANCE / np.sqrt(values.size))
     indices = first_order_indices(inputs, values) if alone else None
     table["first_order_index"] = indices.first_order if indices else np.nan
     table["by_chance"] = indices.by_chance if indices else np.nan
