@@ -229,12 +229,14 @@ def test_correlated_inputs_have_no_index():
 
 
 def test_inputs_that_are_correlated_by_chance_have_indices():
-    """Of ten independent inputs in 64 rows some two have a rank correlation above 0.3 in half of all tables."""
+    """Of ten independent inputs in 64 rows some two have a rank correlation above 0.3 in half of all tables. The shares of 3a + b are
+    9/10 and 1/10 in any: each input of a Latin hypercube has its variance to about 1/64."""
     for seed in range(20):
         table = latin_hypercube({f"a%{letter}": uniform(0, 1) for letter in "abcdefghij"}, 64, seed=seed)
         inputs = {name[2:]: given.to_numpy() for name, given in table.items()}
         found = rankings(cases(inputs, 3.0 * inputs["a"] + inputs["b"])).set_index("input")
-        assert list(found.index[found["first_order_index"] > 0.02]) == ["a", "b"]
+        assert list(found.index[found["first_order_index"] > 0.01]) == ["a", "b"]
+        assert list(found["first_order_index"][["a", "b"]]) == pytest.approx([0.9, 0.1], abs=0.005)
 
 
 def test_cases_without_a_number_are_left_out_and_few_are_refused():

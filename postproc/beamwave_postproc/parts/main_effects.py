@@ -29,15 +29,16 @@ def first_order_indices(inputs: np.ndarray, values: np.ndarray) -> Indices:
     """Of `inputs` (inputs, cases) and what came out, `values` (cases); NaN of fewer than four cases for each input, of equal
     values, and where main effects cannot be told apart, as of an input and its square.
 
-    An index is the mean square of the input's main effect, less the square that noise adds to it, over the variance of `values`.
-    The noise is found from the residuals without taking them to be as large everywhere (White's estimate, HC3 of MacKinnon and
-    White 1985), since interactions grow towards the ends of an input.
+    An index is the mean square of the input's main effect, less the square that noise adds to it, over the variance that independent
+    inputs would give, which is the sum of these squares and of what the main effects leave: inputs of a table that are correlated by
+    chance add to its own variance or take from it.
+    The noise is found from the residuals without taking them to be as large everywhere (White's estimate, HC2 of MacKinnon and
+    White 1985: without bias where they are), since interactions grow towards the ends of an input.
     """
     absent = Indices(*np.full((2, len(inputs)), np.nan))
     cases = values.size
     values = values - values.mean()
-    total = np.mean(values**2)
-    if cases < CASES_PER_INPUT * len(inputs) or total == 0.0:
+    if cases < CASES_PER_INPUT * len(inputs) or np.ptp(values) == 0.0:
         return absent
     count = int(np.clip(round(np.sqrt(cases / len(inputs))), 1, MOST_TERMS))  # so that misfit and noise both go to 0
     bases = [_basis(given, count) for given in inputs]
@@ -48,7 +49,8 @@ def first_order_indices(inputs: np.ndarray, values: np.ndarray) -> Indices:
     inverse = np.linalg.inv(gram)
     coefficients = inverse @ (basis.T @ values)
     leverage = np.einsum("ij,ij->i", basis @ inverse, basis) + 1.0 / cases
-    residual = (values - basis @ coefficients) / np.maximum(1.0 - leverage, 1.0 / cases)
+    misfit = values - basis @ coefficients
+    residual = misfit / np.sqrt(np.maximum(1.0 - leverage, 1.0 / cases))
     covariance = inverse @ ((basis * residual[:, None] ** 2).T @ basis) @ inverse
     freedom = cases - 1 - basis.shape[1]
     ends = np.cumsum([one.shape[1] for one in bases])
@@ -56,6 +58,7 @@ def first_order_indices(inputs: np.ndarray, values: np.ndarray) -> Indices:
     noise = np.array([np.trace(covariance[one, one]) for one in own])
     square = np.array([np.sum(coefficients[one] ** 2) for one in own])
     chance = np.array([_chance(covariance[one, one], freedom) for one in own])
+    total = np.maximum(square - noise, 0.0).sum() + misfit @ misfit / freedom
     return Indices((square - noise) / total, (chance - noise) / total)
 
 
