@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 MOST_TERMS = 12  # of a main effect: more follow a jump little better
+MOST_CASES = 2**17  # drawn of more: an index of so many scatters by a few thousandths
 CASES_PER_INPUT = 4  # at least, for two terms of each input and as much freedom for what they leave
 DEPENDENT = 0.01  # of the mean square of a sum of terms to that of each: independent inputs leave 0.09 or more
 DRAWS = 400  # of an input without influence
@@ -36,6 +37,9 @@ def first_order_indices(inputs: np.ndarray, values: np.ndarray) -> Indices:
     White 1985: without bias where they are), since interactions grow towards the ends of an input.
     """
     absent = Indices(*np.full((2, len(inputs)), np.nan))
+    if values.size > MOST_CASES:
+        drawn = np.random.default_rng(SEED).choice(values.size, MOST_CASES, replace=False)
+        inputs, values = inputs[:, drawn], values[drawn]
     cases = values.size
     values = values - values.mean()
     if cases < CASES_PER_INPUT * len(inputs) or np.ptp(values) == 0.0:
@@ -44,7 +48,7 @@ def first_order_indices(inputs: np.ndarray, values: np.ndarray) -> Indices:
     bases = [_basis(given, count) for given in inputs]
     basis = np.hstack(bases)
     gram = basis.T @ basis
-    if np.linalg.eigvalsh(gram).min() < DEPENDENT * cases:
+    if np.linalg.eigvalsh(gram).min(initial=cases) < DEPENDENT * cases:
         return absent
     inverse = np.linalg.inv(gram)
     coefficients = inverse @ (basis.T @ values)
