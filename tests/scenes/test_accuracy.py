@@ -177,6 +177,45 @@ def test_a_scene_without_a_converged_answer_is_refused(here, scene, group):
     assert not (here.directory / "output").exists()
 
 
+SHORT = {"duration": 2e-3, "samples": 64, "points": [0.5, 1.0]}
+COUNTED_IN_RUNS = {
+    "a contact": {"impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}, "response": {**SHORT, "duration": 3e-4, "bending_moment": True}},
+    "a force on a struck beam": {**captured_beam(), "force": {"shape": "sine", "amplitude": 1.0, "frequency": 100.0}, "response": SHORT},
+    "a pluck": {"initial": {"force": 10.0}, "response": {**SHORT, "velocity": True}},
+    "a body that leaves": {"initial": {"force": 10.0}, "body": {"position": 0.6, "mass": 1.0, "until": 1e-3}, "response": {**SHORT, "bending_moment": True}},
+}
+
+
+@pytest.mark.parametrize("groups", COUNTED_IN_RUNS.values(), ids=COUNTED_IN_RUNS.keys())
+def test_where_runs_find_their_modes_errors_are_of_all_histories(here, groups):
+    scene = {"beam": captured_beam()["beam"], **{name: group for name, group in groups.items() if name != "modes"}}
+    here.scene("a", scene)
+    ended = here.beamwave("accuracy", "a.nml", "--quiet")
+    assert ended.returncode == 0, ended.stderr
+    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
+        study = ds.load()
+    asked = ladder(study, "tolerance")
+    asked = asked.isel(rung=np.flatnonzero(asked.rung_status == 1))
+    assert asked.sizes["rung"] >= 3 and (asked.seconds > 0).all()
+    assert study.converged_tolerance <= asked.tolerance.min()
+    assert (asked.true_error <= asked.tolerance).all()
+    known = study.true_error > study.converged_error
+    assert (study.estimated_error >= study.true_error).where(known, True).all()
+    coarse, fine = (own_run(here, scene, max(1e-12, float(study[name].max()))) for name in ("tolerance", "converged_tolerance"))
+    names = [name for name in HISTORIES if name in fine.variables]
+    differences = [float(np.abs(coarse[name] - fine[name]).max() / np.abs(fine[name]).max()) for name in names]
+    np.testing.assert_allclose(asked.true_error.values[0], max(differences), rtol=1e-6, atol=1e-13)
+
+
+HISTORIES = ["displacement", "velocity", "acceleration", "bending_moment", "shear_force"]
+
+
+def own_run(here, scene, tolerance):
+    name = f"at{-round(np.log10(tolerance))}"
+    here.scene(name, {**scene, "modes": {"tolerance": tolerance}})
+    return here.run(name)
+
+
 def test_two_scenes_are_one_too_many(here):
     here.scene("many/a", SMALL)
     here.scene("many/b", SMALL)

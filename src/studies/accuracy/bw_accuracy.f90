@@ -12,7 +12,7 @@ module bw_accuracy
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_type
   use bw_price_report, only: price_report
-  use bw_scene, only: changes_in_time, is_loaded, scene_type
+  use bw_scene, only: counts_in_its_run, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
   use bw_timed_runs, only: repeat_runs, run_once, timed_run
@@ -65,23 +65,13 @@ contains
     !! **Errors**: `status_bad_input` where it has none.
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: accepted = '; accepted: a scene with &impact, &capture and &response'
+    character(*), parameter :: accepted = '; accepted: a scene with &response whose mass, if any, stays, or strikes by &contact'
     if (.not. allocated(scene%response)) then
       call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
                 'could be measured'//accepted)
-    else if (changes_in_time(scene)) then
-      call fail(error, status_bad_input, scene%file//': a body that comes or leaves, or &initial: its motion has no converged '// &
-                'run to measure errors against; its own result has them, by runs with fewer modes; accepted: a scene '// &
-                'without from and until of &body, and without &initial')
-    else if (allocated(scene%contact)) then
-      call fail(error, status_bad_input, scene%file//': &contact: has no converged run to measure errors against; its own '// &
-                'result has them, by runs with fewer modes and shorter steps; accepted: a scene without &contact')
-    else if (is_loaded(scene)) then
-      call fail(error, status_bad_input, scene%file//': &force and &base have no converged run to measure errors against; the '// &
-                'result of a run has them, by as many modes more; accepted: a scene without them')
-    else if (.not. allocated(scene%capture)) then
-      call fail(error, status_bad_input, scene%file//': &capture: is absent: the motion after a rebound depends on '// &
-                'the number of modes (its impulse goes to 0 as modes are added), so that there is no converged answer'// &
+    else if (.not. (counts_in_its_run(scene) .or. allocated(scene%capture))) then
+      call fail(error, status_bad_input, scene%file//': &capture: is absent: the motion after a rebound at once depends '// &
+                'on the number of modes (its impulse goes to 0 as modes are added), so that there is no converged answer'// &
                 accepted//'; instead: &sweep parameter=''modes%before'', which shows what changes with their number')
     end if
   end subroutine refuse
@@ -146,13 +136,15 @@ contains
     end do
     associate (list => state%list, converged => state%converged)
       list%peak = converged%peak
+      list%bounds_all = converged%bounds_all
       list%converged_count = converged%result%mode_count
       list%converged_error = converged%error
       list%converged_tolerance = converged%tolerance
       if (converged%reach > converged_tolerance) list%reachable = converged%reach
       associate (result => converged%result)
-        list%model_errors = model_errors(scene, result%modes, result%modal_velocity*result%approach_velocity, &
-                                         result%response%displacement(:result%response%finite_samples, :))
+        if (.not. converged%bounds_all) list%model_errors = model_errors( &
+          scene, result%modes, result%modal_velocity*result%approach_velocity, &
+          result%response%displacement(:result%response%finite_samples, :))
       end associate
       do i = 1, size(converged%result%notes)
         if (index(kind_of(converged%result%notes(i)%text), 'error of') == 1) cycle       ! errors are what is measured

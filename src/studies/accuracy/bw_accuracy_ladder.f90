@@ -1,7 +1,7 @@
 module bw_accuracy_ladder
   !! The rungs of a study of accuracy, and how one of them is measured.
   use bw_case_result, only: case_diverged, case_not_converged, case_result
-  use bw_converged, only: converged_run, patience
+  use bw_converged, only: coarsest_decade, converged_run, find_parts, patience
   use bw_forecast, only: takes_at_most
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
@@ -14,7 +14,7 @@ module bw_accuracy_ladder
   private
   public :: ladder_of, scene_of_rung, take_errors, take_seconds, leave_out
 
-  integer, parameter :: coarsest = 2, finest = 11      !! decades of the tolerances
+  integer, parameter :: finest = 11               !! decade of the tolerances
   integer, parameter, public :: counts(*) = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
 
 contains
@@ -22,12 +22,12 @@ contains
   pure function ladder_of() result(rungs)
     !! All rungs, from coarse to fine: tolerances, then counts.
     type(rung_type), allocatable :: rungs(:)
-    integer, parameter :: asked = finest - coarsest + 1
+    integer, parameter :: asked = finest - coarsest_decade + 1
     integer :: i
     allocate (rungs(asked + size(counts)))
     do i = 1, asked
       rungs(i)%ladder = by_tolerances
-      rungs(i)%tolerance = 10.0_dp**(-(coarsest + i - 1))
+      rungs(i)%tolerance = 10.0_dp**(-(coarsest_decade + i - 1))
     end do
     do i = 1, size(counts)
       rungs(asked + i)%ladder = by_counts
@@ -74,26 +74,8 @@ contains
     if (result%status == case_not_converged) return
     rung%method = merge(by_transform, by_products, result%response%transformed > 0)
     if (result%status == case_diverged) rung%status = rung_diverged
-    rung%error = true_error(result, converged)
-    if (.not. allocated(result%response%displacement_error)) return
-    rung%estimate = 0.0_dp
-    if (converged%peak > 0.0_dp) rung%estimate = maxval(result%response%displacement_error)/converged%peak
+    call find_parts(result%response, converged%result%response, converged%bounds_all, rung%error, rung%estimate)
   end subroutine take_errors
-
-  pure real(dp) function true_error(result, converged) result(error)
-    !! The largest difference of a run's displacement from the converged run's over the peak, at the samples that are finite
-    !! in both; 0 where nothing moves.
-    type(case_result), intent(in) :: result
-    type(converged_run), intent(in) :: converged
-    integer :: finite
-    error = 0.0_dp
-    finite = min(result%response%finite_samples, converged%result%response%finite_samples)
-    if (converged%peak == 0.0_dp .or. finite == 0) return
-    associate (rung => result%response%displacement(:finite, :), &
-               fine => converged%result%response%displacement(:finite, :))
-      error = maxval(abs(rung/converged%peak - fine/converged%peak))
-    end associate
-  end function true_error
 
   pure subroutine take_seconds(run, rung)
     !! Put the median and the quartiles of the repeats into a rung.

@@ -10,42 +10,103 @@ module bw_converged
   use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: case_cache, run_case
+  use bw_response, only: response_type
   use bw_result_layout, only: layout_of
-  use bw_scene, only: scene_type
+  use bw_scene, only: counts_in_its_run, is_loaded, scene_type
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
+  use bw_timed_runs, only: run_once, timed_run
   implicit none (type, external)
   private
-  public :: converge, find_reach
+  public :: converge, find_parts, find_reach
 
   real(dp), parameter, public :: converged_tolerance = 1.0e-13_dp   !! a hundredth of the finest rung
+  integer, parameter, public :: coarsest_decade = 2   !! of the rungs
   real(dp), parameter :: coarsest = 1.0e-6_dp        !! of the converged run, however long it takes
   real(dp), parameter, public :: patience = 3.0_dp   !! s, by the model of costs; a run that takes longer is not made
   integer, parameter :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
 
   type, public :: converged_run
-    type(case_result) :: result
+    type(case_result), allocatable :: result
     real(dp) :: reach = missing                 !! the finest tolerance there is
     real(dp) :: tolerance = missing             !! that the run keeps: `reach`, or the finest that does not take too long
     real(dp) :: peak = 0.0_dp                   !! m, over all points
     real(dp) :: error = missing                 !! its own estimate over the peak
+    logical :: bounds_all = .false.             !! a tolerance bounds the errors of all histories, each over its own peak
   end type converged_run
 
 contains
 
   subroutine converge(scene, monitor, run, whole, error)
-    !! Run with the finest tolerance in reach, or with the finest power of ten that does not take too long by the model of costs; every
-    !! root is in extended precision where there are not too many, so that the run does not share what others leave out.
+    !! Run with the finest tolerance that is in reach and does not take too long.
     !! **Errors**: `status_bad_input` where no tolerance is in reach, `status_not_trusted` where the run does not keep its own.
     type(scene_type), intent(in) :: scene       !! without sweeps
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(out) :: run
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
+    run%bounds_all = counts_in_its_run(scene) .or. is_loaded(scene)
+    if (run%bounds_all) then
+      call converge_by_runs(scene, monitor, run, whole, error)
+    else
+      call converge_by_plan(scene, monitor, run, whole, error)
+    end if
+    if (whole .and. .not. allocated(error)) call take_peak(run)
+  end subroutine converge
+
+  subroutine converge_by_runs(scene, monitor, run, whole, error)
+    !! Only a run tells whether a tolerance is kept: from decade to decade, up to one that is not, or to the last that the time allows,
+    !! if the next one takes as many times longer as this one did.
+    !! **Errors**: as above.
+    type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
+    type(converged_run), intent(inout) :: run
+    logical, intent(out) :: whole
+    type(error_type), allocatable, intent(out) :: error
+    type(case_result), allocatable :: found, kept
+    type(timed_run) :: attempt
+    real(dp) :: seconds, before
+    integer :: decade
+    seconds = huge(seconds)
+    do decade = coarsest_decade, -nint(log10(converged_tolerance))
+      attempt = timed_run(with_tolerance(scene, 10.0_dp**(-decade)))
+      allocate (found)
+      call run_once(attempt, monitor, found, whole)
+      if (.not. whole) return
+      if (allocated(found%error)) then
+        call move_alloc(found%error, error)
+        return
+      end if
+      if (found%status == case_not_converged) exit
+      call move_alloc(found, kept)
+      run%tolerance = 10.0_dp**(-decade)
+      before = min(seconds, attempt%seconds%total())
+      seconds = attempt%seconds%total()
+      if (seconds*(seconds/before) > patience) exit
+    end do
+    run%reach = 0.0_dp                          ! not known
+    if (allocated(found)) run%reach = run%tolerance
+    if (allocated(kept)) then
+      call move_alloc(kept, run%result)
+    else
+      call fail(error, status_not_trusted, scene%file//': no converged run: '//found%notes(size(found%notes))%text)
+    end if
+  end subroutine converge_by_runs
+
+  subroutine converge_by_plan(scene, monitor, run, whole, error)
+    !! By plans and the model of costs; every root is in extended precision where there are not too many, so that the run does not share
+    !! what others leave out.
+    !! **Errors**: as above.
+    type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
+    type(converged_run), intent(inout) :: run
+    logical, intent(out) :: whole
+    type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: fine
     type(case_cache) :: cache
     type(stopwatch) :: watch
     integer :: count
+    allocate (run%result)
     call find_reach(scene, monitor, run%reach, error)
     run%tolerance = run%reach
     do
@@ -65,8 +126,7 @@ contains
       end if
       run%tolerance = coarser(run%tolerance)
     end do
-    call take_peak(run)
-  end subroutine converge
+  end subroutine converge_by_plan
 
   pure real(dp) function coarser(tolerance)
     !! The next power of ten.
@@ -77,13 +137,42 @@ contains
   pure subroutine take_peak(run)
     !! Find the peak, and the run's own estimate of its error over it.
     type(converged_run), intent(inout) :: run
+    real(dp) :: nothing
     associate (response => run%result%response)
       if (response%finite_samples > 0) run%peak = maxval(abs(response%displacement(:response%finite_samples, :)))
-      if (.not. allocated(response%displacement_error)) return
-      run%error = 0.0_dp
-      if (run%peak > 0.0_dp) run%error = maxval(response%displacement_error)/run%peak
+      call find_parts(response, response, run%bounds_all, nothing, run%error)
     end associate
   end subroutine take_peak
+
+  pure subroutine find_parts(response, fine, bounds_all, error, estimate)
+    !! The largest difference of a run's histories from finer ones, and its own estimates of that, over the peak of each; at the samples
+    !! that are finite in both, and 0 where nothing moves.
+    type(response_type), intent(in) :: response, fine
+    logical, intent(in) :: bounds_all           !! of all quantities; else of the displacement
+    real(dp), intent(out) :: error, estimate    !! the latter is missing where the run has none
+    integer :: n
+    n = min(response%finite_samples, fine%finite_samples)
+    error = 0.0_dp
+    estimate = merge(0.0_dp, missing, allocated(response%displacement_error))
+    if (n == 0) return
+    call look(response%displacement, fine%displacement, response%displacement_error, error, estimate)
+    if (.not. bounds_all) return
+    call look(response%velocity, fine%velocity, response%velocity_error, error, estimate)
+    call look(response%acceleration, fine%acceleration, response%acceleration_error, error, estimate)
+    call look(response%bending_moment, fine%bending_moment, response%bending_moment_error, error, estimate)
+    call look(response%shear_force, fine%shear_force, response%shear_force_error, error, estimate)
+  contains
+    pure subroutine look(history, finer, estimated, error, estimate)
+      real(dp), allocatable, intent(in) :: history(:, :), finer(:, :), estimated(:)
+      real(dp), intent(inout) :: error, estimate
+      real(dp) :: peak
+      if (.not. allocated(finer)) return
+      peak = maxval(abs(finer(:fine%finite_samples, :)))
+      if (peak == 0.0_dp) return
+      error = max(error, maxval(abs(history(:n, :)/peak - finer(:n, :)/peak)))
+      if (allocated(estimated)) estimate = max(estimate, maxval(estimated)/peak)
+    end subroutine look
+  end subroutine find_parts
 
   subroutine find_reach(scene, monitor, tolerance, error)
     !! Find the finest tolerance that can be reached, down to `converged_tolerance`.

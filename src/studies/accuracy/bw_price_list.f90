@@ -8,7 +8,7 @@ module bw_price_list
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
-  public :: beyond_model, digit_noise, is_above_estimate, is_resolved, price_digits, work_slope
+  public :: beyond_model, digit_noise, is_above_estimate, is_resolved, price_digits, what_is_bounded, work_slope
 
   integer, parameter, public :: by_tolerances = 1, by_counts = 2
   character(*), parameter, public :: ladder_words(2) = [character(9) :: 'tolerance', 'counts']   !! by number
@@ -28,8 +28,8 @@ module bw_price_list
     real(dp) :: tolerance = missing       !! that was asked for; missing on the ladder of counts
     integer :: mode_count = 0             !! modes that were summed; 0 where none were
     integer :: method = not_summed
-    real(dp) :: error = missing           !! largest |displacement − converged displacement| over the samples, over the peak
-    real(dp) :: estimate = missing        !! the largest `displacement_error` over the peak
+    real(dp) :: error = missing           !! largest difference from the converged run at the samples, over the peak
+    real(dp) :: estimate = missing        !! the run's own estimate of that
     integer :: repeats = 0
     real(dp) :: seconds = missing         !! median
     real(dp) :: lower = missing, upper = missing        !! quartiles, s
@@ -38,12 +38,13 @@ module bw_price_list
 
   type, extends(study_values), public :: price_list
     type(rung_type), allocatable :: rungs(:)   !! ladder by ladder, from coarse to fine
+    logical :: bounds_all = .false.            !! errors are of all histories, each over its own peak; else of the displacement
     real(dp) :: peak = 0.0_dp                  !! largest displacement of the converged run, m
     real(dp) :: converged_tolerance = missing  !! that the converged run keeps
     integer :: converged_count = 0             !! modes of the converged run
     real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
-    real(dp) :: model_errors(size(absent_words)) = 0.0_dp
-      !! what each effect that the scene leaves out would change, over the peak; estimates
+    real(dp) :: model_errors(size(absent_words)) = missing
+      !! what each effect that the scene leaves out would change, over the peak; estimates, missing if `bounds_all`
     real(dp) :: reachable = missing            !! the smallest tolerance in reach; missing: all that were tried
   contains
     procedure :: put => put_prices
@@ -74,7 +75,7 @@ contains
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: model_error       !! the largest of the list's
     beyond_model = .false.
-    if (.not. is_missing(rung%error)) beyond_model = rung%error < model_error
+    if (.not. (is_missing(rung%error) .or. is_missing(model_error))) beyond_model = rung%error < model_error
   end function beyond_model
 
   pure integer function next_rung(rungs, i)
@@ -172,7 +173,7 @@ contains
     class(price_list), intent(in) :: list
     associate (rungs => list%rungs)
       call file%put_numbers('true_error', 'rung', '1', &
-                            'largest difference of the displacement from the converged run, over the peak', rungs%error)
+                            'largest difference from the converged run of '//what_is_bounded(list)//', over its peak', rungs%error)
       call file%put_numbers('estimated_error', 'rung', '1', 'the run''s own estimate of that error', rungs%estimate)
       call file%put_numbers('error_ratio', 'rung', '1', 'estimated over true error', &
                             ratio(rungs%estimate, rungs%error))
@@ -224,6 +225,14 @@ contains
     call file%put_numbers('reachable_tolerance', '', '1', 'smallest tolerance in reach, where one that was tried is not', &
                           [list%reachable])
   end subroutine put_converged
+
+  pure function what_is_bounded(list) result(words)
+    !! By a tolerance, and measured.
+    class(price_list), intent(in) :: list
+    character(:), allocatable :: words
+    words = 'the displacement'
+    if (list%bounds_all) words = 'each history'
+  end function what_is_bounded
 
   elemental real(dp) function ratio(estimate, error)
     !! The estimated error over the true one; missing where one of them is missing, or the true one is zero.

@@ -5,7 +5,8 @@ module bw_price_report
   use bw_columns, only: right, short, table_of, text_table
   use bw_missing, only: is_missing
   use bw_price_list, only: beyond_model, by_counts, by_tolerances, digit_noise, method_words, price_digits, &
-    price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
+    price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, what_is_bounded, &
+    & work_slope
   use bw_stopwatch, only: processor_name
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -35,11 +36,18 @@ contains
     !! Say what the errors are measured against.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
-    call lines%append_line('  Errors are the largest of the displacement over its peak, '//shortest(list%peak, 4)//' m, against a')
+    call lines%append_line('  Errors are the largest of '//what_is_bounded(list)//' over its peak'//peak_text()//', against a')
     call lines%append_line('  converged run of '//text_of(list%converged_count)//' modes, tolerance '// &
                            shortest(list%converged_tolerance, 2)//', whose own error is estimated at '// &
                            short(list%converged_error)//';')
     call lines%append_line('  what is below that stands as <')
+  contains
+    function peak_text() result(text)
+      !! Of the displacement.
+      character(:), allocatable :: text
+      text = ', '//shortest(list%peak, 4)//' m'
+      if (list%bounds_all) text = ' (displacement:'//text(2:)//')'
+    end function peak_text
   end subroutine report_converged
 
   subroutine report_model(list, lines)
@@ -48,7 +56,7 @@ contains
     type(text_builder), intent(inout) :: lines
     integer :: largest, i
     largest = maxloc(list%model_errors, dim=1)
-    if (list%model_errors(largest) == 0.0_dp) return
+    if (is_missing(list%model_errors(largest)) .or. list%model_errors(largest) == 0.0_dp) return
     call lines%append_line('')
     call lines%append_line('  The model: '//trim(absent_words(largest))//', which the scene leaves out, would change the '// &
                            'displacement by about '//shortest(list%model_errors(largest), 2))
