@@ -1,12 +1,13 @@
 module bw_case_frequency
   !! The frequency response of a case. Undamped and with Rayleigh's damping it follows from the boundary problem, without modes
-  !! (bw_forced_beam). With a ratio that all modes share, with tension and with a taper there are modes alone:
+  !! (bw_forced_beam). With a ratio that all modes share, with tension, with a taper and on a hub that is free there are modes alone:
   !!
   !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ),
   !!
   !! r being what the n modes lack of the boundary problem's answer for uniform pieces without tension, damped as the n-th. It has no
   !! poles near Ω, so that it is the mean of its values above and below the axis, where neither part of it has any. What r takes
-  !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much.
+  !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much. On a hub that is free Φ_k(ξ_f) is
+  !! the whole motion of the place in the frame, which the force works on, Φ_k(ξ) that from the hub's line, and r is left out.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, extend_source, find_sources
@@ -174,8 +175,12 @@ contains
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      call sum_terms(own, plain, n, omega(j), forced, answer%value(j, :))
-      call sum_terms(own, plain, n/2, omega(j), forced, half)
+      answer%value(j, :) = sum_of(own, n, cmplx(omega(j)**2, 0.0_dp, dp), omega(j))
+      half = sum_of(own, n/2, cmplx(omega(j)**2, 0.0_dp, dp), omega(j))
+      if (.not. allocated(scene%hub)) then
+        answer%value(j, :) = answer%value(j, :) + rest_of(own, plain, n, omega(j), forced, size(half))
+        half = half + rest_of(own, plain, n/2, omega(j), forced, size(half))
+      end if
       answer%value(j, :) = factor(j)*answer%value(j, :)
       answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half))
     end do
@@ -215,9 +220,9 @@ contains
     !! Of the modes of a set.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: set
-    real(dp) :: forced(set%count, 1)
+    real(dp) :: forced(set%count, 2)
     integer :: p
-    forced = set%shapes([scene%frequency_response%position])
+    forced = set%motion_at(scene%frequency_response%position)
     terms%weight = set%shapes(scene%frequency_response%points)
     do p = 1, size(terms%weight, 2)
       terms%weight(:, p) = terms%weight(:, p)*forced(:, 1)/set%modal_mass(:set%count)
@@ -227,24 +232,33 @@ contains
     if (allocated(set%damping)) terms%damping = set%damping(:set%count)
   end function terms_of
 
-  subroutine sum_terms(own, plain, n, omega, forced, value)
-    !! H of the first n modes.
-    type(modal_terms), intent(in) :: own, plain      !! as the beam is, and as the boundary problem has it
+  pure function sum_of(terms, n, square, omega) result(value)
+    !! Of the first n modes, (points).
+    type(modal_terms), intent(in) :: terms
     integer, intent(in) :: n
+    complex(dp), intent(in) :: square                !! Ω², or beside it
+    real(dp), intent(in) :: omega                    !! Ω of the damping; 0: there is none
+    complex(dp) :: value(size(terms%weight, 2))
+    value = matmul(1.0_dp/(terms%square(:n) - square + cmplx(0.0_dp, terms%damping(:n)*omega, dp)), terms%weight(:n, :))
+  end function sum_of
+
+  function rest_of(own, plain, n, omega, forced, points) result(rest)
+    !! r, what the first n modes lack, (points).
+    type(modal_terms), intent(in) :: own, plain      !! as the beam is, and as the boundary problem has it
+    integer, intent(in) :: n, points
     real(dp), intent(in) :: omega
     type(forced_beam), intent(inout) :: forced
-    complex(dp), intent(out) :: value(:)             !! (points)
-    complex(dp) :: square(2), rest(size(value))
+    complex(dp) :: rest(points), square(2), whole(points)
     real(dp) :: damped
     integer :: i
     damped = own%damping(n)*omega
     square = cmplx(omega**2, [off_axis*omega**2, -2.0_dp*damped - off_axis*omega**2], dp)
-    value = matmul(1.0_dp/cmplx(own%square(:n) - omega**2, own%damping(:n)*omega, dp), own%weight(:n, :))
+    rest = 0.0_dp
     do i = 1, 2
-      call forced%respond(square(i), (0.0_dp, 0.0_dp), rest)
-      value = value + 0.5_dp*(rest - matmul(1.0_dp/(plain%square(:n) - square(i)), plain%weight(:n, :)))
+      call forced%respond(square(i), (0.0_dp, 0.0_dp), whole)
+      rest = rest + 0.5_dp*(whole - sum_of(plain, n, square(i), 0.0_dp))
     end do
-  end subroutine sum_terms
+  end function rest_of
 
   pure function factors_of(quantity, omega, flexibility) result(factor)
     !! What makes SI units of displacements in l over forces in EI/l², (frequencies).

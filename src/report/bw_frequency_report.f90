@@ -17,8 +17,9 @@ module bw_frequency_report
     !! Where an answer is largest or smallest.
     logical :: is_resonance = .false., is_antiresonance = .false.
     real(dp) :: frequency = missing                  !! Hz
-    real(dp) :: amplitude = missing                  !! of a resonance; missing where the parabola reaches 0
+    real(dp) :: amplitude = missing                  !! of a resonance; missing where it is narrower than the step
     real(dp) :: ratio = missing                      !! of its damping, by its half-power width
+    integer :: digits = 7                            !! of the frequency, that the parabola leaves: its error is of second order in the step
   end type extreme_type
 
 contains
@@ -61,16 +62,17 @@ contains
     subroutine put(xi, extreme)
       real(dp), intent(in) :: xi
       type(extreme_type), intent(in) :: extreme
+      character(:), allocatable :: at
       if (.not. (extreme%is_resonance .or. extreme%is_antiresonance)) return
       count = count + 1
       if (count > shown) return
+      at = shortest(extreme%frequency, extreme%digits)
       if (extreme%is_resonance .and. .not. damped) then
-        call table%put_row(lines, fixed(xi)//'|'//fixed(extreme%frequency)//'|-|-')
+        call table%put_row(lines, fixed(xi)//'|'//at//'|-|-')
       else if (extreme%is_resonance) then
-        call table%put_row(lines, fixed(xi)//'|'//fixed(extreme%frequency)//'|'//fixed(extreme%amplitude)//'|'// &
-                           fixed(extreme%ratio))
+        call table%put_row(lines, fixed(xi)//'|'//at//'|'//fixed(extreme%amplitude)//'|'//fixed(extreme%ratio))
       else
-        call table%put_row(lines, fixed(xi)//'||||'//fixed(extreme%frequency))
+        call table%put_row(lines, fixed(xi)//'||||'//at)
       end if
     end subroutine put
   end subroutine report_answer
@@ -106,7 +108,7 @@ contains
     complex(dp), intent(in) :: value(3)
     integer, intent(in) :: order                     !! n: the quantity's derivative of the displacement
     complex(dp) :: h(3)
-    real(dp) :: square(3), power(3), at, least, bend
+    real(dp) :: square(3), power(3), at, least, bend, step
     h = value/(cmplx(0.0_dp, frequency, dp))**order
     square = frequency**2
     power = h%re**2 + h%im**2
@@ -119,7 +121,9 @@ contains
     if (.not. (extreme%is_resonance .or. extreme%is_antiresonance)) return
     call find_least(square, power, at, least, bend)
     extreme%frequency = sqrt(at)
-    if (least <= 0.0_dp .or. extreme%is_antiresonance) return
+    step = 0.5_dp*(square(3) - square(1))
+    extreme%digits = min(7, 1 + max(0, floor(-2.0_dp*log10(0.5_dp*step/at))))
+    if (extreme%is_antiresonance .or. least < bend*(0.5_dp*step)**2) return
     extreme%amplitude = extreme%frequency**order/sqrt(least)
     extreme%ratio = 0.5_dp*sqrt(least/bend)/at
   end function extreme_at

@@ -412,10 +412,10 @@ contains
   end function varies_along_pieces
 
   pure logical function answers_by_modes(scene) result(by_modes)
-    !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, with a taper, and
-    !! with a ratio of damping that all modes share.
+    !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, with a taper, on a hub
+    !! that is free, and with a ratio of damping that all modes share.
     type(scene_type), intent(in) :: scene
-    by_modes = varies_along_pieces(scene)
+    by_modes = varies_along_pieces(scene) .or. allocated(scene%hub)
     if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
   end function answers_by_modes
 

@@ -169,6 +169,50 @@ def test_the_report_tells_resonances_their_damping_and_what_cancels(here):
     np.testing.assert_allclose(quiet, np.array(pinned) ** 2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi, rtol=2e-3)
 
 
+@pytest.mark.parametrize(("ratio", "spacing", "count"), [(1e-3, "linear", 50), (0.05, "log", 20), (1e-6, "log", 2000)])
+def test_a_spacing_that_hides_a_width_gives_no_damping_and_few_digits(here, ratio, spacing, count):
+    here.scene("a", scene({"first": 1.0, "last": 1000.0, "count": count, "spacing": spacing}, damping={"ratio": ratio}))
+    table = here.beamwave("run", "a.nml").stdout.split("response to a harmonic force")[1].split("\n\n")[0]
+    rows = [row for row in (line.split() for line in table.splitlines()[3:]) if len(row) == 4]
+    assert rows and all(row[2:] == ["-", "-"] for row in rows)
+    modes = frequencies_of_cantilever(8) / 2 / np.pi
+    for row in rows:
+        digits = len(row[1].replace(".", "").strip("0"))
+        assert np.abs(modes / float(row[1]) - 1).min() < 3 * 10.0 ** (1 - digits)
+
+
+def on_a_hub(frequency, position, points, inertia, radius):
+    """Deflections from the line of a hub that a force turns with the beam: waves on both sides of the force, and the hub's balance of moments."""
+    omega, a = 2 * np.pi * frequency, position
+    k = (omega**2 * MASS / STIFFNESS) ** 0.25
+
+    def derivatives(x):
+        c, s, ch, sh = np.cos(k * x), np.sin(k * x), np.cosh(k * x), np.sinh(k * x)
+        return np.array([[c, s, ch, sh], k * np.array([-s, c, sh, ch]), k**2 * np.array([-c, -s, ch, sh]), k**3 * np.array([s, -c, sh, ch])])
+
+    equations, right = np.zeros((8, 8)), np.zeros(8)
+    root, forced, tip = derivatives(0.0), derivatives(a), derivatives(1.0)
+    equations[0, :4] = root[0] - radius * root[1]
+    equations[1, :4] = -inertia * omega**2 * root[1] + STIFFNESS * (radius * root[3] - root[2])
+    equations[2:6, :4], equations[2:6, 4:] = forced, -forced
+    equations[6:, 4:] = tip[2:]
+    right[5] = -1.0 / STIFFNESS
+    scale = np.abs(equations).max(axis=1)
+    waves = np.linalg.solve(equations / scale[:, None], right / scale)
+    turn = root[1] @ waves[:4]
+    return [derivatives(x)[0] @ (waves[:4] if x <= a else waves[4:]) - turn * (radius + x) for x in points]
+
+
+def test_a_force_turns_a_free_hub_too(here):
+    asked = {"first": 2.0, "last": 300.0, "count": 40, "position": 0.7, "points": [0.4, 1.0]}
+    here.scene("a", scene(asked, hub={"rotary_inertia": 0.5, "radius": 0.1}))
+    result = here.run("a")
+    expected = np.array([on_a_hub(f, 0.7, asked["points"], 0.5, 0.1) for f in result["response_frequency"]]).T
+    error = result["frequency_response_error"]
+    assert (error <= 1e-6 * np.abs(expected).max(axis=1)).all()
+    assert (np.abs(answer(result) - expected) <= error[:, None] + 1e-7 * np.abs(expected)).all()
+
+
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
