@@ -351,7 +351,7 @@ contains
 
   pure function remedy(scene, quantity) result(words)
     !! What would lessen the error of a history. A velocity and a bending moment inside the beam fall with the square root of the
-    !! number of modes (docs/method.md), unless the modes are damped.
+    !! number of modes (docs/method/errors.md), unless the modes are damped.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: quantity
     character(:), allocatable :: words

@@ -119,7 +119,8 @@ def test_a_full_disk_ends_all_with_3_before_any_work(processes):
 
 def test_a_disk_that_others_fill_meanwhile_has_kept_the_room(processes, alone):
     here = processes(2)
-    here.scene("a", SCENE, LONG)
+    quiet = captured_beam(modes={"before": 12, "after": 12}, response={"duration": 0.05, "samples": 1024})
+    here.scene("a", quiet, LONG)  # notes of cases have no room of their own
     script = """mkdir disk && mount -t tmpfs -o size=400M none disk
     (until test -s disk/a.partial/draft.nc; do sleep 0.01; done; cat /dev/zero > disk/full 2> /dev/null) &
     beamwave run a.nml --output disk; status=$?
