@@ -32,12 +32,26 @@ def says(number, digits, words):
     assert words.format(f"{number:.{digits}f}") in TEXT, words.format(f"{number:.{digits}f}")
 
 
+def is_printed(line, other):
+    """Whether a line of a report is the same but for errors that are rounding, which compilers share out differently."""
+    one, two = line.split(), other.split()
+    return len(line) == len(other) and len(one) == len(two) and all(a == b or is_rounding(a, b) for a, b in zip(one, two))
+
+
+def is_rounding(one, two):
+    try:
+        small, large = sorted(abs(float(word)) for word in (one, two))
+    except ValueError:
+        return False
+    return large < 1e-6 and large < 2 * small
+
+
 def test_what_it_shows_of_reports_is_printed(reports):
     document = (PROJECT / "docs/tutorial.md").read_text(encoding="utf-8")
     known = {line for report in reports[0].values() for line in report.splitlines()}
     shown = [line for block in re.findall(r"```text\n(.*?)```", document, re.DOTALL) for line in block.splitlines()]
     assert len(shown) > 15
-    assert [line for line in shown if line not in known] == []
+    assert [line for line in shown if not any(is_printed(line, other) for other in known)] == []
 
 
 def test_its_scenes_are_those_of_input(reports):
