@@ -177,7 +177,7 @@ def test_a_spacing_that_hides_a_width_gives_no_damping_and_few_digits(here, rati
     assert rows and all(row[2:] == ["-", "-"] for row in rows)
     modes = frequencies_of_cantilever(8) / 2 / np.pi
     for row in rows:
-        digits = len(row[1].replace(".", "").strip("0"))
+        digits = len(row[1].replace(".", "").strip("0"))  # of which neighbouring modes, left out of the parabola, move the last by some units
         assert np.abs(modes / float(row[1]) - 1).min() < 3 * 10.0 ** (1 - digits)
 
 
