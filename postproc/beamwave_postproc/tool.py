@@ -6,6 +6,7 @@ Whatever a file does to the library that reads it becomes one line with the file
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import os
 import select
@@ -37,6 +38,7 @@ PATIENCE = 4  # times that by the clock, on a busy machine or where a read block
 MEGABYTES, TIMES_SIZE = 650, 50  # beyond what Python itself holds; a file may hold its arrays compressed
 STACK = 16  # MB of each thread that a library keeps for a processor
 WORKERS = 4  # processes at most that share the work on a file
+GARBAGE = 500_000  # objects made before unreachable ones among them are looked for: a picture makes about 100 000
 TOO_LONG = "given up: it takes far longer than a file of this size should"
 
 
@@ -224,6 +226,8 @@ class Tool(Streams):
         self._channel = channel
         status = EXIT_FILE
         try:
+            gc.freeze()  # the libraries stay
+            gc.set_threshold(GARBAGE)
             os.setpgid(0, 0)  # with its helpers, so that all can be ended
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_DFL)

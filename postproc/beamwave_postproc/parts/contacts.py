@@ -33,8 +33,8 @@ def contacts_of(case: xr.Dataset) -> list[Contact]:
     count = case.sizes["contact_sample"]
     parts = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
     found = []
-    for event in range(case.sizes["event"]):
-        force, begin, until = (case[name].values[event] for name in ("contact_force", "event_time", "event_end"))
+    events = zip(*(case[name].values for name in ("contact_force", "event_time", "event_end")))
+    for event, (force, begin, until) in enumerate(events):
         until = until if np.isfinite(until) else end
         if np.isfinite(force).all() and begin < until:
             found.append(Contact(event + 1, begin + (until - begin) * parts, force))

@@ -114,7 +114,8 @@ def _group(ds: xr.Dataset, group: Group, hidden: set[str], only_given: bool, lab
     told, words = [], []
     for name in dict.fromkeys([*group.inputs, *variables]):
         values = group.inputs.get(name, [])
-        variable = None if values and isinstance(values[0], str) else ds.get(before + name)
+        numeric = before + name in ds.variables and not (values and isinstance(values[0], str))
+        variable = ds[before + name] if numeric else None
         if variable is not None and {"unknown", "event"} & set(variable.dims):  # of all groups together, or found
             variable = None
         if name in WORDS and values and values[0] in WORDS[name]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable
+from typing import Callable
 
 import numpy as np
 import xarray as xr
@@ -10,9 +10,7 @@ import xarray as xr
 from ..result import NothingToDraw
 from .describe import effects_of
 
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
-
+Line = Callable[[np.ndarray], np.ndarray]  # place → value, times
 FEW_POINTS = 9  # a line through fewer has not the beam's form
 SAME_PLACE = 1e-9  # positions are typed as decimals
 FORCES = ("bending_moment", "shear_force")  # in the beam, also at a root that rests
@@ -42,26 +40,61 @@ def places_of_line(case: xr.Dataset, xi: np.ndarray, count: int) -> np.ndarray:
     return np.linspace(0.0 if is_clamped(case) else xi[0], xi[-1], count)
 
 
-def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> CubicSpline:
-    """Line of the beam (place → deflection, times) through `deflection` (times, points) at `xi`, ascending.
+def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> Line:
+    """Line of the beam through `deflection` (times, points) at `xi`, ascending.
 
     The cubic spline through the points, without curvature at a last one that is a free tip. A clamped root
     is one of its points, with no slope; on an elastic support the line starts at the first point.
     """
-    from scipy.interpolate import CubicSpline  # here, since few pictures need it and it takes 0.7 s to import
-
-    none = np.zeros(len(deflection))
-    tip = "not-a-knot" if "tip_support" in effects_of(case) else (2, none)
+    bends = "tip_support" in effects_of(case)
     if is_clamped(case):
-        values = np.vstack((none, deflection.T))
-        return CubicSpline(np.concatenate(([0.0], xi)), values, bc_type=((1, none), tip))
+        root = np.zeros((1, len(deflection)))
+        return _spline(np.concatenate(([0.0], xi)), np.vstack((root, deflection.T)), "flat", "smooth" if bends else "straight")
     if xi.size < 2:
         raise NothingToDraw("on an elastic support one point makes no line")
-    return CubicSpline(xi, deflection.T, bc_type=("not-a-knot" if xi.size > 2 else (2, none), (2, none)))
+    return _spline(xi, deflection.T, "smooth" if xi.size > 2 else "straight", "straight")
 
 
-def force_line(xi: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Line (place → value, times) straight between `values` (times, points) at `xi`: moments have kinks, and forces steps."""
+def _spline(x: np.ndarray, y: np.ndarray, first: str, last: str) -> Line:
+    """The cubic spline through `y` (points, times) at `x`; its ends are 'flat', 'straight' (no curvature), or 'smooth' (not a knot).
+
+    By hand, since the import of SciPy's interpolation takes as long as two pictures.
+    """
+    step = np.diff(x)
+    slope = np.diff(y, axis=0) / step[:, None]
+    system, right = np.zeros((x.size, x.size)), np.zeros_like(y, dtype=float)
+    for i in range(1, x.size - 1):
+        system[i, i - 1 : i + 2] = step[i], 2.0 * (step[i - 1] + step[i]), step[i - 1]
+        right[i] = 3.0 * (step[i] * slope[i - 1] + step[i - 1] * slope[i])
+    system[0, :2], right[0] = _end(step, slope, first)
+    system[-1, :-3:-1], right[-1] = _end(step[::-1], slope[::-1], last)
+    tangent = np.linalg.solve(system, right)
+
+    def line(places: np.ndarray) -> np.ndarray:
+        left = np.clip(np.searchsorted(x, places, side="right") - 1, 0, x.size - 2)
+        whole = step[left, None]
+        part = (places - x[left])[:, None] / whole
+        rest = 1.0 - part
+        bend = whole * part * rest * (rest * (tangent[left] - slope[left]) - part * (tangent[left + 1] - slope[left]))
+        return rest * y[left] + part * y[left + 1] + bend
+
+    return line
+
+
+def _end(step: np.ndarray, slope: np.ndarray, kind: str) -> tuple[tuple[float, float], np.ndarray]:
+    """What the condition at an end asks of the tangents at its first two points: their factors, and the sum."""
+    if kind == "flat":
+        return (1.0, 0.0), 0.0 * slope[0]
+    if kind == "straight":
+        return (2.0, 1.0), 3.0 * slope[0]
+    if step.size == 1:
+        return (1.0, 0.0), slope[0]
+    two = step[0] + step[1]
+    return (step[1], two), ((step[0] + 2.0 * two) * step[1] * slope[0] + step[0] ** 2 * slope[1]) / two
+
+
+def force_line(xi: np.ndarray, values: np.ndarray) -> Line:
+    """Line straight between `values` (times, points) at `xi`: moments have kinks, and forces steps."""
 
     def line(places: np.ndarray) -> np.ndarray:
         left = np.clip(np.searchsorted(xi, places, side="right") - 1, 0, xi.size - 2)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.interpolate import CubicSpline
 
 from beamwave_postproc import NothingToDraw
 from beamwave_postproc.parts.line import beam_line, moving_points, places_of_line, whole_line
@@ -27,7 +28,20 @@ def test_a_clamped_root_is_a_point_of_the_line_and_an_elastic_one_only_if_the_re
     assert moving_points(free).tolist() == [0, 1, 2]
     assert places_of_line(result(XI), XI, 5)[0] == 0.0 and places_of_line(free, XI, 5)[0] == 0.2
     straight = beam_line(free, np.array([0.0, 0.5, 1.0]), np.array([[1.0, 2.0, 3.0]]))
-    assert straight(0.25)[0] == pytest.approx(1.5)
+    assert straight(np.array([0.25]))[0, 0] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("effects", "first", "last"),
+    [("impact", (1, 0.0), (2, 0.0)), ("tip_support", (1, 0.0), "not-a-knot"), ("support", "not-a-knot", (2, 0.0))],
+)
+def test_the_line_is_the_spline_of_scipy(effects, first, last):
+    places, xi = np.linspace(0.2, 1.0, 37), np.array([0.2, 0.35, 0.4, 0.8, 1.0])
+    values = np.cos(np.outer([1.0, 5.0, 9.0], xi))
+    x, y = (xi, values.T) if effects == "support" else (np.append(0.0, xi), np.vstack((np.zeros(3), values.T)))
+    ends = [end if isinstance(end, str) else (end[0], np.zeros(3)) for end in (first, last)]
+    drawn = beam_line(result(xi, effects), xi, values)(places)
+    np.testing.assert_allclose(drawn, CubicSpline(x, y, bc_type=tuple(ends))(places), atol=100.0 * ROUNDING)
 
 
 def test_points_count_once_each_place_and_by_their_place():
