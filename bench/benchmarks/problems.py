@@ -90,7 +90,7 @@ def rotating() -> Problem:
     return Problem(
         "Rotating cantilever, out of plane",
         "Frequencies in √(EI/ρAl⁴) of a uniform cantilever with centrifugal tension and no hub radius. Published by A. D. Wright, C. E. Smith,\n"
-        "R. W. Thresher and J. L. C. Wang, *J. Appl. Mech.* 49 (1982) 197–202, and D. H. Hodges and M. J. Rutkowski, *AIAA J.* 19 (1981) 1459–1466.",
+        "R. W. Thresher and J. L. C. Wang, *J. Appl. Mech.* 49 (1982) 197–202, and by D. H. Hodges and M. J. Rutkowski (1981).",
         ["rotating"], rows)
 
 
