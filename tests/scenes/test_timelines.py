@@ -133,6 +133,19 @@ def test_a_joint_that_locks_keeps_energy_and_momentum(here):
     np.testing.assert_allclose(result["configuration_start"], [0, 0.02], rtol=1e-15)
 
 
+def test_a_robot_arm_catches_a_payload_locks_its_joint_and_lets_go(here):
+    result = results.read(lockable(here, "robot_arm"))
+    assert result["event_kind"].tolist() == [5, 5, 6]
+    np.testing.assert_allclose(result["momentum_after"], result["momentum_before"], rtol=1e-11)
+    np.testing.assert_allclose(result["energy_before"][0], MASS / 6 + 0.2 * MASS * 0.5**2 / 2, rtol=1e-8)  # of the turn, and of what comes
+    time, tip = result["time"], result["displacement"][-1]
+    np.testing.assert_allclose(tip[time < 0.02], time[time < 0.02], rtol=0, atol=1e-13)
+    first = result["configuration_angular_frequency"][:, 0]
+    assert first[0] == first[1] == 0  # the arm turns freely
+    for configuration, alpha in ((2, 1.61639966), (3, 1.87510407)):  # clamped, with the mass and without: nearly, as above
+        assert 0.99 < first[configuration] / (H * alpha**2) < 1
+
+
 def lockable(here, name):
     """The result of a scene of input/effects."""
     ended = here.beamwave("run", str(PROJECT / f"input/effects/{name}.nml"), "--quiet")

@@ -117,9 +117,10 @@ def _key(shown: Motion) -> list[Line2D]:
         key.append(Line2D([], [], linestyle="", marker="o", color=MASS, markersize=9, label="mass that strikes"))
     if not shown.clamped:
         key.append(Line2D([], [], linestyle="", **JOINT, label="joint"))
-    if shown.bodies.size:
-        words = "body, or spring that locks the joint" if not shown.clamped and 0.0 in shown.bodies else "body"
-        key.append(Line2D([], [], linestyle="", marker="s", color=BODIES, markersize=8, label=f"{words}, while it is there"))
+    if shown.carried.locked.any():
+        key.append(Line2D([], [], linestyle="", **{**JOINT, "markerfacecolor": BODIES}, label="locked joint"))
+    if shown.carried.place.size:
+        key.append(Line2D([], [], linestyle="", marker="s", color=BODIES, markersize=8, label="body"))
     return key
 
 
@@ -144,7 +145,8 @@ class _BeamView:
         (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=11, clip_on=False)
         (self.flash,) = axes.plot([], [], "o", color=FLASHES, markerfacecolor="none")
         self.words = axes.text(0.08, 0.96, "", transform=axes.transAxes, va="top", color="0.3")
-        self.moving = [self.line, self.dots, self.joint, self.bodies, self.mass, self.flash, self.words]
+        self.mode = axes.text(0.98, 0.04, "", transform=axes.transAxes, ha="right", color="0.3")
+        self.moving = [self.line, self.dots, self.joint, self.bodies, self.mass, self.flash, self.words, self.mode]
 
     def set_limit(self, limit: float) -> None:
         """Let the picture reach from -`limit` to `limit` (m), in the unit that suits."""
@@ -157,8 +159,10 @@ class _BeamView:
         shown = self.shown
         self.line.set_data(shown.place, shown.line[frame] * self.factor)
         self.dots.set_data(shown.points, shown.deflection[frame] * self.factor)
-        bodies = shown.bodies[shown.there[frame]]
-        self.bodies.set_data(bodies, _on_line(shown, frame, bodies) * self.factor)
+        bodies, deflection = _bodies_of(shown, frame)
+        self.bodies.set_data(bodies, deflection * self.factor)
+        self.joint.set_markerfacecolor(BODIES if shown.carried.locked[frame] else "white")
+        self.mode.set_text(shown.first_mode[frame])
         if shown.mass is not None:
             self._place_mass(frame, limit)
         self._place_events(frame)
@@ -175,13 +179,13 @@ class _BeamView:
         self.mass.set_data([self.shown.struck], [np.clip(place, -EDGE * limit, EDGE * limit) * self.factor])
 
     def _place_events(self, frame: int) -> None:
-        """A ring that widens at the struck place, and the names of the latest events."""
+        """Rings that widen where the latest events are, and their names."""
         ages = [age for age in range(min(WORDS, frame + 1)) if self.shown.events[frame - age]]
         self.words.set_text(_names(self.shown, frame - ages[0]) if ages else "")
         flashing = bool(ages) and ages[0] < FLASH
         self.flash.set_visible(flashing)
         if flashing:
-            there = np.array([self.shown.struck])
+            there = self.shown.flashes[frame - ages[0]]
             self.flash.set_data(there, _on_line(self.shown, frame, there) * self.factor)
             self.flash.set(markersize=14 + 7 * ages[0], markeredgewidth=3.0 * (1.0 - ages[0] / FLASH))
 
@@ -210,8 +214,8 @@ class _HubView:
         shown, angle = self.shown, self.shown.angle[frame]
         scale = 0.0 if shown.out_of_plane else scale
         self.line.set_data(*_turned(angle, shown.place, scale * shown.line[frame]))
-        bodies = shown.bodies[shown.there[frame]]
-        self.bodies.set_data(*_turned(angle, bodies, scale * _on_line(shown, frame, bodies)))
+        bodies, deflection = _bodies_of(shown, frame)
+        self.bodies.set_data(*_turned(angle, bodies, scale * deflection))
         self.rest.set_data(*_turned(angle, np.array([0.0, shown.length]), np.zeros(2)))
         self.mark.set_data(*_turned(angle, np.array([-HUB, HUB]) * shown.length, np.zeros(2)))
         if shown.mass is not None:
@@ -221,6 +225,14 @@ class _HubView:
 def _on_line(shown: Motion, frame: int, places: np.ndarray) -> np.ndarray:
     """Deflection (m) of the beam's line at `places` (m)."""
     return np.interp(places, shown.place, shown.line[frame])
+
+
+def _bodies_of(shown: Motion, frame: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places and deflections (m) of the bodies in a frame, on the beam and on their way; those beyond the picture are left out."""
+    carried = shown.carried
+    on_beam, free = carried.place[carried.there[frame]], carried.free[frame]
+    seen = np.abs(free) < limits(shown)[frame]
+    return np.append(on_beam, carried.free_place[seen]), np.append(_on_line(shown, frame, on_beam), free[seen])
 
 
 def _palette(pixels: np.ndarray) -> Image.Image:

@@ -12,10 +12,10 @@ from ..parts.events import Event, events_of
 from ..parts.growth import grows, samples_held
 from ..parts.line import FEW_POINTS, SAME_PLACE, beam_line, is_clamped, moving_points, places_of_line
 from ..parts.passage import blow_at, length_of
-from ..parts.places import bodies_there, body_places
 from ..parts.points import error_warning
 from ..parts.select import one_case
 from ..result import require, require_numbers
+from .carried import Carried, carried_in, first_mode, named
 from .mass_path import Tip, mass_path
 from .moments import MOST_FRAMES, chosen_samples
 
@@ -35,14 +35,15 @@ class Motion:
     mass: np.ndarray | None  # deflection of the mass, m, (frames); None without one
     held: np.ndarray  # whether the beam holds it, (frames)
     events: list[list[Event]]  # that happen between the frame before and this one
+    flashes: list[np.ndarray]  # x of these, m
     length: float  # of the beam, m
     clamped: bool  # the root
     angle: np.ndarray | None  # of the hub, rad, (frames); None where it does not turn
     out_of_plane: bool
     grows: bool
     struck: float  # x of the blow, m
-    bodies: np.ndarray  # x of what is attached to the beam, m, (places)
-    there: np.ndarray  # whether it is, (frames, places)
+    carried: Carried  # by the beam
+    first_mode: list[str]  # its frequency in words, where it changes
     title: str  # of the scene
     scene: list[str]  # its file, effects and inputs, of a sweep those of the case
     warning: str  # of a motion that may be nothing but error
@@ -67,6 +68,7 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
     deflection = np.vstack((np.zeros((lead.size, xi.size)), history[chosen]))
     fine = places_of_line(case, xi, FINE)
     mass, held = _mass(case, order, time, moments)
+    events, flashes = _events_by_frame(case, moments)
     return Motion(
         time=moments,
         place=fine * length,
@@ -75,15 +77,16 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
         deflection=deflection,
         mass=mass,
         held=held,
-        events=_events_by_frame(case, moments),
+        events=events,
+        flashes=[length * places for places in flashes],
         length=length,
         clamped=is_clamped(case),
         angle=_angle(case, moments),
         out_of_plane=turns_out_of_plane(case),
         grows=grows(case),
         struck=blow_at(case) * length,
-        bodies=body_places(case) * length,
-        there=bodies_there(case, moments),
+        carried=carried_in(case, moments, length),
+        first_mode=first_mode(case, moments),
         title=title_of(ds),
         scene=brief_of(case),
         warning=error_warning([case], "displacement"),
@@ -92,10 +95,9 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
 
 
 def _period(case: xr.Dataset) -> float:
-    """Period (s) of the slowest mode that oscillates; NaN where that is not known."""
-    if "angular_frequency" not in case:
-        return float("nan")
-    frequency = case["angular_frequency"].values
+    """Period (s) of the slowest mode that oscillates, in any configuration; NaN where that is not known."""
+    names = [name for name in ("angular_frequency", "configuration_angular_frequency") if name in case]
+    frequency = np.concatenate([np.empty(0), *(case[name].values.ravel() for name in names)])
     frequency = frequency[np.isfinite(frequency) & (frequency > 0.0)]
     return float(2.0 * np.pi / frequency.min()) if frequency.size else float("nan")
 
@@ -123,16 +125,19 @@ def _is_struck(ds: xr.Dataset) -> bool:
     return any(name in ds for name in ("impact_mass", "impact_mass_ratio"))
 
 
-def _events_by_frame(case: xr.Dataset, moments: np.ndarray) -> list[list[Event]]:
-    """Each event at the first frame that is not before it; those that fall into a gap between parts are not shown."""
+def _events_by_frame(case: xr.Dataset, moments: np.ndarray) -> tuple[list[list[Event]], list[np.ndarray]]:
+    """Each event at the first frame that is not before it, and the places ξ of all; those that fall into a gap between parts are not shown."""
     shown: list[list[Event]] = [[] for _ in moments]
+    places: list[list[float]] = [[] for _ in moments]
     steps = np.diff(moments, prepend=moments[0])
     usual = np.median(steps[1:]) if moments.size > 1 else 0.0
     for event in events_of(case):
         frame = int(np.searchsorted(moments, event.time))
         if frame < moments.size and moments[frame] - event.time <= 1.5 * usual:
-            shown[frame].append(event)
-    return shown
+            told, own = named(case, event)
+            shown[frame].append(told)
+            places[frame] += [blow_at(case)] if own is None else own
+    return shown, [np.unique(there) for there in places]
 
 
 def _angle(case: xr.Dataset, moments: np.ndarray) -> np.ndarray | None:

@@ -19,14 +19,14 @@ FORCES = ("bending_moment", "shear_force")  # in the beam, also at a root that r
 def moving_points(case: xr.Dataset) -> np.ndarray:
     """Indices of the points that can move, by their place, each place once; raises `NothingToDraw` without one.
 
-    The root is one of them on an elastic support only.
+    The root is one of them where it deflects.
     """
     positions = case["point_position"].values
     places, order = np.unique(np.round(positions / SAME_PLACE), return_index=True)
-    if is_clamped(case):
+    if root_rests(case):
         order = order[places > 0.5]
     if not order.size:
-        raise NothingToDraw("the only point is the clamped root")
+        raise NothingToDraw("the only point is the root, which is held")
     return order
 
 
@@ -35,24 +35,30 @@ def is_clamped(case: xr.Dataset) -> bool:
     return "support" not in effects_of(case)
 
 
+def root_rests(case: xr.Dataset) -> bool:
+    """Whether the root does not deflect: it is clamped, or only turns."""
+    return is_clamped(case) or "support_stiffness" not in case
+
+
 def places_of_line(case: xr.Dataset, xi: np.ndarray, count: int) -> np.ndarray:
     """`count` places ξ, even, from where the line of `beam_line` starts to the last of the points at `xi`."""
-    return np.linspace(0.0 if is_clamped(case) else xi[0], xi[-1], count)
+    return np.linspace(0.0 if root_rests(case) else xi[0], xi[-1], count)
 
 
 def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> Line:
     """Line of the beam through `deflection` (times, points) at `xi`, ascending.
 
-    The cubic spline through the points, without curvature at a last one that is a free tip. A clamped root
-    is one of its points, with no slope; on an elastic support the line starts at the first point.
+    The cubic spline through the points, without curvature at a last one that is a free tip. A root that does not deflect
+    is one of its points, with no slope where it is clamped; else the line starts at the first point.
     """
-    bends = "tip_support" in effects_of(case)
-    if is_clamped(case):
-        root = np.zeros((1, len(deflection)))
-        return _spline(np.concatenate(([0.0], xi)), np.vstack((root, deflection.T)), "flat", "smooth" if bends else "straight")
-    if xi.size < 2:
+    x, y = xi, deflection.T
+    if root_rests(case):
+        x, y = np.concatenate(([0.0], xi)), np.vstack((np.zeros((1, len(deflection))), y))
+    if x.size < 2:
         raise NothingToDraw("on an elastic support one point makes no line")
-    return _spline(xi, deflection.T, "smooth" if xi.size > 2 else "straight", "straight")
+    other = "smooth" if x.size > 2 else "straight"
+    tip = other if "tip_support" in effects_of(case) else "straight"
+    return _spline(x, y, "flat" if is_clamped(case) else other, tip)
 
 
 def _spline(x: np.ndarray, y: np.ndarray, first: str, last: str) -> Line:

@@ -167,7 +167,7 @@ def test_what_cannot_be_filmed_is_said(tmp_path, capsys):
     assert cli.main([str(modes), "--animate"]) == 3
     assert "holds no displacement" in capsys.readouterr().err
     assert not list(tmp_path.glob("*.gif"))
-    with open_result(struck(tmp_path / "root.nc", [0.0])) as ds, pytest.raises(NothingToDraw, match="clamped root"):
+    with open_result(struck(tmp_path / "root.nc", [0.0])) as ds, pytest.raises(NothingToDraw, match="root, which is held"):
         motion(ds)
 
 
@@ -245,6 +245,7 @@ def test_the_key_names_what_the_film_shows(film_result):
     with open_result(film_result) as ds:
         shown = motion(ds, frames=5)
     assert words(shown) == ["beam", "mass that strikes"]
-    jointed = replace(shown, mass=None, clamped=False, bodies=np.array([0.0]), there=np.ones((shown.time.size, 1), bool))
-    assert words(jointed) == ["beam", "joint", "body, or spring that locks the joint, while it is there"]
+    carried = replace(shown.carried, place=np.array([0.4]), there=np.ones((shown.time.size, 1), bool), locked=shown.time > 0.0)
+    jointed = replace(shown, mass=None, clamped=False, carried=carried)
+    assert words(jointed) == ["beam", "joint", "locked joint", "body"]
     assert Film(jointed).beam.joint.get_visible() and not Film(shown).beam.joint.get_visible()

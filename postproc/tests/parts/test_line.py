@@ -22,9 +22,20 @@ def test_the_line_is_that_of_a_cantilever_under_a_tip_force():
     np.testing.assert_allclose(drawn, 3.0 * xi**2 - xi**3, atol=ROUNDING)
 
 
+def elastic(points):
+    return result(points, "support impact").assign(support_stiffness=1e6)
+
+
+def test_a_hinged_root_rests_and_turns():
+    hinged, places = result([0.0, 0.5, 1.0], "support impact"), np.array([0.0, 0.25, 1.0])
+    assert moving_points(hinged).tolist() == [1, 2] and places_of_line(hinged, XI, 5)[0] == 0.0
+    turned = beam_line(hinged, np.array([0.5, 1.0]), np.array([[1.0, 2.0]]))
+    np.testing.assert_allclose(turned(places)[:, 0], 2.0 * places, atol=ROUNDING)
+
+
 def test_a_clamped_root_is_a_point_of_the_line_and_an_elastic_one_only_if_the_result_holds_it():
     assert moving_points(result([0.0, 0.5, 1.0])).tolist() == [1, 2]
-    free = result([0.0, 0.5, 1.0], "support impact")
+    free = elastic([0.0, 0.5, 1.0])
     assert moving_points(free).tolist() == [0, 1, 2]
     assert places_of_line(result(XI), XI, 5)[0] == 0.0 and places_of_line(free, XI, 5)[0] == 0.2
     straight = beam_line(free, np.array([0.0, 0.5, 1.0]), np.array([[1.0, 2.0, 3.0]]))
@@ -40,13 +51,13 @@ def test_the_line_is_the_spline_of_scipy(effects, first, last):
     values = np.cos(np.outer([1.0, 5.0, 9.0], xi))
     x, y = (xi, values.T) if effects == "support" else (np.append(0.0, xi), np.vstack((np.zeros(3), values.T)))
     ends = [end if isinstance(end, str) else (end[0], np.zeros(3)) for end in (first, last)]
-    drawn = beam_line(result(xi, effects), xi, values)(places)
+    drawn = beam_line(elastic(xi) if effects == "support" else result(xi, effects), xi, values)(places)
     np.testing.assert_allclose(drawn, CubicSpline(x, y, bc_type=tuple(ends))(places), atol=100.0 * ROUNDING)
 
 
 def test_points_count_once_each_place_and_by_their_place():
     assert moving_points(result([1.0, 0.5, 0.5 + 1e-12, 0.0])).tolist() == [1, 0]
-    with pytest.raises(NothingToDraw, match="clamped root"):
+    with pytest.raises(NothingToDraw, match="the root, which is held"):
         moving_points(result([0.0]))
 
 

@@ -72,7 +72,7 @@ def test_pictures_along_the_beam_mark_bodies_and_the_struck_place(laden, struck)
 
 def test_the_film_carries_bodies_on_the_beam(laden):
     shown = motion(laden, frames=12)
-    assert shown.bodies.tolist() == [0.4, 0.75] and shown.struck == pytest.approx(0.6)
+    assert shown.carried.place.tolist() == [0.4, 0.75] and shown.struck == pytest.approx(0.6)
     film = Film(shown)
     last = shown.time.size - 1
     film.image(last)
@@ -110,4 +110,4 @@ def test_a_beam_that_nothing_strikes_is_filmed_with_its_bodies(laden):
     kinds = laden["event_kind"].copy(data=[5, 6])
     alone = laden.drop_vars([name for name in laden if name.startswith("impact_")])
     shown = motion(alone.assign(event_kind=kinds, body_from=("body", [0.1, np.nan, 0.0])))
-    assert shown.mass is None and not shown.there[0, 1] and shown.there[-1].all()
+    assert shown.mass is None and not shown.carried.there[0, 1] and shown.carried.there[-1].all()
