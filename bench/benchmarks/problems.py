@@ -148,7 +148,7 @@ def deep_beam() -> Problem:
             Row("harmonic: steady, m", "13.45e-3", value("deep_beam_tone", late), 0.01)]
     return Problem(
         "A deep beam between pins",
-        "Test 5 of NAFEMS, *Selected Benchmarks for Forced Vibration* (1989): a beam of 2 m × 2 m × 10 m with shear, 2 % damping and 1 MN/m, as a\n"
+        "Test 5 of NAFEMS, *Selected Benchmarks for Forced Vibration* (R0016): a beam of 2 m × 2 m × 10 m with shear, 2 % damping and 1 MN/m, as a\n"
         "step and as a harmonic load at 42.65 Hz. A uniform load is an acceleration of the base.",
         ["deep_beam_step", "deep_beam_tone"], rows)
 
