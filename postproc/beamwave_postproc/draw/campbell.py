@@ -21,6 +21,7 @@ SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
 HELD = ("angular_frequency", "growth_rate", "mode_shape", CRITICAL)
 RPM = 60.0 / (2.0 * np.pi)  # from rad/s
 MAX_MODES, MAX_PANELS = 5, 4
+LEAST_SPEEDS = 3  # of a line
 FINE = 400  # places between the first and the last speed
 FEW_CASES = 40  # up to which each is marked
 ORDERS = (1, 2, 3, 4, 6, 8)  # multiples of the speed: 1P, 2P …
@@ -39,33 +40,33 @@ def campbell(
     Modes are followed through crossings. Where the first one grows the picture is shaded, from the critical speed on;
     the `orders`, multiples of the speed, are dotted lines, and diamonds mark where they meet a mode (`crossings` has the
     numbers). A rotor of three blades wants `orders=(1, 3, 6, 9)`. The axis of frequencies is logarithmic where modes
-    are far apart, unless it shall be `linear`. A second swept input makes panels.
+    are far apart, unless it shall be `linear`. A second swept input makes panels, of those of its values that come with
+    three speeds or more: in a design whose rows all differ there are none.
     """
     require(ds, "angular_frequency", SPEED)
     numbers = chosen(ds, modes=modes)["mode"].values[: MAX_MODES if modes is None else None]
     names = [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1]
-    if SPEED not in names or len(names) > 2 or np.unique(ds[SPEED]).size < 3:
-        raise NothingToDraw("needs a sweep over the angular velocity, of three values or more, and at most one other")
-    drawn = chosen(ds)[[name for name in HELD if name in ds]].load()
-    if not (drawn["angular_frequency"].sel(mode=numbers) > 0.0).any():
-        raise NothingToDraw("no mode oscillates")
     other = [name for name in names if name != SPEED]
-    values_of = np.unique(ds[other[0]]) if other else np.zeros(1)
-    shown = values_of[spread(values_of.size, MAX_PANELS)]
-    columns = min(shown.size, 2)
-    rows = -(-shown.size // columns)
-    sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
-    parts = [drawn.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else drawn for value in shown]
-    parts = [part.sortby(SPEED) for part in parts]
+    held = _lines_of(ds, other) if SPEED in names and len(other) < 2 else []
+    if not held:
+        raise NothingToDraw("needs a sweep over the angular velocity: three values or more with all else equal, and at most one other input")
+    drawn = chosen(ds)[[name for name in HELD if name in ds]].load()
+    shown = [held[place] for place in spread(len(held), MAX_PANELS)]
+    parts = [drawn.isel(case=cases) for cases in shown]
     branches = [_branches(part, numbers) for part in parts]
+    if not any((values > 0.0).any() for values in branches):
+        raise NothingToDraw("no mode oscillates")
+    columns = min(len(shown), 2)
+    rows = -(-len(shown) // columns)
+    sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
     limits = _limits(np.concatenate(branches), linear)
     for axes, part, values in zip(sheet.axes, parts, branches):
         limit = _draw(axes, part, numbers, values, limits, orders)
         axes.set_title(", ".join(filter(None, [value_text(part[other[0]][0]) if other else "", limit])))
-    for axes in sheet.axes[shown.size :]:
+    for axes in sheet.axes[len(shown) :]:
         axes.set_visible(False)
     of_modes = left_out(numbers.size, ds["mode"].size, "modes in the file") if modes is None else ""
-    return sheet.finish(ds, [left_out(shown.size, values_of.size, "values"), of_modes])
+    return sheet.finish(ds, [left_out(len(shown), len(held), "values"), of_modes])
 
 
 def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] = ORDERS) -> pd.DataFrame:
@@ -78,7 +79,10 @@ def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] =
     if [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1] != [SPEED]:
         raise NothingToDraw("needs a sweep over the angular velocity alone")
     numbers = chosen(ds, modes=modes)["mode"].values
-    cases = chosen(ds)[[name for name in HELD if name in ds]].load().sortby(SPEED)
+    held = _lines_of(ds, [])
+    if not held:
+        raise NothingToDraw("needs three values of the angular velocity or more")
+    cases = chosen(ds)[[name for name in HELD if name in ds]].load().isel(case=held[0])
     speed, values = cases[SPEED].values, _branches(cases, numbers)
     rows = [
         (int(number), order, at, RPM * at, frequency)
@@ -88,6 +92,18 @@ def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] =
     ]
     table = pd.DataFrame(rows, columns=["mode", "order", "angular_velocity", "rpm", "frequency"])
     return table.sort_values(["angular_velocity", "mode"], ignore_index=True)
+
+
+def _lines_of(ds: xr.Dataset, other: list[str]) -> list[np.ndarray]:
+    """Cases in the order of their speeds, each speed once, for each value of the `other` input that comes with enough of them."""
+    values = ds[other[0]].values if other else np.zeros(ds.sizes["case"])
+    held = []
+    for value in np.unique(values):
+        cases = np.flatnonzero(values == value)
+        _, first = np.unique(ds[SPEED].values[cases], return_index=True)
+        if first.size >= LEAST_SPEEDS:
+            held.append(cases[first])
+    return held
 
 
 def _branches(cases: xr.Dataset, numbers: np.ndarray) -> np.ndarray:

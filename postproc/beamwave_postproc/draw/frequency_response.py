@@ -16,16 +16,18 @@ from ..style import curve_style, logarithmic, styled
 
 KIND = {"m N-1": "Receptance", "m s-1 N-1": "Mobility", "m s-2 N-1": "Accelerance"}
 DEPTH = 1e-7  # what lies further below the highest resonance is not shown
-RIGHT_ANGLE, MANY = 90.0, 9  # degrees; ticks from where on every second is left out
-END = 170.0  # degrees, that no phase passes: what is 180 but for rounding is drawn at −180
+RIGHT_ANGLE = 90.0  # degrees
+# Degrees that no phase passes. A displacement lags the force up to −180, an acceleration leads it up to 180: what is 180 but for
+# rounding stays on that side.
+ENDS = {"m N-1": 179.0, "m s-1 N-1": 180.0, "m s-2 N-1": 181.0}
 
 
 @styled
 def frequency_response(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Draw the magnitude and the phase of `frequency_response_real` + i `frequency_response_imag` against frequency.
 
-    A curve for each point; of a sweep one for each case, at the first point. The phase is drawn in degrees where something
-    damps; without damping it is 0 or 180 degrees alone, and left out.
+    A curve for each point; of a sweep one for each case, at the first point. The phase is drawn in degrees, within a turn, where
+    something damps; without damping it is 0 or 180 degrees alone, and left out.
     """
     ds = chosen(ds, points=points, cases=cases)
     require(ds, "frequency_response_real", "frequency_response_imag", "response_frequency")
@@ -44,35 +46,36 @@ def frequency_response(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen =
     damped = any(np.nanmax(np.abs(answer.imag)) > 0.0 for *_, answer in curves)
     sheet = sheet_for(ax, 2 if damped else 1, share="x", height=2.6 if damped else 3.4)
     magnitude, lowest = sheet.axes[0], sheet.axes[-1]
-    phases: list[np.ndarray] = []
+    unit = ds["frequency_response_real"]
+    end = ENDS.get(unit.attrs.get("units", ""), 180.0)
     for label, style, answer in curves:
         plain = {**style, "marker": "", "linewidth": 1.1}
         magnitude.plot(frequency, np.abs(answer), label=label, **plain)
         if damped:
-            phases.append(_phase(answer))
-            lowest.plot(frequency, phases[-1], **plain)
+            lowest.plot(*_phase(frequency, answer, end), **plain)
     for axes in sheet.axes:
         logarithmic(axes, "x", frequency[0], frequency[-1])
     low = min(np.nanmin(np.abs(answer)[np.abs(answer) > 0.0]) for *_, answer in curves if np.abs(answer).any())
     logarithmic(magnitude, "y", max(0.5 * low, DEPTH * height), 3.0 * height)
-    unit = ds["frequency_response_real"]
     magnitude.set_ylabel(KIND.get(unit.attrs.get("units", ""), "Magnitude") + in_units(unit))
     if damped:
+        phases = np.concatenate([line.get_ydata() for line in lowest.lines])
         ends = [int(np.round(reduce(phases) / RIGHT_ANGLE)) for reduce in (np.nanmin, np.nanmax)]
-        turn = 1 if ends[1] - ends[0] < MANY else 2
-        lowest.set(ylabel="Phase (degrees)", yticks=RIGHT_ANGLE * np.arange(ends[0], ends[1] + 1, turn))
+        lowest.set(ylabel="Phase (degrees)", yticks=RIGHT_ANGLE * np.arange(ends[0], ends[1] + 1))
     lowest.set_xlabel(axis_label(ds["response_frequency"]))
     force = ds["frequency_response_position"]
     where = f"force at ξ = {float(force):g}" if force.size == 1 else ""
     return sheet.finish(ds, (*drawn.notes, where, left))
 
 
-def _phase(answer: np.ndarray) -> np.ndarray:
-    """Phase in degrees without steps of 360 degrees, below 180: a displacement lags."""
-    held = np.isfinite(answer)
-    phase = np.full(answer.size, np.nan)
-    phase[held] = np.degrees(np.unwrap(np.angle(answer[held])))
-    return phase - 360.0 * np.ceil((np.nanmax(phase, initial=-np.inf) - END) / 360.0) if held.any() else phase
+def _phase(frequency: np.ndarray, answer: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and phases in degrees, within a turn that ends at `end`, with a gap in the curve where it begins anew.
+
+    How many turns lie between two samples nobody can tell, since a sharp antiresonance turns a phase by 180 degrees either way.
+    """
+    phase = end - (end - np.degrees(np.angle(answer))) % 360.0
+    anew = np.flatnonzero(np.abs(np.diff(phase)) > 180.0) + 1
+    return np.insert(frequency, anew, frequency[anew]), np.insert(phase, anew, np.nan)
 
 
 def _answer(case: xr.Dataset, point: int) -> np.ndarray:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..result import NothingToDraw, require, swept_inputs
 from ..style import MAX_CURVES, curve_style
-from .labels import how_it_ended, symbol_of, value_text
+from .labels import how_it_ended, input_name, value_text
 from .select import spread
 
 MAX_PANELS = 4
@@ -78,7 +78,7 @@ def where_it_varies(ds: xr.Dataset, name: str) -> tuple[xr.Dataset, str]:
     kept = ds
     for swept in idle:
         kept = kept.isel(case=np.flatnonzero(kept[swept].values == kept[swept].values[0]))
-    symbols = " and ".join(symbol_of(swept) for swept in idle)
+    symbols = " and ".join(input_name(swept) for swept in idle)
     return (kept.isel(case=0) if kept.sizes["case"] == 1 else kept), f"the same for all {symbols}"
 
 

@@ -165,9 +165,9 @@ def _input(variable: xr.DataArray) -> str:
     values = np.unique(variable.values)
     digits = DIGITS if variable.dtype.kind == "f" else WHOLE
     add_up = variable.name == "beam_length" and variable.size > 1 and "piece" in variable.dims
-    if values.size == 1 and not add_up:
-        return value_text(variable if variable.ndim == 0 else variable[0], digits)
     symbol, units = symbol_of(str(variable.name)), unit_text(units_of(variable))
+    if values.size == 1 and not add_up:
+        return value_text(variable if variable.ndim == 0 else variable[0], digits, symbol)
     if variable.dims != ("case",):
         values = variable.values
     elif values.size > FEW:

@@ -49,7 +49,9 @@ INPUT_WORDS = {
     "body_position": "Place",
     "body_stiffness": "Spring's stiffness",
     "body_rotational_stiffness": "Rotational spring's stiffness",
+    "frequency_response_position": "Position of the force",
 }
+OWN = re.compile(r"(?:tip_support|frequency_response|[^_]+)_")  # the group before an input's own name
 NUMBERED = re.compile(r"(.+)_(\d+)")  # a swept value of a list, or that of one of the bodies
 QUANTITIES = {
     "wavenumber": "Wave number $P$",
@@ -113,11 +115,18 @@ def in_units(variable: xr.DataArray, prefix: str = "") -> str:
 
 
 def symbol_of(name: str) -> str:
-    """Symbol of an input, or its own name in words; with its number where it is one of several."""
+    """Symbol of an input, or its own name behind that of its group, in words; with its number where it is one of several."""
     one = NUMBERED.fullmatch(name)
     if one and one[1] in INPUT_SYMBOLS and int(one[2]) < 10:
         return INPUT_SYMBOLS[one[1]].rstrip("$") + f"_{one[2]}$"
-    return INPUT_SYMBOLS.get(name, name.split("_", 1)[-1].replace("_", " "))
+    return INPUT_SYMBOLS.get(name, OWN.sub("", name, count=1).replace("_", " "))
+
+
+def input_name(name: str) -> str:
+    """Symbol of an input, or what it is in words, where its group is not named."""
+    symbol = symbol_of(name)
+    words = INPUT_WORDS.get(name, name.replace("_", " "))
+    return symbol if "$" in symbol else words[:1].lower() + words[1:]
 
 
 def input_label(variable: xr.DataArray, prefix: str = "") -> str:
@@ -130,9 +139,9 @@ def input_label(variable: xr.DataArray, prefix: str = "") -> str:
     return " ".join(filter(None, parts)) + in_units(variable, prefix)
 
 
-def value_text(variable: xr.DataArray, digits: int = 4) -> str:
-    """One scalar input as it stands in a legend: symbol = value unit, without a blank at which a line may break."""
-    return f"{symbol_of(str(variable.name))}\u00a0=\u00a0{with_unit(float(variable), units_of(variable), digits)}"
+def value_text(variable: xr.DataArray, digits: int = 4, name: str = "") -> str:
+    """One scalar input as it stands in a legend: symbol, words or `name` = value unit, without a blank before or after the sign."""
+    return f"{name or input_name(str(variable.name))}\u00a0=\u00a0{with_unit(float(variable), units_of(variable), digits)}"
 
 
 def plain(text: str) -> str:

@@ -11,7 +11,7 @@ import xarray as xr
 from ..result import NothingToDraw, swept_inputs
 from .describe import brief_of, description_of, effects_of, file_of, title_of
 from .head import Head
-from .labels import symbol_of, value_text
+from .labels import input_name, value_text
 from .scene import groups_of
 from .select import spread
 from .units import units_of, with_unit
@@ -89,7 +89,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> str:
         if "event" in mine.dims:  # contact_force is a result
             continue
         if mine.shape != other.shape or not np.array_equal(mine.values, other.values):
-            words.append(f"{symbol_of(name)}\u00a0=\u00a0{_values(mine)} and {_values(other)}")
+            words.append(f"{input_name(name)}\u00a0=\u00a0{_values(mine)} and {_values(other)}")
     return f"they differ in {', '.join(words)}" if words else "effects and inputs are the same"
 
 

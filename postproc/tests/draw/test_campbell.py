@@ -94,6 +94,32 @@ def test_fewer_than_three_speeds_are_no_diagram(sweep, cases):
         campbell(sweep.isel(case=cases))
 
 
+def design(speeds, masses):
+    """Cases of one mode with these speeds and masses."""
+    masses = xr.DataArray(masses, dims="case", attrs={"units": "kg"})
+    frequency = np.sqrt(2e4 / (1.0 + masses.values) - 0.5 * np.square(speeds))
+    return xr.Dataset(
+        {"angular_frequency": (("case", "mode"), frequency[:, None], {"coordinates": "rotation_angular_velocity impact_mass"})},
+        {"case": np.arange(1, len(speeds) + 1), "mode": [1], "rotation_angular_velocity": ("case", speeds), "impact_mass": masses},
+    )
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_design_whose_speeds_are_scattered_is_no_diagram():
+    dice = np.random.default_rng(1)
+    with pytest.raises(NothingToDraw, match="sweep over the angular velocity"):
+        campbell(design(dice.uniform(0.0, 100.0, 60), dice.uniform(0.1, 2.0, 60)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_values_that_come_with_three_speeds_are_panels_and_a_speed_that_comes_twice_counts_once():
+    fig = campbell(design([0.0, 90.0, 40.0, 40.0, 0.0, 10.0, 10.0, 50.0], [2.0, 2.0, 2.0, 2.0, 0.5, 0.5, 0.5, 1.0]))
+    (axes,) = fig.axes
+    assert axes.get_title("left") == "$m_j$\u00a0=\u00a02\u00a0kg"
+    (marks,) = (line for line in axes.lines if line.get_marker() == "o")
+    np.testing.assert_allclose(marks.get_xdata(), RPM * np.array([0.0, 40.0, 90.0]))
+
+
 def test_other_sweeps_are_no_diagram(paper_results):
     with open_result(paper_results / "fig7.nc") as ds, pytest.raises(NothingToDraw, match="angular velocity"):
         campbell(ds)
