@@ -12,6 +12,7 @@ from pathlib import Path
 from .run import namelist
 from .terminal import Refusal, Words, printable
 from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command
+from .writing import make_directory
 
 LEAST_ANGLE = 0.01  # degrees that count as none: two decimals are what these files write
 MOST_STATIONS = 1001  # that `&beam` takes
@@ -188,7 +189,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     _check(given)
     directory = given.output or given.file.parent
-    directory.mkdir(parents=True, exist_ok=True)
+    make_directory(directory)
     return tool.each([given.file], directory, lambda: _convert(given, directory, tool))
 
 

@@ -12,6 +12,7 @@ from .files import FORMATS, Wish, compare_files, draw_file, film_file, name_pict
 from .kinds import KINDS
 from .terminal import Words
 from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command, refuse_repeated
+from .writing import make_directory
 
 MM = 1.0 / 25.4  # inches
 LEAST, MOST = 1.5, 60.0  # inches, of a side of a picture
@@ -65,7 +66,7 @@ def _run(given: argparse.Namespace, tool: Tool) -> int:
     if given.output is not None:
         if not given.compare:
             refuse_repeated(files)
-        given.output.mkdir(parents=True, exist_ok=True)
+        make_directory(given.output)
     return max([status, *_drawn(given, tool, files)])
 
 

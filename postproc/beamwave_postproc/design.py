@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
+import re
+import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,6 +15,7 @@ from typing import Callable
 import numpy as np
 import pandas as pd
 
+from .run import STREAMS, find_program
 from .terminal import Refusal, Words
 from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command
 
@@ -19,6 +23,7 @@ MOST_ROWS = 1_000_000  # that `&design` takes
 MOST_WHOLE = 2**31 - 1  # that a scene takes
 LEAST_SHARE = np.finfo(float).tiny  # of probabilities, since a normal number has no end
 MOST_SHARE = 1.0 - np.finfo(float).epsneg
+NAME = re.compile(r"([a-z]\w*)(?:\(\d+\))?%([a-z]\w*)(?:\(\d+\))?", re.IGNORECASE | re.ASCII)  # as `beam%length(2)`
 MARK = "# made by beamwave-design"
 Inverse = Callable[[np.ndarray], np.ndarray]
 
@@ -102,12 +107,56 @@ def sobol_sequence(inputs: Mapping[str, Distribution], rows: int, *, seed: int =
     return _table(inputs, qmc.Sobol(d=_count(inputs, rows), scramble=True, seed=seed).random_base2(power))
 
 
-def write_design(table: pd.DataFrame, path: Path, comments: Sequence[str] = ()) -> None:
-    """Write a design as the CSV that `&design file` reads: every number to its last digit."""
-    rows = zip(*(table[name].tolist() for name in table))
-    with path.open("w", encoding="utf-8", newline="\n") as file:
+def write_design(table: pd.DataFrame, path: str | Path, comments: Sequence[str] = ()) -> None:
+    """Write a design as the CSV that `&design file` reads: every number to its last digit, and no index.
+
+    Raises `Refusal` for a table that no scene can take: one without rows or with too many, a column that is not called `group%name`
+    or comes twice, a value that is no finite number. Whether the scene has an input of that name is checked by `beamwave run`.
+    """
+    rows = zip(*_columns(table))
+    with Path(path).open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(f"{line}\n" for line in (*comments, ",".join(table)))
         file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+def _columns(table: pd.DataFrame) -> list[list[float]]:
+    """The numbers of each column; raises `Refusal` as `write_design` does."""
+    names = [str(name) for name in table]
+    for name in names:
+        if not NAME.fullmatch(name):
+            raise Refusal(f"{name!r} names no input; accepted: 'group%name'")
+        if [one.lower() for one in names].count(name.lower()) > 1:
+            raise Refusal(f"{name!r} has two columns; accepted: each name once")
+    if not names or not 1 <= len(table) <= MOST_ROWS:
+        raise Refusal(f"holds {len(table)} rows of {len(names)} names; accepted: a name or more, and 1 to {MOST_ROWS} rows")
+    return [_finite(name, table[name]) for name in table]
+
+
+def _finite(name: str, column: pd.Series) -> list[float]:
+    """The values of a column; raises `Refusal` where one is no finite number."""
+    numbers = pd.to_numeric(column.astype(object), errors="coerce")
+    wrong = ~np.isfinite(numbers.to_numpy(float)) | column.map(lambda value: isinstance(value, (bool, np.bool_))).to_numpy(bool)
+    if wrong.any():
+        row = int(np.flatnonzero(wrong)[0])
+        value = str(column.iloc[row])
+        raise Refusal(f"row {row + 1}: {name}: {value!r} is no finite number; accepted: a finite number as 2.5 or -1e-3")
+    return numbers.tolist()
+
+
+def check_name(name: str) -> None:
+    """Raise `Refusal` where the program, if it is found, knows no input of this name; else `beamwave run` finds out."""
+    group, own = NAME.fullmatch(name).groups()
+    try:
+        told = subprocess.run([find_program(), "describe", group], **{**STREAMS, "stdout": subprocess.PIPE}, check=False)
+    except OSError:
+        return
+    if told.returncode:
+        raise Refusal(f"{name!r} is no known name: {told.stderr.strip().removeprefix('beamwave: ')}")
+    known = re.findall(r"^\| `(\w+)`", told.stdout, re.MULTILINE)
+    if own.lower() not in known:
+        like = difflib.get_close_matches(own, known, 1)
+        hint = f" (did you mean {like[0]}?)" if like else ""
+        raise Refusal(f"{name!r} is no known name{hint}; accepted: {' '.join(known)}")
 
 
 def _normal(share: np.ndarray) -> np.ndarray:
@@ -146,7 +195,7 @@ def parse_input(words: str) -> tuple[str, Distribution]:
     name, mark, what = words.partition("=")
     word, *numbers = what.split(",")
     name, word = name.strip().lower(), word.strip()
-    if not mark or "%" not in name:
+    if not mark or not NAME.fullmatch(name):
         raise Refusal(f"{words}: accepted: group%name=word,number,number, as beam%length=uniform,0.9,1.1")
     if word not in DISTRIBUTIONS:
         raise Refusal(f"{words}: no distribution is called {word!r}; accepted: {', '.join(DISTRIBUTIONS)}")
@@ -189,6 +238,8 @@ def _run(given: argparse.Namespace, tool: Tool) -> int:
         inputs = dict(map(parse_input, given.inputs))
         if len(inputs) < len(given.inputs):
             raise Refusal("an input is given twice; accepted: each name once")
+        for name in inputs:
+            check_name(name)
         if given.seed < 0:
             raise Refusal(f"--seed {given.seed}; accepted: 0 or more")
         draw = sobol_sequence if given.sobol else latin_hypercube

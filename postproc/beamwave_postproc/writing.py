@@ -41,6 +41,16 @@ def put(path: Path, write: Callable[[Path], object], *, overwrite: bool = False,
         draft.unlink(missing_ok=True)
 
 
+def make_directory(path: Path) -> None:
+    """Make a directory and those that it lies in, unless it is there; raises `OSError`, saying what is in its place."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError) as failure:
+        in_the_way = next(place for place in (path, *path.parents) if os.path.lexists(place))
+        why = f"{in_the_way} is no directory; accepted: a directory, or a name that is free"
+        raise NotADirectoryError(errno.ENOTDIR, why, f"--output {path}") from failure
+
+
 def _group() -> int:
     """Number of this process and its helpers together."""
     return os.getpgrp() if hasattr(os, "getpgrp") else os.getpid()

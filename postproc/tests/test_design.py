@@ -1,5 +1,7 @@
 """Designs have the distributions and the evenness that they promise; rankings find what explains a spread that is known."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,7 @@ from scipy import stats
 
 from beamwave_postproc import NothingToDraw, rankings
 from beamwave_postproc.design import (
+    check_name,
     latin_hypercube,
     lognormal,
     log_uniform,
@@ -72,6 +75,51 @@ def test_a_table_reads_back_to_the_bit(tmp_path):
     lines = [line.split(",") for line in (tmp_path / "a.csv").read_text().splitlines()[1:]]
     assert lines[0] == list(table)
     np.testing.assert_array_equal(np.array(lines[1:], dtype=float), table.to_numpy())
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"beam%length": [1.0, np.nan]}, "row 2: beam%length: 'nan' is no finite number"),
+        ({"beam%length": [1.0, np.inf]}, "row 2: beam%length: 'inf' is no finite number"),
+        ({"beam%length": [None, 1.0]}, "row 1: beam%length: 'nan' is no finite number"),
+        ({"beam%length": ["long"]}, "row 1: beam%length: 'long' is no finite number"),
+        ({"beam%length": [True]}, "row 1: beam%length: 'True' is no finite number"),
+        ({"beam%length": []}, "holds 0 rows of 1 names"),
+        ({}, "holds 0 rows of 0 names"),
+        ({"x": [1.0]}, "'x' names no input; accepted: 'group%name'"),
+        ({"": [0], "beam%length": [1.0]}, "'' names no input"),
+        ({"beam%length": [1.0], "Beam%Length": [2.0]}, "'beam%length' has two columns"),
+    ],
+)
+def test_a_table_that_no_scene_can_take_is_not_written(tmp_path, table, said):
+    with pytest.raises(Refusal, match=re.escape(said)):
+        write_design(pd.DataFrame(table), tmp_path / "a.csv")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_path_may_be_a_text_and_whole_numbers_stay_whole(tmp_path):
+    table = pd.DataFrame({"modes%before": [3, 4], "body(2)%mass": [np.float32(0.5), 1], "beam%length(1)": ["0.1", "2"]}, index=["a", "b"])
+    write_design(table, str(tmp_path / "a.csv"))
+    assert (tmp_path / "a.csv").read_text() == "modes%before,body(2)%mass,beam%length(1)\n3,0.5,0.1\n4,1.0,2.0\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("beam%lenth", "'beam%lenth' is no known name (did you mean length?); accepted: length density"), ("beem%length", "accepted: &scene &beam")],
+)
+def test_a_name_that_the_program_does_not_know_is_refused(tmp_path, capsys, beamwave, name, said):
+    check_name("beam%length(2)")
+    check_name("frequency_response%position")
+    with pytest.raises(Refusal, match=re.escape(said)):
+        check_name(name)
+    assert main([str(tmp_path / "a.csv"), f"{name}=uniform,1,2"]) == 2
+    assert said in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+def test_without_the_program_names_are_not_checked(monkeypatch):
+    monkeypatch.setattr("beamwave_postproc.design.find_program", lambda: (_ for _ in ()).throw(FileNotFoundError()))
+    check_name("beam%lenth")
 
 
 def test_the_command_writes_what_its_words_say(tmp_path, capsys):

@@ -13,6 +13,7 @@ from ..cli import results_in
 from ..files import write_from
 from ..terminal import Words
 from ..tool import PICTURE_SECONDS, Tool, command, refuse_repeated
+from ..writing import make_directory
 from .formats import WRITERS
 from .model import modal_model
 
@@ -39,7 +40,7 @@ def _run(given: argparse.Namespace, tool: Tool) -> int:
     files, status = results_in(given, tool)
     if given.output is not None:
         refuse_repeated(files)
-        given.output.mkdir(parents=True, exist_ok=True)
+        make_directory(given.output)
     return max([status, *(_export(given, tool, file) for file in files)])
 
 

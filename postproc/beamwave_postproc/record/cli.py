@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..terminal import Words, printable
 from ..tool import Tool, WrongWords, command, refuse_repeated
+from ..writing import make_directory
 from .channels import Channel, NotARecord, Wanted
 from .readers import ACCEPTED, read_channels
 from .write import grouped, write_record
@@ -60,7 +61,7 @@ def _run(given: argparse.Namespace, tool: Tool) -> int:
     _check(given)
     if given.output is not None:
         refuse_repeated(given.files)
-        given.output.mkdir(parents=True, exist_ok=True)
+        make_directory(given.output)
     places = [(file, given.output or file.parent) for file in given.files]
     return max(tool.each([file], place, partial(_convert, file, place, given, tool)) for file, place in places)
 

@@ -162,3 +162,18 @@ def test_modes_and_residual_belong_together_where_a_contact_has_more_modes_than_
     static = (model.shape[:, 0] ** 2 / model.stiffness).sum() + model.residual["displacement"][0, 0]
     assert model.mass.size == 18
     assert static == pytest.approx(1.2**3 / (3 * 2.0e11 * np.pi * 0.03**4 / 64), rel=1e-10)
+
+
+def test_displacements_by_a_moment_converge_with_the_square_of_the_number_of_modes_and_slopes_with_the_number(beamwave):
+    """A moment of 1 N m at the tip of a clamped beam, at rest: v = l²/(2EI) there, v' = l/(EI). README has these numbers."""
+    beam = {"length": 0.4, "width": 0.03, "height": 0.003, "density": 2700.0, "youngs_modulus": 7e10}
+    points = {"points": [1.0], "first": 1.0, "last": 500.0}
+    flexible = 0.4 / (7e10 * 0.03 * 0.003**3 / 12.0)
+    short = []
+    for count in (10, 20):
+        scene = {"beam": beam, "frequency_response": points, "modes": {"before": count, "modal_model": True}}
+        model = modal_model(run(scene, program=beamwave))
+        drive = model.slope[:, 0] / model.stiffness
+        short.append([1.0 - model.shape[:, 0] @ drive / (0.2 * flexible), 1.0 - model.slope[:, 0] @ drive / flexible])
+    assert [100.0 * off[0] for off in short] == pytest.approx([0.13, 0.03], abs=0.005)
+    assert short[0][0] / short[1][0] == pytest.approx(4.0, rel=0.05) and short[0][1] / short[1][1] == pytest.approx(2.0, rel=0.05)
