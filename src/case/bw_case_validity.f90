@@ -257,8 +257,8 @@ contains
     k = findloc(above, .true., dim=1)
     call append(notes, 'aliasing: modes from '//text_of(k)//' on, with up to '//shortest(100.0_dp*part, 2)//' % of the largest '// &
                 'amplitude, swing faster than half the sampling rate, '// &
-                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz: samples show them at lower '// &
-                'frequencies, folded back')
+                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz: they are aliased to lower '// &
+                'frequencies')
   end subroutine note_aliasing
 
   subroutine note_history_errors(scene, response, errors, foremost, notes)

@@ -59,7 +59,7 @@ def test_no_folded_line_is_taken_for_a_mode(measured, true):
 
 def test_the_notes_list_the_folded_modes(measured):
     notes = measured.attributes["notes"]
-    listed = re.search(r"left out of the measured peaks: modes ([\d, to.]+).*, folded back from above half the sampling", notes)[1]
+    listed = re.search(r"left out of the measured peaks: modes ([\d, to.]+).*, aliased from above half the sampling", notes)[1]
     folded = [int(number) for number in re.findall(r"\d+", listed)]
     assert min(folded) == 22
     assert set(folded) <= set(range(22, 41))

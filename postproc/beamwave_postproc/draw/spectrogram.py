@@ -30,7 +30,7 @@ ROOM = 1.1  # above the highest mode
 FINER = 2  # times as many frequencies as the window resolves
 WAYS = 3  # from the blow to the point: straight, and by reflections
 MIDPOINT = 0.5
-# Beside lines that are folded back.
+# Beside lines that are aliased.
 FOLDED: dict[str, Any] = {"linestyle": "", "marker": "<", "markersize": 4.0, "color": COLOURS[2]}
 
 

@@ -19,7 +19,7 @@ from ..result import NothingToDraw, require
 from ..style import COLOURS, logarithmic, say_zero, styled, write_in_middle
 
 DEPTH = 1e-9  # what lies further below the highest line is rounding, and not shown
-FOLDED = {"color": COLOURS[2], "markersize": 5.0, "markeredgewidth": 1.1}  # of lines that are folded back
+FOLDED = {"color": COLOURS[2], "markersize": 5.0, "markeredgewidth": 1.1}  # of lines that are aliased
 COLUMNS = 3  # panels of cases beside each other
 Tail = tuple[np.ndarray, np.ndarray, str]  # frequencies, amplitudes (point, frequency), what they are of
 ALIKE = 1e3  # times the smallest of the panels' highest lines, up to which a row has one scale
@@ -31,7 +31,7 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
 
     Where something happens within the record the spectrum is that of the samples after the last event.
 
-    Lines that are folded back from above half the sampling rate are marked, and the head says so. Of a motion that
+    Lines that are aliased from above half the sampling rate are marked, and the head says so. Of a motion that
     grows the spectrum is that of the growth, and not drawn: raises `NothingToDraw` where all grow.
     """
     ds = chosen(ds, points=points, cases=cases)

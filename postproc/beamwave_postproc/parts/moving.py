@@ -10,7 +10,7 @@ from .units import with_unit
 
 ALONE = "_before"  # ends the names of the modes of the beam alone, where the file has them beside those with the mass
 OF_MODES = ("alpha", "wavenumber", "angular_frequency", "growth_rate", "phase_velocity", "group_velocity")
-BEYOND = 1.0 + 1e-9  # times half the sampling rate: a mode above it is folded back
+BEYOND = 1.0 + 1e-9  # times half the sampling rate: a mode above it is aliased
 
 
 def is_released(case: xr.Dataset) -> bool:
@@ -43,7 +43,7 @@ def sampled_frequencies(case: xr.Dataset) -> np.ndarray:
 
 
 def half_the_sampling_rate(case: xr.Dataset) -> float:
-    """In Hz: a line above it is folded back below; infinite without samples to tell."""
+    """In Hz: a line above it is aliased below; infinite without samples to tell."""
     return 0.5 / float(case["time"][1] - case["time"][0]) if "time" in case and case["time"].size > 1 else np.inf
 
 
@@ -58,12 +58,12 @@ def folded_frequencies(case: xr.Dataset) -> np.ndarray:
 
 
 def folding_note(cases: list[xr.Dataset], mark: str = "") -> str:
-    """That lines are folded back, where modes of `cases` lie above half the sampling rate, and by which `mark`."""
+    """That lines are aliased, where modes of `cases` lie above half the sampling rate, and by which `mark`."""
     folding = [case for case in cases if _is_folding(case)]
     if not folding:
         return ""
     half = half_the_sampling_rate(folding[0])
-    words = f"lines of modes above half the sampling rate ({with_unit(half, 'Hz')}) are folded back"
+    words = f"lines of modes above half the sampling rate ({with_unit(half, 'Hz')}) are aliased"
     marked = [case for case in folding if folded_frequencies(case).size]
     if not mark or not marked:
         return words
@@ -78,7 +78,7 @@ def _is_folding(case: xr.Dataset) -> bool:
     if not np.isfinite(half) or not frequencies.size:
         return False
     return bool(frequencies[-1] > BEYOND * half) or (
-        (_has_more_modes(case) or last_modes(case) is None) and "folded back" in str(case.attrs.get("notes", ""))
+        (_has_more_modes(case) or last_modes(case) is None) and "aliased" in str(case.attrs.get("notes", ""))
     )
 
 

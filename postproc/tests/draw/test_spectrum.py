@@ -28,16 +28,16 @@ def test_lines_folded_back_are_marked_and_the_head_says_so(full_result):
     remainder = above % rate
     # The remainder is of numbers up to 1e5.
     np.testing.assert_allclose(marked.get_xdata(), np.sort(np.minimum(remainder, rate - remainder)), atol=1e-9)
-    assert says(fig, "above half the sampling rate (8.192\u00a0kHz) are folded back; × marks them")
-    assert says(spectrogram(ds), "are folded back; a triangle at the right marks them")
+    assert says(fig, "above half the sampling rate (8.192\u00a0kHz) are aliased; × marks them")
+    assert says(spectrogram(ds), "are aliased; a triangle at the right marks them")
     few = ds.isel(mode=frequency < rate / 2)
     few = few.assign(mode_count=few.sizes["mode"])
     assert not any(line.get_marker() == "x" for line in drawn_lines(spectrum(few)))
-    assert not any(says(picture(few), "folded back") for picture in (spectrum, spectrogram))
+    assert not any(says(picture(few), "aliased") for picture in (spectrum, spectrogram))
     # The file may hold fewer modes than were summed: the notes tell.
-    more = few.assign(mode_count=40).assign_attrs(notes="remark: left out: modes 9 to 40, folded back from above")
-    assert all(says(picture(more), "folded back") for picture in (spectrum, spectrogram))
-    assert says(spectrum(ds.assign(mode_count=60)), "folded back; × marks those of the 40 modes in the file")
+    more = few.assign(mode_count=40).assign_attrs(notes="remark: left out: modes 9 to 40, aliased from above")
+    assert all(says(picture(more), "aliased") for picture in (spectrum, spectrogram))
+    assert says(spectrum(ds.assign(mode_count=60)), "aliased; × marks those of the 40 modes in the file")
 
 
 def test_a_marker_stands_on_each_measured_peak(full_result):

@@ -44,9 +44,9 @@ contains
       & 'lines at 0 or at half the sampling rate: known to 1/duration only: '//frequencies(shown .and. peaks%at_edge))
     if (size(listed) < count(shown)) call remark(notes, 'max_peaks: of '//text_of(count(shown))//' peaks the '// &
       & text_of(size(listed))//' strongest are listed')
-    if (allocated(facts%known)) return          ! who knows the modes knows how they fold, and which of them grow or decay
+    if (allocated(facts%known)) return          ! who knows the modes knows which are aliased, and which of them grow or decay
     if (any(shown .and. verdict%kind == not_known) .and. .not. any(is_wave)) call remark(notes, &
-      & 'folding: nothing tells which lines are folded back from above half the sampling rate')
+      & 'aliasing: nothing tells which lines are aliased from above half the sampling rate')
     if (any(shown .and. abs(peaks%growth) > worth_a_note)) call remark(notes, &
       & 'lines that grow or decay: '//frequencies(shown .and. abs(peaks%growth) > worth_a_note))
 
@@ -56,7 +56,7 @@ contains
       !! What was found and is not in the list of peaks, each with the reason; empty where that is nothing.
       character(:), allocatable :: words
       words = ''
-      if (any(folded)) words = '; '//ranges(pack(verdict%number, folded))//', folded back from above half the sampling rate ('// &
+      if (any(folded)) words = '; '//ranges(pack(verdict%number, folded))//', aliased from above half the sampling rate ('// &
         & shortest(samples/(2*facts%duration), 6)//' Hz)'
       if (.not. all(peaks%located)) words = words//'; lines that could not be told apart: '// &
         & text_of(count(.not. peaks%located))

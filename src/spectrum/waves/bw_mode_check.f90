@@ -1,6 +1,6 @@
 module bw_mode_check
   !! What is known of a record beside its samples, and how the modes that are known to be in it check what was measured: which
-  !! peaks are folded back from above half the sampling rate, and which are no mode. It gives no value.
+  !! peaks are aliased from above half the sampling rate, and which are no mode. It gives no value.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line_group, only: resolution
