@@ -2,6 +2,7 @@ module bw_scene_files
   !! The scenes that a command line names: files, and directories that stand for their *.nml.
   use bw_console, only: print_warning
   use bw_error, only: error_type, status_bad_file, status_bad_input, status_done
+  use bw_existing_result, only: check_result_path
   use bw_files, only: directory_is_there, files_in, look_at, path_state, reason, same_file
   use bw_process, only: prepare_libraries
   use bw_scene, only: scene_type
@@ -100,7 +101,8 @@ contains
                     '.nc; accepted: different names, or separate runs')
         cycle
       end if
-      call read_scene(paths(i)%text, scenes(count + 1), error)
+      call check_result_path(stem(paths(i)%text)//'.nc', error)
+      if (.not. allocated(error)) call read_scene(paths(i)%text, scenes(count + 1), error)
       if (allocated(error)) then
         call refuse(refused, paths(i)%text, error%status, error%message)
         status = max(status, error%status)

@@ -15,7 +15,7 @@ module bw_existing_result
   use bw_system_calls, only: is_directory, is_file
   implicit none (type, external)
   private
-  public :: look_at_existing
+  public :: check_result_path, look_at_existing
 
   type, public :: existing_result
     !! A finished result of the same scene and version, if there is one.
@@ -29,6 +29,15 @@ module bw_existing_result
 
 contains
 
+  pure subroutine check_result_path(path, error)
+    !! Make sure that a result can have this path.
+    !! **Errors**: NetCDF would look for it elsewhere.
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(out) :: error
+    if (has_backslash(path)) call fail(error, status_bad_input, path//': the NetCDF library takes a backslash for a slash, and '// &
+                                       'would not find it; accepted: a path without')
+  end subroutine check_result_path
+
   subroutine look_at_existing(path, scene, overwrite, existing, error, study, checksums)
     !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
     !! **Errors**: also where it cannot be read, or is locked.
@@ -41,8 +50,7 @@ contains
     character(*), intent(in), optional :: checksums   !! of the files of its record or of its loads; absent: there are none
     type(path_state) :: state
     integer :: problem, descriptor, ignored
-    if (has_backslash(path)) call fail(error, status_bad_input, path//': the NetCDF library takes a backslash for a slash, and '// &
-                                       'would not find it; accepted: a path without')
+    call check_result_path(path, error)
     if (allocated(error)) return
     problem = look_at(path, state)
     if (problem /= 0) call cannot_be_read(error, path, problem)

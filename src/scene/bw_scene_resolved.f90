@@ -241,7 +241,18 @@ contains
       end do
     end if
     input%is_swept = any(input%sweeps > 0)
+    if (row%group == 'contact' .and. row%name == 'stiffness') input%unit = stiffness_unit(scene%groups(places(1)))
   end function input_of
+
+  pure function stiffness_unit(contact) result(unit)
+    !! Of K in F = K d^p. UDUNITS has whole powers alone: beside another exponent, or a swept one, K is the force at d = 1 m.
+    type(group_values), intent(in) :: contact
+    character(:), allocatable :: unit
+    unit = 'N'
+    associate (exponent => contact%number('exponent'))
+      if (exponent == anint(exponent) .and. .not. contact%is_swept('exponent')) unit = 'N m-'//text_of(nint(exponent))
+    end associate
+  end function stiffness_unit
 
   pure function values_of_sweep(scene, input, i) result(values)
     !! The values of a number of an input along its sweep, the sweep's values or what follows from them.

@@ -122,8 +122,11 @@ def test_nothing_is_removed_that_no_run_has_made(inside, linked, sweeps):
     assert {name: (place / name).read_text() for name in names} == dict.fromkeys(names, "precious")
 
 
-@pytest.mark.parametrize("command", ["run", "accuracy", "effects"])
-@pytest.mark.parametrize("words", [["a\\b.nml"], ["a.nml", "--output=out\\put"]])
+NAMES = [(command, ["a\\b.nml"]) for command in ("run", "check", "accuracy", "effects")]
+PLACES = [(command, ["a.nml", "--output=out\\put"]) for command in ("run", "accuracy", "effects")]
+
+
+@pytest.mark.parametrize(("command", "words"), NAMES + PLACES)
 def test_a_backslash_is_refused_before_any_work(inside, command, words):
     inside.write(words[0], namelist(captured_beam(response={"duration": 0.01, "samples": 10})))
     ended = inside.beamwave(command, *words)
