@@ -42,6 +42,8 @@ contains
     end associate
     if (command%has_part .and. command%overwrite .and. .not. allocated(error)) call fail(error, status_bad_input, &
       'beamwave: --part and --overwrite: one part would take away what others have done; accepted: one of them')
+    if (command%quiet .and. command%verbose .and. .not. allocated(error)) call fail(error, status_bad_input, &
+      'beamwave: --quiet and --verbose exclude each other; accepted: one of them')
   end subroutine read_command_line
 
   subroutine read_word(rows, command, i, error)
@@ -105,6 +107,7 @@ contains
     case ('--output'); command%output = value
     case ('--overwrite'); command%overwrite = .true.
     case ('--quiet'); command%quiet = .true.
+    case ('--verbose'); command%verbose = .true.
     case ('--max-seconds'); call read_seconds(value, command%max_seconds, error)
     case ('--json'); command%json = .true.
     case ('--progress')

@@ -24,7 +24,7 @@ module bw_command_table
     !! A command: everything that parsing, help, messages and dispatch know of it.
     character(8) :: name = ''
     type(words_rule) :: words
-    character(64) :: options = ''                 !! those of `options` that it takes, in their order, by spaces
+    character(96) :: options = ''                 !! those of `options` that it takes, in their order, by spaces
     character(96) :: help = ''                    !! what it does
     procedure(command_interface), pointer, nopass :: procedure => null()
     character(16) :: flags = ''                   !! `--word`s that stand for it, by spaces; the first is what users are told
@@ -38,6 +38,7 @@ module bw_command_table
     character(:), allocatable :: output           !! --output
     logical :: overwrite = .false.                !! --overwrite
     logical :: quiet = .false.                    !! --quiet
+    logical :: verbose = .false.                  !! --verbose
     real(dp) :: max_seconds = huge(1.0_dp)        !! --max-seconds
     integer :: part(2) = 1                        !! --part: which, and of how many
     logical :: has_part = .false.                 !! it is given
@@ -64,6 +65,7 @@ module bw_command_table
     option_row('--output', 'DIR', 'where results go (output)'), &
     option_row('--overwrite', '', 'replace results of other scenes or versions'), &
     option_row('--quiet', '', 'print warnings and errors only'), &
+    option_row('--verbose', '', 'print the whole report, not one screen of it'), &
     option_row('--max-seconds', 'S', 'stop in order after so long; the same command goes on from there'), &
     option_row('--part', 'I/N', 'run the cases i = I mod N of a sweep; N such commands share it without MPI'), &
     option_row('--progress', 'json', 'say how far it is, and what is wrong, as lines of JSON on standard error'), &

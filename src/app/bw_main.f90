@@ -21,7 +21,7 @@ contains
   pure function commands() result(rows)
     !! Every command, in the order of the help.
     type(command_row) :: rows(7)
-    character(*), parameter :: writing = '--output --overwrite --quiet'
+    character(*), parameter :: writing = '--output --overwrite --quiet --verbose'
     rows = [ &
       command_row('run', some_scenes, writing//' --max-seconds --part --progress', &
                   'run scenes; a directory stands for its *.nml', run_command, shared=.true.), &

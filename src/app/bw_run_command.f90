@@ -14,6 +14,7 @@ module bw_run_command
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
   use bw_scene_tally, only: scene_tally, warning_kinds
+  use bw_screen, only: printed
   use bw_terminal_progress, only: terminal_progress, terminal_progress_to
   use bw_text, only: text_of
   implicit none (type, external)
@@ -162,7 +163,7 @@ contains
     logical, intent(in) :: brief                   !! in one line
     logical :: seen                                !! the report has shown the warnings to the same eyes
     if (.not. command%quiet .and. brief) call print_report(brief_text(outcome))
-    if (.not. command%quiet .and. .not. brief) call print_report(outcome%report)
+    if (.not. command%quiet .and. .not. brief) call print_report(printed(outcome%report, command%verbose))
     if (outcome%was_there) return
     seen = .false.
     if (.not. command%quiet .and. outcome%status /= status_stopped) seen = seen_together()

@@ -2,12 +2,14 @@ module bw_columns
   !! Tables of printed reports, and numbers in their columns.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
+  use bw_screen, only: detail_mark, row_mark
   use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
   public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error
 
   character, parameter :: mark = '|'                !! between the cells of a row
+  integer, parameter, public :: most_rows = 40      !! of a list, however much is to be shown
 
   type, public :: text_table
     !! Columns with a name and a unit each. Words stand at the right of a column, at the left where its width is negative, and
@@ -16,8 +18,10 @@ module bw_columns
     character(:), allocatable :: names, units
     integer, allocatable :: widths(:)
     logical, allocatable :: shown(:)
+    logical :: is_list = .true.
   contains
     procedure :: put_head, put_row, put_numbers
+    procedure, private :: line_of
   end type text_table
 
 contains
@@ -59,51 +63,70 @@ contains
     field = repeat(' ', max(1, width - len(text)))//text
   end function right
 
-  pure type(text_table) function table_of(names, units, widths, shown) result(table)
+  pure type(text_table) function table_of(names, units, widths, shown, is_list) result(table)
     !! A table of columns.
     character(*), intent(in) :: names, units      !! of all columns, `|` between them; no units: they have no line
     integer, intent(in) :: widths(:)
     logical, intent(in), optional :: shown(:)     !! columns that are; absent: all
+    logical, intent(in), optional :: is_list      !! rows are of one kind, so that the first stand for all; absent: they are
     table%names = names
     table%units = units
     table%widths = widths
     allocate (table%shown(size(widths)), source=.true.)
     if (present(shown)) table%shown = shown
+    if (present(is_list)) table%is_list = is_list
   end function table_of
 
   subroutine put_head(self, lines)
     !! The lines of names and units.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
-    call self%put_row(lines, self%names)
-    if (self%units /= '') call self%put_row(lines, self%units)
+    call lines%append_line(self%line_of(self%names))
+    if (self%units /= '') call lines%append_line(self%line_of(self%units))
   end subroutine put_head
 
-  subroutine put_row(self, lines, cells, remark)
+  subroutine put_row(self, lines, cells, remark, detail)
     !! The line of a row.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     character(*), intent(in) :: cells             !! of all columns, `|` between them; the last ones may be left out
     character(*), intent(in), optional :: remark  !! any text behind them
+    logical, intent(in), optional :: detail       !! the row is one; absent: it is none
+    character(:), allocatable :: line, kind
+    line = self%line_of(cells)
+    if (present(remark)) line = trim(line//remark)
+    kind = ''
+    if (self%is_list) kind = row_mark
+    if (present(detail)) then
+      if (detail) kind = detail_mark
+    end if
+    call lines%append_line(line//kind)
+  end subroutine put_row
+
+  pure function line_of(self, cells) result(line)
+    !! Cells in their columns, without blanks at the end.
+    class(text_table), intent(in) :: self
+    character(*), intent(in) :: cells
+    character(:), allocatable :: line
     type(string), allocatable :: words(:)
+    type(text_builder) :: built
     integer :: c
     words = lines_of(cells, mark)
     do c = 1, size(words)
       if (.not. self%shown(c)) cycle
       if (self%widths(c) > 0) then
-        call lines%append(right(words(c)%text, self%widths(c)))
+        call built%append(right(words(c)%text, self%widths(c)))
       else if (self%widths(c) < 0) then
-        call lines%append(words(c)%text//repeat(' ', max(1, -self%widths(c) - len(words(c)%text))))
+        call built%append(words(c)%text//repeat(' ', max(1, -self%widths(c) - len(words(c)%text))))
       else
-        call lines%append('   '//words(c)%text)
+        call built%append('   '//words(c)%text)
       end if
     end do
-    if (present(remark)) call lines%append(remark)
-    call lines%append_line('')
-  end subroutine put_row
+    line = trim(built%text())
+  end function line_of
 
   subroutine put_numbers(self, lines, most, columns, rounded, count)
-    !! The head, and rows of numbers, each behind its own from 1 on, at most `most` of them.
+    !! The head, and rows of numbers, each behind its own from 1 on; those beyond `most` are details.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     integer, intent(in) :: most
@@ -117,15 +140,15 @@ contains
     errors = 0
     if (present(rounded)) errors = rounded
     call self%put_head(lines)
-    do k = 1, min(most, size(columns, 1))
+    do k = 1, min(most_rows, size(columns, 1))
       cells = text_of(k)
       do c = 1, size(columns, 2)
         if (c == errors) cells = cells//mark//shortest(columns(k, c), 2)
         if (c /= errors) cells = cells//mark//fixed(columns(k, c))
       end do
-      call self%put_row(lines, cells)
+      call self%put_row(lines, cells, detail=k > most)
     end do
-    call note_rest(lines, rows, most)
+    call note_rest(lines, rows, min(most_rows, size(columns, 1)))
   end subroutine put_numbers
 
   subroutine note_rest(lines, count, most)

@@ -11,7 +11,7 @@ module bw_frequency_report
   private
   public :: extreme_at, report_answer
 
-  integer, parameter :: shown = 20                   !! rows
+  integer, parameter :: shown = 20, most = 100       !! rows that are no details, and rows
 
   type, public :: extreme_type
     !! Where an answer is largest or smallest.
@@ -55,7 +55,7 @@ contains
         call put(asked%points(p), extreme_at(asked%frequency(j - 1:j + 1), answer%value(j - 1:j + 1, p), order))
       end do
     end do
-    call note_rest(lines, count, shown)
+    call note_rest(lines, count, most)
     if (count == 0) call lines%append_line('  neither a resonance nor an antiresonance lies between these frequencies')
     if (allocated(answer%junction)) call report_junctions(asked%frequency, answer, lines)
   contains
@@ -65,14 +65,15 @@ contains
       character(:), allocatable :: at
       if (.not. (extreme%is_resonance .or. extreme%is_antiresonance)) return
       count = count + 1
-      if (count > shown) return
+      if (count > most) return
       at = shortest(extreme%frequency, extreme%digits)
       if (extreme%is_resonance .and. .not. damped) then
-        call table%put_row(lines, fixed(xi)//'|'//at//'|-|-')
+        call table%put_row(lines, fixed(xi)//'|'//at//'|-|-', detail=count > shown)
       else if (extreme%is_resonance) then
-        call table%put_row(lines, fixed(xi)//'|'//at//'|'//fixed(extreme%amplitude)//'|'//fixed(extreme%ratio))
+        call table%put_row(lines, fixed(xi)//'|'//at//'|'//fixed(extreme%amplitude)//'|'//fixed(extreme%ratio), &
+                           detail=count > shown)
       else
-        call table%put_row(lines, fixed(xi)//'||||'//at)
+        call table%put_row(lines, fixed(xi)//'||||'//at, detail=count > shown)
       end if
     end subroutine put
   end subroutine report_answer

@@ -31,7 +31,8 @@ contains
       call lines%append_line('')
       call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result))
       table = table_of('|xi|largest sample|at|between samples|estimated error|% of it|proved bound', '|||s|+ %', &
-                       [-19, 8, 16, 11, 17, 17, 10, 15], [(.true., p=1, 7), allocated(response%displacement_bound)])
+                       [-19, 8, 16, 11, 17, 17, 10, 15], &
+                       [(.true., p=1, 7), allocated(response%displacement_bound)], is_list=.false.)
       call table%put_head(lines)
       call report_quantity('displacement', 'm', scene, response%displacement, response%displacement_error, table, &
                            lines, response%displacement_bound)

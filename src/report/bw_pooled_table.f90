@@ -1,6 +1,6 @@
 module bw_pooled_table
   !! The printed table of the lines that repeats of a record share.
-  use bw_columns, only: note_rest, pair_cells, table_of, text_table
+  use bw_columns, only: most_rows, note_rest, pair_cells, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, scaled
@@ -8,12 +8,11 @@ module bw_pooled_table
   use bw_record, only: sensor_type
   use bw_record_report, only: short_name
   use bw_repeats, only: pooled_lines
+  use bw_screen, only: details
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: pooled_table
-
-  integer, parameter :: shown = 40
 
 contains
 
@@ -25,7 +24,7 @@ contains
     type(sensor_type), intent(in) :: sensors(:)
     real(dp), intent(in), optional :: frequencies(:)  !! Hz, of responses to a hammer
     character(:), allocatable :: text
-    type(text_builder) :: lines
+    type(text_builder) :: lines, responses
     type(text_table) :: table
     integer :: k
     text = ''
@@ -36,15 +35,15 @@ contains
     table = table_of('line|repeats|frequency|+/-|next +/-|scatter|decay rate|+/-|next +/-|scatter|what', &
                      '||Hz|Hz|Hz|Hz|1/s|1/s|1/s|1/s', [6, 9, 14, 12, 12, 12, 12, 12, 12, 12, 0])
     call table%put_head(lines)
-    do k = 1, min(shown, size(pooled%count))
+    do k = 1, min(most_rows, size(pooled%count))
       call table%put_row(lines, text_of(k)//'|'//text_of(pooled%count(k))//' of '//text_of(cases)//'|'// &
                          value_cells(pooled%frequency(k), 1/two_pi)//'|'//value_cells(pooled%decay(k), 1.0_dp), &
                          status_text(pooled%status(k)))
     end do
-    call note_rest(lines, size(pooled%count), shown)
+    call note_rest(lines, size(pooled%count), most_rows)
     if (allocated(pooled%constant_real)) call report_constants(pooled, sensors, lines)
-    if (allocated(pooled%coherence)) call report_responses(pooled, frequencies, lines)
-    text = lines%text()
+    if (allocated(pooled%coherence)) call report_responses(pooled, frequencies, responses)
+    text = lines%text()//details(responses%text())
   end function pooled_table
 
   subroutine report_constants(pooled, sensors, lines)
@@ -62,7 +61,7 @@ contains
     table = table_of('line|constant|+/-|next +/-|scatter|phase|mass|at', '|1/kg|1/kg|1/kg|1/kg|degrees|kg', &
                      [6, 14, 12, 12, 12, 10, 12, 0])
     call table%put_head(lines)
-    do k = 1, min(shown, size(pooled%count))
+    do k = 1, min(most_rows, size(pooled%count))
       associate (real_part => pooled%constant_real(k, :), imag_part => pooled%constant_imag(k, :))
         if (all(is_missing(real_part%value))) cycle
         magnitude = hypot(real_part%value, imag_part%value)
@@ -86,7 +85,7 @@ contains
                            'nearest to each line')
     table = table_of('line|frequency|H1|H2|coherence|sensor', '|Hz', [6, 14, 12, 12, 12, 8])
     call table%put_head(lines)
-    do k = 1, min(shown, size(pooled%count))
+    do k = 1, min(most_rows, size(pooled%count))
       j = minloc(abs(frequencies - pooled%frequency(k)%value/two_pi), dim=1)
       s = maxloc(hypot(pooled%h1_real(j, :), pooled%h1_imag(j, :)), dim=1)
       if (is_missing(pooled%coherence(j, s))) cycle

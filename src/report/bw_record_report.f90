@@ -1,7 +1,7 @@
 module bw_record_report
   !! The printed report of a record: its lines with their intervals, what else was looked at and why it is no line, and the noise.
   use bw_case_result, only: record_result
-  use bw_columns, only: fixed, note_rest, pair_cells, short, table_of, text_table, to_its_error
+  use bw_columns, only: fixed, most_rows, note_rest, pair_cells, short, table_of, text_table, to_its_error
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
@@ -15,7 +15,7 @@ module bw_record_report
   private
   public :: report_record, short_name
 
-  integer, parameter :: shown_lines = 40, shown_candidates = 10, shown_sensors = 16
+  integer, parameter :: shown_candidates = 10, shown_sensors = 16
 
 contains
 
@@ -48,10 +48,10 @@ contains
     table = table_of('line|frequency|+/-|bound|decay rate|+/-|bound|damping|amplitude|+/-|what', &
                      '|Hz|Hz|Hz|1/s|1/s|1/s|%|||', [6, 14, 11, 11, 13, 11, 11, 11, 12, 11, 0])
     call table%put_head(lines)
-    do k = 1, min(shown_lines, size(record%lines%angular_frequency))
+    do k = 1, min(most_rows, size(record%lines%angular_frequency))
       call report_line(record, k, table, lines)
     end do
-    call note_rest(lines, size(record%lines%angular_frequency), shown_lines)
+    call note_rest(lines, size(record%lines%angular_frequency), most_rows)
     call report_drifts(record, lines)
   end subroutine report_lines
 
@@ -122,7 +122,7 @@ contains
                            'the mass M is that of a shape that is 1 at both')
     table = table_of('line|constant|+/-|phase|mass|at', '|1/kg|1/kg|degrees|kg', [6, 14, 12, 10, 12, 0])
     call table%put_head(lines)
-    do k = 1, min(shown_lines, size(record%constant_real, 1))
+    do k = 1, min(most_rows, size(record%constant_real, 1))
       if (all(is_missing(record%constant_error(k, :)))) cycle
       s = maxloc(hypot(record%constant_real(k, :), record%constant_imag(k, :))/record%constant_error(k, :), dim=1, &
                  mask=.not. is_missing(record%constant_error(k, :)))
@@ -162,7 +162,7 @@ contains
     table = table_of('line|wave number|+/-|phase velocity|+/-|group velocity|+/-', &
                      '|1/m|1/m|m/s|m/s|m/s|m/s', [6, 14, 12, 16, 12, 16, 12])
     call table%put_head(lines)
-    do k = 1, min(shown_lines, size(measured%wavenumber))
+    do k = 1, min(most_rows, size(measured%wavenumber))
       call table%put_row(lines, text_of(k)//'|'//pair_cells(measured%wavenumber(k), measured%wavenumber_error(k))//'|'// &
                          pair_cells(measured%phase_velocity(k), measured%phase_velocity_error(k))//'|'// &
                          pair_cells(measured%group_velocity(k), measured%group_velocity_error(k)))
@@ -192,11 +192,11 @@ contains
       call lines%append_line('  Looked at, and no lines')
       table = table_of('frequency|over noise|because', 'Hz|power', [16, 13, 0])
       call table%put_head(lines)
-      do i = 1, min(shown_candidates, size(rejected))
+      do i = 1, min(most_rows, size(rejected))
         call table%put_row(lines, fixed(rejected(i)%angular_frequency/two_pi)//'|'//shortest(rejected(i)%ordinate, 3)//'|'// &
-                           trim(reason_texts(rejected(i)%reason)))
+                           trim(reason_texts(rejected(i)%reason)), detail=i > shown_candidates)
       end do
-      if (size(rejected) > shown_candidates) call lines%append_line('             ...  '//text_of(size(rejected))//' in all')
+      if (size(rejected) > most_rows) call lines%append_line('   ...  '//text_of(size(rejected))//' in all')
     end associate
   end subroutine report_rejected
 

@@ -5,7 +5,7 @@ module bw_report
   use bw_kinds, only: dp
   use bw_case_rows, only: all_modes, starts_of, values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, table_of, text_table
+  use bw_columns, only: fixed, most_rows, note_rest, table_of, text_table
   use bw_event, only: capture_event, contact_event, event_words, release_event
   use bw_frequency_report, only: report_answer
   use bw_history_report, only: report_histories, report_measured
@@ -19,7 +19,7 @@ module bw_report
   private
   public :: case_report, notes_report
 
-  integer, parameter :: shown_modes = 5, shown_events = 8
+  integer, parameter :: shown_modes = 5, shown_configurations = 12, shown_events = 8      !! rows that are no details
 
 contains
 
@@ -57,10 +57,11 @@ contains
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: frequency, phase, group
     type(text_table) :: table
-    integer :: n, count
+    integer :: n, count, few
     frequency = values_of(result, 'angular_frequency')
     count = size(frequency)
-    n = min(shown_modes, count)
+    n = min(most_rows, count)
+    few = min(shown_modes, count)
     frequency = frequency(:n)
     phase = first_of('phase_velocity')
     group = first_of('group_velocity')
@@ -70,7 +71,7 @@ contains
     call table%put_numbers(lines, shown_modes, reshape([first_of('alpha'), first_of('wavenumber'), frequency, &
                                                         scaled(frequency, 1.0_dp/two_pi), phase, group, &
                                                         released_frequency(result, n)], [n, 7]), count=count)
-    call lines%append(why_not(first_of('growth_rate'), frequency, phase, group, result%modes%rigid()))
+    call lines%append(why_not(first_of('growth_rate'), frequency(:few), phase(:few), group(:few), result%modes%rigid()))
     call report_critical(scene, result, lines)
   contains
     function first_of(name) result(values)
@@ -86,7 +87,7 @@ contains
     !! The first frequencies of a beam that changes in time, of every configuration.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    integer, parameter :: shown = 5, most = 12
+    integer, parameter :: shown = 5
     real(dp), allocatable :: frequency(:, :), start(:)
     type(text_table) :: table
     character(:), allocatable :: cells
@@ -99,15 +100,15 @@ contains
     call lines%append_line('')
     table = table_of('configuration|from|mode 1|mode 2|mode 3|mode 4|mode 5', '|s|Hz|Hz|Hz|Hz|Hz', [15, 12, (13, k=1, shown)])
     call table%put_head(lines)
-    do c = 1, min(n, most)
+    do c = 1, min(n, most_rows)
       cells = text_of(c)//'|-'
       if (.not. is_missing(start(c))) cells = text_of(c)//'|'//shortest(start(c), 6)
       do k = 1, min(shown, size(frequency, 1))
         cells = cells//'|'//fixed(frequency(k, c))
       end do
-      call table%put_row(lines, cells)
+      call table%put_row(lines, cells, detail=c > shown_configurations)
     end do
-    if (n > most) call lines%append_line('            ...  '//text_of(n)//' in the file')
+    call note_rest(lines, n, most_rows)
   end subroutine report_configurations
 
   pure logical function leaves_again(result)
@@ -251,17 +252,15 @@ contains
     energy_after = values_of(result, 'energy_after')
     momentum_before = values_of(result, 'momentum_before')
     momentum_after = values_of(result, 'momentum_after')
-    do i = 1, min(shown_events, size(result%events))
+    do i = 1, min(most_rows, size(result%events))
       until = ''
       if (end_time(i) > time(i)) until = shortest(end_time(i), 7)
       call table%put_row(lines, '  '//event_words(result%events(i)%kind)//'|'//shortest(time(i), 7)//'|'// &
                          shortest(result%events(i)%time_error, 2)//'|'//until//'|'//fixed(impulse(i))//'|'// &
                          fixed(energy_before(i))//'|'//fixed(energy_after(i))//'|'//fixed(momentum_before(i))//'|'// &
-                         fixed(momentum_after(i)))
+                         fixed(momentum_after(i)), detail=i > shown_events)
     end do
-    if (size(result%events) > shown_events) then
-      call lines%append_line('  ...     '//text_of(size(result%events))//' in the file')
-    end if
+    call note_rest(lines, size(result%events), most_rows)
     if (any(is_missing([energy_before, energy_after]))) call lines%append_line('  -: a small difference of large numbers, '// &
       'of which rounding leaves no three digits.')
   end subroutine report_events
@@ -276,9 +275,9 @@ contains
     lines = lines_of(notes)
     do i = 1, size(lines)
       if (is_remark(lines(i)%text)) then
-        text = text//'  note: '//unmarked(lines(i)%text)//new_line('a')
+        text = text//'  note: '//unmarked(trim(lines(i)%text))//new_line('a')
       else
-        text = text//'  warning: '//lines(i)%text//new_line('a')
+        text = text//'  warning: '//trim(lines(i)%text)//new_line('a')
       end if
     end do
   end function notes_report

@@ -26,7 +26,7 @@ contains
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = scene%name
-    if (scene%header%title /= '') text = text//': '//scene%header%title
+    if (scene%header%title /= '') text = text//': '//trim(scene%header%title)
     text = text//new_line('a')
   end function scene_heading
 

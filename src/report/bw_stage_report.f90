@@ -1,41 +1,43 @@
 module bw_stage_report
-  !! Where the time of a run went: a line for a short run, a table for a long one.
+  !! Where the time of a run went: a line, and of a long run a table as a detail.
   use bw_columns, only: seconds_text, table_of, text_table
   use bw_kinds, only: dp, i8
+  use bw_screen, only: details
   use bw_stopwatch, only: stage_count, stage_words, stopwatch
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: stage_report
 
-  real(dp), parameter :: short = 1.0_dp           !! s, of a run whose stages are told in one line
-  real(dp), parameter :: told = 0.01_dp           !! of such a run, that a stage must take to be told
+  real(dp), parameter :: short = 1.0_dp           !! s, of a run without a table
+  real(dp), parameter :: told = 0.01_dp           !! of a run, that a stage must take to be told in the line
   real(dp), parameter :: least = 5.0e-4_dp        !! s, which are told as 1 ms
 
 contains
 
   function stage_report(watch, elapsed, processes, cases) result(text)
-    !! Stages are summed over processes; the last line is the run as a whole.
+    !! Stages are summed over processes; the last line of the table is the run as a whole.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed               !! wall time from the first case to the result, s
     integer, intent(in) :: processes
     integer(i8), intent(in) :: cases              !! done in this run
     character(:), allocatable :: text
-    if (elapsed < short .and. processes == 1) then
-      text = stage_line(watch, elapsed)
-    else
-      text = stage_table(watch, elapsed, processes, cases)
-    end if
+    text = stage_line(watch, elapsed, processes, cases)
+    if (elapsed >= short .or. processes > 1) text = text//details(stage_table(watch, elapsed, processes, cases))
   end function stage_report
 
-  pure function stage_line(watch, elapsed) result(text)
-    !! The stages that took most of a short run.
+  pure function stage_line(watch, elapsed, processes, cases) result(text)
+    !! The stages that took most of a run.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed
+    integer, intent(in) :: processes
+    integer(i8), intent(in) :: cases
     character(:), allocatable :: text
     character(1) :: comma
     integer :: i
     text = '  time       '//seconds_text(elapsed)
+    if (processes > 1) text = text//' on '//text_of(processes)//' processes, of which each adds to the stages'
+    if (cases > 1) text = text//', '//shortest(real(cases, dp)/max(elapsed, 1.0e-9_dp), 3)//' cases/s'
     comma = ':'
     do i = 1, stage_count
       if (watch%seconds(i) < max(told*elapsed, least)) cycle

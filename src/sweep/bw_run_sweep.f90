@@ -16,6 +16,7 @@ module bw_run_sweep
   use bw_result_draft, only: not_done
   use bw_result_layout, only: has
   use bw_result_supplement, only: result_supplement
+  use bw_screen, only: details
   use bw_stage_report, only: stage_report
   use bw_stopwatch, only: stage_spectrum, stage_write, stopwatch, wall_seconds
   use bw_sweep_table, only: sweep_table
@@ -178,6 +179,7 @@ contains
     report = sweep_table(work%draft, statuses)
     if (has(work%layout, 'pooled')) then
       over%pooled = pooled_cases(work%draft)
+      if (size(over%pooled%count) > 0) report = details(report)
       report = report//pooled_table(over%pooled, size(statuses), work%scene%spectrum%confidence, &
                                        work%layout%record%sensors, work%layout%record%frequencies)
     end if

@@ -341,7 +341,7 @@ def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
     assert here.result("ring")["misfit_probability"] < 1e-3
     here.write("again.csv", ring_down(11, frequencies(RATIO)))
     here.write("given.nml", scene_of(["ring.csv", "again.csv"], beam={**BEAM, "youngs_modulus": MODULUS}))
-    corrections = here.beamwave("run", "given.nml").stdout.split("With an effect that the model leaves out")[1:]
+    corrections = here.beamwave("run", "given.nml", "--verbose").stdout.split("With an effect that the model leaves out")[1:]
     assert len(corrections) == 2  # one for each repeat
     assert all("a mass at the tip (body%mass = 0.0" in text and "explains the lines" in text for text in corrections)
 

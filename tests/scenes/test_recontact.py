@@ -267,7 +267,7 @@ def test_the_report_lists_the_first_eight_events_and_their_times(here):
     assert heading.split()[1:4] == ["time", "+/-", "until"]
     rows = [line.split()[1:] for line in report.splitlines() if line.startswith("  contact ")]
     assert len(rows) == 7 < len(start)
-    assert f"{1 + len(start)} in the file" in report
+    assert f"...  {1 + len(start) - 8} more" in report
     for row, begins, ends in zip(rows, start, end):
         assert float(row[0]) == float(f"{begins:.7g}")
         assert float(row[1]) < 1e-15

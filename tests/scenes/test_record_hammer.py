@@ -70,7 +70,7 @@ def hammered(here, quantity, repeats=3, seed=1, unknowns=(), groups=None, **opti
     record = {"file": files if repeats > 1 else files[0], "force": "force", "force_point": STRUCK, "points": POINTS}
     scene = namelist({"beam": BEAM, **(groups or {}), "record": record, "spectrum": {}})
     here.write("hammer.nml", scene + "".join(namelist({"identify": unknown}) for unknown in unknowns))
-    ended = here.beamwave("run", "hammer.nml")
+    ended = here.beamwave("run", "hammer.nml", "--verbose")
     assert ended.returncode == 0, ended.stderr
     return here.result("hammer"), ended
 

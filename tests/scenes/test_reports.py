@@ -113,7 +113,8 @@ def test_a_finished_scene_shows_its_report_again(here):
     again = here.beamwave("run", "a.nml").stdout.splitlines()
     timed = next(i for i, line in enumerate(first) if line.startswith("  time "))
     assert again[:timed] == first[:timed]
-    assert again[timed:] == ["  output/a.nc: nothing to do, the result of this scene is there"]
+    assert again[timed] == "  output/a.nc: nothing to do, the result of this scene is there"
+    assert again[timed + 1 :] == first[-1:] == ["  details    15 more lines with --verbose"]  # modes 6 to 20
 
 
 def test_a_finished_sweep_shows_its_table_again(here):

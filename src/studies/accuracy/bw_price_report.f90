@@ -85,7 +85,7 @@ contains
     call lines%append_line('')
     call lines%append_line('  '//title)
     table = table_of('|modes|summed by|true error|estimate|ratio|ms|+/-|modes|events|response|next digit', '', &
-                     [11, 11, 11, 12, 10, 7, 10, 7, 7, 8, 10, 18])
+                     [11, 11, 11, 12, 10, 7, 10, 7, 7, 8, 10, 18], is_list=.false.)
     if (ladder == by_tolerances) call table%put_head(lines)
     do i = 1, size(list%rungs)
       if (list%rungs(i)%ladder /= ladder) cycle

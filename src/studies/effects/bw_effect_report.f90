@@ -6,6 +6,7 @@ module bw_effect_report
   use bw_effect_table, only: in_words
   use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
+  use bw_screen, only: details
   use bw_stopwatch, only: processor_name
   use bw_study_file, only: study_file, study_values
   use bw_text, only: percent, shortest, text_builder, text_of
@@ -39,7 +40,7 @@ contains
     call lines%append_line('')
     call lines%append_line('                                     frequency of mode              wave velocity')
     table = table_of('  effect|state|1|'//text_of(min(middle, list%mode_count))//'|'//text_of(list%mode_count)// &
-                     '|phase|group|response|+/-|time|verdict', '', [-25, -6, 9, 9, 9, 9, 9, 10, 9, 8, 0])
+                     '|phase|group|response|+/-|time|verdict', '', [-25, -6, 9, 9, 9, 9, 9, 10, 9, 8, 0], is_list=.false.)
     call table%put_head(lines)
     do i = 1, size(list%rows)
       call put_effect(list%rows(i), list%tolerance, list%mode_count, table, lines)
@@ -50,7 +51,7 @@ contains
                            ', and by more than the error.')
     do i = 1, size(list%rows)
       if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') then
-        call lines%append_line('  '//in_words(list%rows(i)%effect)//': '//list%rows(i)%remark)
+        call lines%append(details('  '//in_words(list%rows(i)%effect)//': '//list%rows(i)%remark))
       end if
     end do
     text = lines%text()

@@ -30,6 +30,7 @@ module bw_beam_supplement
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_states, only: all_unknowns, measured_scene, states_of, unknowns_in
+  use bw_screen, only: details
   use bw_text, only: append, text_builder, text_of
   implicit none (type, external)
   private
@@ -173,7 +174,7 @@ contains
   end subroutine read_all
 
   subroutine compare(set, findings, lines, notes)
-    !! Lines beside modes, case by case: nothing is unknown.
+    !! Lines beside modes, case by case: nothing is unknown. Cases beyond the first are details.
     type(record_set), intent(inout) :: set
     type(model_findings), intent(inout) :: findings
     type(text_builder), intent(inout) :: lines
@@ -181,10 +182,11 @@ contains
     type(beam_state) :: state
     type(identify_par) :: none(0)
     type(identification) :: found                !! without unknowns
+    type(text_builder), allocatable :: own(:)    !! sections, (cases)
     type(corrected_model), allocatable :: corrections(:)
     real(dp) :: nothing(0)
     integer :: c
-    allocate (findings%cases(set%own), findings%misfits(set%own))
+    allocate (findings%cases(set%own), findings%misfits(set%own), own(set%own))
     do c = 1, set%own
       associate (measured => set%lines(c), misfit => findings%misfits(c))
         state = state_of(set%measured(c)%scene, none, set%measured(c)%lines)
@@ -195,19 +197,23 @@ contains
         if (allocated(set%sensors)) call find_modelled_response(state, nothing, set%sensors, set%frequencies, state%monitor, &
                                                                 findings%cases(c)%response)
         if (size(measured%error) == 0 .or. c > shown_cases) cycle
-        call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
+        call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), own(c))
         if (all(state%mode_of == 0)) then
-          call report_lost(state, nothing, case_text(set, c), lines, notes)
+          call report_lost(state, nothing, case_text(set, c), own(c), notes)
           cycle
         end if
-        call lines%append_line('  Misfit: '//explained_text(misfit))
+        call own(c)%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
         if (.not. misfit%tail < unlikely) cycle
         found%fit%mode_of = state%mode_of
         found%fit%misfit_type = misfit
         call find_corrections(set%measured(c:c), found, corrections)
-        call report_corrections(corrections, misfit%scatter, lines)
+        call report_corrections(corrections, misfit%scatter, own(c))
       end associate
+    end do
+    do c = 1, set%own
+      if (c == 1) call lines%append(own(c)%text())
+      if (c > 1) call lines%append(details(own(c)%text()))
     end do
   end subroutine compare
 
@@ -246,7 +252,7 @@ contains
   end subroutine report_lost
 
   subroutine identify_beam(scene, quantile, set, findings, lines, notes)
-    !! All cases together. Where no line is a mode nothing is identified: the unknowns are missing.
+    !! All cases together, each of several a detail. Where no line is a mode nothing is identified: the unknowns are missing.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: quantile
     type(record_set), intent(inout) :: set
@@ -255,6 +261,7 @@ contains
     character(:), allocatable, intent(inout) :: notes
     type(corrected_model), allocatable :: corrections(:)
     type(identification) :: found
+    type(text_builder) :: compared
     integer :: c, i
     call states_of(set%measured, set%states)
     do c = 1, size(set%states)
@@ -267,8 +274,10 @@ contains
       call compare_case(set%lines(c), set%states(c), found%values, set%places, findings%cases(c))
       if (c > shown_cases .or. size(set%lines(c)%error) == 0) cycle
       call report_comparison('Lines beside the modes of the identified beam'//case_text(set, c), set%lines(c), &
-                             findings%cases(c), lines)
+                             findings%cases(c), compared)
     end do
+    if (size(set%states) == 1) call lines%append(compared%text())
+    if (size(set%states) > 1) call lines%append(details(compared%text()))
     findings%cases = findings%cases(:set%own)
     if (allocated(set%sensors)) call find_modelled_response(set%states(1), found%values, set%sensors, set%frequencies, &
                                                             set%states(1)%monitor, findings%cases(1)%response)

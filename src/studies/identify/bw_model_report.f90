@@ -94,7 +94,7 @@ contains
     integer :: i
     call lines%append_line('')
     call lines%append_line('  Identified; intervals of '//shortest(100*confidence, 6)//' % by profile likelihood')
-    table = table_of('  unknown|value|from|to|unit', '', [-30, 15, 14, 14, 0])
+    table = table_of('  unknown|value|from|to|unit', '', [-30, 15, 14, 14, 0], is_list=.false.)
     call table%put_head(lines)
     remark = ''
     do i = 1, size(found%values)
