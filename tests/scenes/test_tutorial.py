@@ -78,17 +78,17 @@ def test_the_arm(reports):
     reach = 2 * ball / (ball + moving) * math.sqrt((ball + moving) / stiffness)
     says(stiffness / 1e3, 1, "3EI/l³ = {} kN/m")
     says(moving, 3, "tip, {} kg")
-    says(1e3 * reach, 1, "would reach {} mm")
+    says(1e3 * reach, 1, "would deflect by {} mm")
     moment = stiffness * reach * LENGTH
     says(moment, 0, "carry {} N m")
-    says(moment * 0.01 / (EI / 70e9) / 1e6, 0, "or {} MPa")
+    says(moment * 0.01 / (EI / 70e9) / 1e6, 0, "a stress of {} MPa")
     arm, stop = results["arm"], results["arm_stop"]
     says(1e3 * float(np.abs(arm["displacement"]).max()), 1, "moves by {} mm")
     largest = float(np.abs(arm["bending_moment"]).max())
     says(largest, 0, "reaches {} N m")
     says(largest * 0.01 / (EI / 70e9) / 1e6, 1, "M c/I = {} MPa")
     assert float(np.abs(arm["bending_stress"]).max()) == pytest.approx(largest * 0.01 / (EI / 70e9), rel=1e-12)
-    says(float(np.abs(stop["bending_moment"]).max()), 0, "{} N m are left")
+    says(float(np.abs(stop["bending_moment"]).max()), 0, "is still {} N m")
     assert float(arm["event_force"][0]) / float(stop["event_force"][0]) == pytest.approx(5, rel=0.05)  # a factor of five
 
 
