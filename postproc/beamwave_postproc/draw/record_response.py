@@ -14,6 +14,7 @@ from ..style import COLOURS, GREY, logarithmic, styled
 
 DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
 BEYOND = 1.5  # times the highest line, up to where there is something to see
+PALE = "#A6CEE6"
 ROOM = 1e-5  # of the largest response, to which the axis goes down
 
 
@@ -36,14 +37,14 @@ def record_response(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     sheet = sheet_for(ax, len(sensors), 2 if pooled else 1, width=9.6 if pooled else 7.0, height=2.4, share="x")
     known = _modal_sum(case, frequency)
     for row, sensor in zip(sheet.grid, sensors):
-        words = "H1 over the repeats" if pooled else "response over force"
-        row[0].plot(frequency[shown], np.abs(first[sensor, shown]), color=GREY, linewidth=1.0, label=words)
-        if pooled:
+        if pooled:  # H2 is nowhere below H1, and stands behind it
             other = np.abs(_complex(case, "pooled_response_h2"))[sensor, shown]
-            row[0].plot(frequency[shown], other, color=COLOURS[1], linewidth=0.6, label="H2")
+            row[0].plot(frequency[shown], other, color=PALE, linewidth=0.8, label="H2")
             coherence = case["pooled_coherence"].values[sensor, shown]
             row[1].plot(frequency[shown], coherence, color=COLOURS[1], linewidth=0.8)
             row[1].set(ylim=(0.0, 1.03), ylabel="Coherence")
+        words = "H1 over the repeats" if pooled else "response over force"
+        row[0].plot(frequency[shown], np.abs(first[sensor, shown]), color=GREY, linewidth=0.8, label=words)
         if np.isfinite(known[sensor]).all():
             row[0].plot(frequency[shown], np.abs(known[sensor, shown]), color=COLOURS[2], linewidth=0.9, label="modal constants")
         if "modelled_response_real" in case:

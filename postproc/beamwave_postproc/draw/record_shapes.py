@@ -15,7 +15,7 @@ from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, styled
 
 MAX_LINES = 6
-HALF = 0.42  # of the distance between two lines that the largest amplitude takes
+HALF = 0.42  # of the distance between two lines that the largest amplitude takes, at a sensor or of the shape
 
 
 @styled
@@ -54,11 +54,11 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         turn = np.exp(1j * (phase[:, line] - phase[largest, line]))
         value = size[:, line] * turn
         error = np.hypot(size_error[:, line] * turn.real, size[:, line] * phase_error[:, line] * turn.imag)
-        scale = HALF / size[largest, line]
         axes.axhline(row, color=GREY, linewidth=0.6, zorder=0)
         shape, words = modelled_shape(case, line, place, value.real, error), "shape of the model's mode"
         if shape is None:
             shape, words = known_shape(case, line, place, value.real, error), "shape of its wave number"
+        scale = HALF / max(size[largest, line], np.abs(shape[1]).max() if shape is not None else 0.0)
         if shape is not None:
             axes.plot(shape[0], row + scale * shape[1], color=GREY, linewidth=1.0, label=words, zorder=1)
         look = {"color": COLOURS[1], "linestyle": "", "marker": "o", "capsize": 3}

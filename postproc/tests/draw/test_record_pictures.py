@@ -193,6 +193,16 @@ def test_the_shape_of_a_wave_number_goes_through_the_amplitudes(record):
         assert height[0] == row and (height[along == 0.5][0] - row) / tip == pytest.approx(middle, abs=1e-5)
 
 
+def test_a_shape_that_is_largest_between_the_sensors_stays_on_its_own_line(record):
+    """Sensors near the nodes: at ξ = 0.5 and 1 the shape has a fiftieth of what it has between them."""
+    xi = np.linspace(0.0, 1.0, 101)
+    shape = np.tile(np.sin(2.0 * np.pi * xi) + 0.02, (record.sizes["peak"], 1))
+    known = record.assign(modelled_shape=(("peak", "profile"), shape)).assign_coords(profile_position=("profile", xi))
+    axes = record_shapes(known).axes[0]
+    shapes = [line.get_ydata() for line in axes.lines if line.get_label() == "shape of the model's mode"]
+    assert len(shapes) == 2 and all(np.abs(height - row).max() < 0.5 for row, height in enumerate(shapes))
+
+
 def test_a_place_rejected_at_a_line_is_not_marked(record):
     record["candidate_angular_frequency"].values[:] = 2 * np.pi * (HERTZ + 0.2)
     labels = [line.get_label() for line in record_spectrum(record).axes[0].lines]
