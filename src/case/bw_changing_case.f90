@@ -14,7 +14,9 @@ module bw_changing_case
   use bw_case_validity, only: note_history_errors, note_validity
   use bw_changing_motion, only: follow_changes
   use bw_event, only: event_words
-  use bw_contact_errors, only: add_rounding, largest_distance, part_of_peak
+  use bw_changing_errors, only: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, &
+    rounding_of_turn
+  use bw_contact_errors, only: add_rounding, part_of_peak
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing, scaled
   use bw_mode_set, only: attend, deflections, first_numbers, mode_set, search_failure, turns
@@ -34,6 +36,7 @@ module bw_changing_case
 
   integer, parameter :: first_count = 32           !! modes that a tolerance begins with
   integer, parameter :: most_count = 2048          !! and the most that it takes
+  real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, that errors of the states after changes may have
 
 contains
 
@@ -101,12 +104,14 @@ contains
     type(case_motion), intent(out) :: motion
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
-    logical :: limit
-    integer :: most
+    real(dp), allocatable :: rounding(:, :)
+    logical :: limit, enough
+    integer :: handing, most
     limit = by_tolerance(scene%modes)
     most = most_count
     if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     counted = scene
+    handing = 1
     if (limit) then
       counted%modes%tolerance = missing
       counted%modes%before = first_count
@@ -114,27 +119,49 @@ contains
     end if
     do
       motion = case_motion(units=units_of(scene%beam))
-      call find_modes(counted, motion%units, monitor, motion%modes, cache)
+      call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
       call attend(motion%modes%configuration, failure, monitor)
-      call follow_fewer(counted, limit, motion, watch, monitor, workspace, histories, errors)
+      call follow_fewer(counted, handing, limit, motion, watch, monitor, workspace, histories, errors)
       if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
+      rounding = rounding_of_turn(counted, motion)
+      call leave_out_rounding(rounding, errors)
+      enough = part_of_peak(histories%response, errors) <= (1.0_dp - state_share)*scene%modes%tolerance
+      call join_state_errors(counted, motion, errors)
       motion%plan%reached = part_of_peak(histories%response, errors)
-      if (.not. limit .or. counted%modes%before >= most .or. histories%status /= case_done) exit
+      if (.not. limit .or. histories%status /= case_done) exit
       if (motion%plan%reached <= scene%modes%tolerance) exit
-      counted%modes%before = min(most, 2*counted%modes%before)
-      counted%modes%after = counted%modes%before
+      if (enough) then
+        if (2*handing*counted%modes%before > most) exit
+        handing = 2*handing
+      else
+        if (counted%modes%before >= most) exit
+        counted%modes%before = min(most, 2*counted%modes%before)
+        counted%modes%after = counted%modes%before
+        handing = max(1, min(handing, most/counted%modes%before))
+      end if
     end do
     call add_rounding(counted, motion, histories%response, errors)
     motion%plan%reached = part_of_peak(histories%response, errors)
+    call add_rounding_of_turn(rounding, errors)
   end subroutine follow_to_tolerance
 
-  subroutine follow_fewer(scene, limit, motion, watch, monitor, workspace, histories, errors)
+  pure type(scene_type) function times_as_many(scene, times) result(more)
+    !! Modes.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: times
+    more = scene
+    more%modes%before = times*scene%modes%before
+    more%modes%after = times*scene%modes%after
+  end function times_as_many
+
+  subroutine follow_fewer(scene, handing, limit, motion, watch, monitor, workspace, histories, errors)
     !! The motion with all modes, and with fewer, and how far those that are missing may be: `extrapolate`. Where bodies come later, what a few
     !! modes less change goes up and down: the largest of several counts is taken.
     type(scene_type), intent(in) :: scene            !! that counts its modes
+    integer, intent(in) :: handing                   !! times as many modes as are summed hand on their motion
     logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(stopwatch), intent(inout) :: watch
@@ -147,17 +174,17 @@ contains
     type(history_errors) :: before, early            ! changes up to half the modes, and up to a quarter
     integer :: eighths
     if (allocated(scene%response)) then
-      call run_eighths(scene, 4, limit, motion, watch, monitor, workspace, half)
+      call run_eighths(scene, 4, handing, limit, motion, watch, monitor, workspace, half)
       if (monitor%stop_requested()) return
     end if
-    call run_eighths(scene, 8, limit, motion, watch, monitor, workspace, histories)
+    call run_eighths(scene, 8, handing, limit, motion, watch, monitor, workspace, histories)
     if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
     errors = history_errors(status=histories%status)
     call add_difference(histories%response, half%response, errors)
     whole = motion
     do eighths = 7, 3, -1
       if (eighths == 4 .or. size(motion%timeline%events) == 0) cycle
-      call run_eighths(scene, eighths, limit, whole, watch, monitor, workspace, other)
+      call run_eighths(scene, eighths, handing, limit, whole, watch, monitor, workspace, other)
       if (monitor%stop_requested()) return
       if (eighths > 4) then
         call add_difference(histories%response, other%response, errors)
@@ -165,10 +192,10 @@ contains
         call add_difference(half%response, other%response, before)
       end if
     end do
-    call run_eighths(scene, 2, limit, whole, watch, monitor, workspace, quarter)
+    call run_eighths(scene, 2, handing, limit, whole, watch, monitor, workspace, quarter)
     if (monitor%stop_requested()) return
     call add_difference(half%response, quarter%response, before)
-    call run_eighths(scene, 1, limit, whole, watch, monitor, workspace, other)
+    call run_eighths(scene, 1, handing, limit, whole, watch, monitor, workspace, other)
     if (monitor%stop_requested()) return
     call add_difference(quarter%response, other%response, early)
     call watch%lap(stage_response)
@@ -177,41 +204,10 @@ contains
     if (allocated(errors%bending_moment)) call extrapolate(early%bending_moment, before%bending_moment, errors%bending_moment)
   end subroutine follow_fewer
 
-  pure subroutine extrapolate(early, before, error)
-    !! From the changes up to a quarter and a half of the modes and all of them to what is missing: as the changes of a geometric series,
-    !! 2ρ/(1 − ρ) of the last, ρ being the larger of the two ratios, and the last no less than ρ of the one before it.
-    real(dp), intent(in) :: early(:), before(:)
-    real(dp), intent(inout) :: error(:)
-    real(dp), parameter :: least = 0.1_dp, most = 0.7_dp       ! tuned
-    real(dp) :: ratio
-    if (maxval(before) <= 0.0_dp) return
-    ratio = maxval(error)/maxval(before)
-    if (maxval(early) > 0.0_dp) ratio = max(ratio, maxval(before)/maxval(early))
-    ratio = min(most, max(least, ratio))
-    error = max(error, ratio*before)*(2.0_dp*ratio/(1.0_dp - ratio))
-  end subroutine extrapolate
-
-  pure subroutine add_difference(response, other, errors)
-    !! The largest distance of two histories, or what is there if that is larger.
-    type(response_type), intent(in) :: response, other
-    type(history_errors), intent(inout) :: errors
-    call add(response%displacement, other%displacement, errors%displacement)
-    if (allocated(response%velocity)) call add(response%velocity, other%velocity, errors%velocity)
-    if (allocated(response%bending_moment)) call add(response%bending_moment, other%bending_moment, errors%bending_moment)
-  contains
-    pure subroutine add(history, beside, error)
-      real(dp), intent(in) :: history(:, :), beside(:, :)
-      real(dp), allocatable, intent(inout) :: error(:)
-      if (.not. allocated(error)) error = 0.0_dp*history(1, :)
-      where (is_missing(error) .or. is_missing(history(1, :))) error = 0.0_dp
-      error = max(error, largest_distance(history, beside))
-    end subroutine add
-  end subroutine add_difference
-
-  subroutine run_eighths(scene, eighths, limit, motion, watch, monitor, workspace, found)
+  subroutine run_eighths(scene, eighths, handing, limit, motion, watch, monitor, workspace, found)
     !! With a part of the modes. The motion is that of this run then.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: eighths
+    integer, intent(in) :: eighths, handing
     logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion
     type(stopwatch), intent(inout) :: watch
@@ -220,7 +216,7 @@ contains
     type(case_histories), intent(out) :: found
     type(case_histories) :: angle
     type(history_errors) :: none
-    call follow_changes(scene, eighths, limit, motion, monitor)
+    call follow_changes(scene, eighths, handing, limit, motion, monitor)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
     call watch%lap(stage_events)
     if (.not. allocated(scene%response)) return
@@ -290,7 +286,7 @@ contains
     result%mode_count = 0
     associate (configuration => motion%modes%configuration, moving => motion%modes%moving)
       if (motion%modes%resolved) then
-        result%mode_count = configuration(moving)%set%count
+        result%mode_count = result%segments(1)%count
         if (by_tolerance(scene%modes)) then
           do c = 1, size(configuration)
             call configuration(c)%source%find(first_numbers(min(shown_modes, configuration(c)%set%count)), shown)

@@ -16,6 +16,7 @@ module bw_changing_motion
   use bw_segment, only: energy_type, known_energy, leaves_range, move, segment_type, operator(+)
   use bw_text, only: append, shortest
   use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of, timeline_type
+  use bw_unhanded, only: unhanded_motion
   implicit none (type, external)
   private
   public :: follow_changes
@@ -25,14 +26,16 @@ module bw_changing_motion
     type(beam_state) :: state
     integer :: configuration = 1
     logical, allocatable :: there(:)               !! which bodies are, (bodies)
+    real(dp), allocatable :: error(:, :)           !! that of a segment that starts, (modes, 2)
   end type now_type
 
 contains
 
-  subroutine follow_changes(scene, eighths, limit, motion, monitor)
+  subroutine follow_changes(scene, eighths, handing, limit, motion, monitor)
     !! From the beginning to the last event.
     type(scene_type), intent(in) :: scene          !! without sweeps, that counts its modes
     integer, intent(in) :: eighths                 !! how many eighths of the modes of each configuration take part, the first
+    integer, intent(in) :: handing                 !! times as many modes hand on their motion as are summed
     logical, intent(in) :: limit                   !! a mass that is captured strikes infinitely many modes
     type(case_motion), intent(inout) :: motion     !! its modes are known
     class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
@@ -55,14 +58,14 @@ contains
     end do
     motion%initial%modal_velocity = now%state%rate
     motion%initial%events = motion%timeline%events
-    call add_segment(to_dd(0.0_dp), motion, now)
+    call add_segment(to_dd(0.0_dp), handing, motion, now)
     do i = i, size(steps)
       time = to_dd(steps(i)%seconds)/motion%units%time
       if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
       call advance(time, motion, now)
       call take_step(scene, steps(i), eighths, limit, bodies, motion, now, monitor)
       if (monitor%stop_requested()) return
-      call add_segment(time, motion, now)
+      call add_segment(time, handing, motion, now)
     end do
   end subroutine follow_changes
 
@@ -132,6 +135,7 @@ contains
       state%q = 0.0_dp*modes%modal_mass
       state%rate = state%q
       allocate (state%shape(0))
+      allocate (now%error(modes%count, 2), source=0.0_dp)
       if (.not. allocated(scene%initial)) return
       force = scene%initial%force*units%time%hi/units%mass
       turn = scene%initial%angular_velocity*units%length
@@ -187,18 +191,20 @@ contains
     end associate
   end subroutine advance
 
-  subroutine add_segment(time, motion, now)
+  subroutine add_segment(time, handing, motion, now)
     !! Free motion about the equilibrium.
     type(dd), intent(in) :: time
+    integer, intent(in) :: handing
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(in) :: now
     type(segment_type) :: segment
     segment%configuration = now%configuration
     segment%start = time
-    segment%count = now%state%count
+    segment%count = (now%state%count + handing - 1)/handing
     segment%q = now%state%q
     segment%rate = now%state%rate
     if (size(now%state%shape) > 0) segment%shape = now%state%shape
+    segment%error = now%error
     motion%timeline%segments = [motion%timeline%segments, segment]
   end subroutine add_segment
 
@@ -232,6 +238,10 @@ contains
       call hand_over(configuration, now%configuration, now%state, now%there, next, &
                      taking_part(configuration(next)%set, eighths), is, bodies, speed**2, later, event, monitor)
       if (monitor%stop_requested()) return
+      associate (n => now%state%count)
+        now%error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
+                                    configuration(next)%set, bodies, now%there, is)
+      end associate
     end associate
     event%kind = kind_of_change(step, now%there, is)
     motion%timeline%events = [motion%timeline%events, event]
@@ -263,6 +273,7 @@ contains
     type(body_type) :: mass(1)
     real(dp) :: moving, place, speed
     event%kind = impact_event
+    now%error = 0.0_dp
     associate (modes => motion%modes%configuration(now%configuration)%set, given => scene%impact, impact => motion%initial%impact, &
                state => now%state)
       moving = dot_product(modes%struck, state%rate)

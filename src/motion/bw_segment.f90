@@ -64,7 +64,8 @@ module bw_segment
     real(dp) :: start_error = 0.0_dp         !! estimate of the error of `start`, where contacts amplify errors
     type(load_type), allocatable :: load     !! unallocated: the modes move freely
     real(dp), allocatable :: error(:, :)
-      !! the same of modal displacements and velocities until the next segment; else unallocated, (modes, 2)
+      !! the same of modal displacements and velocities, where contacts amplify errors until the next segment, where bodies come and leave at
+      !! the start; else unallocated, (modes, 2)
   end type segment_type
 
   real(dp), parameter, public :: largest_exponent = 300.0_dp   !! of growth whose energy is still a number

@@ -1,0 +1,158 @@
+module bw_changing_errors
+  !! Errors of the histories of a beam that changes in time: what runs with fewer modes change, extrapolated, and what errors of the state
+  !! that a segment starts from come to (bw_unhanded).
+  use bw_case_moments, only: scale_of_moments
+  use bw_case_result, only: case_motion, history_errors
+  use bw_contact_errors, only: largest_distance
+  use bw_double_double, only: to_dd
+  use bw_kinds, only: dp
+  use bw_lack_error, only: find_lack, lack_error
+  use bw_missing, only: is_missing
+  use bw_mode_set, only: curvatures, deflections
+  use bw_mode_survey, only: mode_survey
+  use bw_reach, only: amplitude_of, stretch_type
+  use bw_response, only: response_type
+  use bw_scene, only: scene_type, unit_velocity
+  use bw_segment, only: lack_type
+  use bw_segment_samples, only: stretch_of
+  use bw_time_grid, only: first_sample, time_grid, time_grid_of
+  use bw_truncation_error, only: spread_of_samples
+  implicit none (type, external)
+  private
+  public :: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, rounding_of_turn
+
+contains
+
+  pure subroutine extrapolate(early, before, error)
+    !! From the changes up to a quarter and a half of the modes and all of them to what is missing: as the changes of a geometric series,
+    !! 2ρ/(1 − ρ) of the last, ρ being the larger of the two ratios, and the last no less than ρ of the one before it.
+    real(dp), intent(in) :: early(:), before(:)
+    real(dp), intent(inout) :: error(:)
+    real(dp), parameter :: least = 0.1_dp, most = 0.7_dp       ! tuned
+    real(dp) :: ratio
+    if (maxval(before) <= 0.0_dp) return
+    ratio = maxval(error)/maxval(before)
+    if (maxval(early) > 0.0_dp) ratio = max(ratio, maxval(before)/maxval(early))
+    ratio = min(most, max(least, ratio))
+    error = max(error, ratio*before)*(2.0_dp*ratio/(1.0_dp - ratio))
+  end subroutine extrapolate
+
+  pure subroutine add_difference(response, other, errors)
+    !! The largest distance of two histories, or what is there if that is larger.
+    type(response_type), intent(in) :: response, other
+    type(history_errors), intent(inout) :: errors
+    call add(response%displacement, other%displacement, errors%displacement)
+    if (allocated(response%velocity)) call add(response%velocity, other%velocity, errors%velocity)
+    if (allocated(response%bending_moment)) call add(response%bending_moment, other%bending_moment, errors%bending_moment)
+  contains
+    pure subroutine add(history, beside, error)
+      real(dp), intent(in) :: history(:, :), beside(:, :)
+      real(dp), allocatable, intent(inout) :: error(:)
+      if (.not. allocated(error)) error = 0.0_dp*history(1, :)
+      where (is_missing(error) .or. is_missing(history(1, :))) error = 0.0_dp
+      error = max(error, largest_distance(history, beside))
+    end subroutine add
+  end subroutine add_difference
+
+  subroutine join_state_errors(scene, motion, errors)
+    !! What all segments, were each to last until the end of the record, make of the errors of the states that they start from. Runs with
+    !! fewer modes show what is not handed on, too: the larger of both counts.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(history_errors), intent(inout) :: errors
+    real(dp), dimension(size(scene%response%points)) :: deflection, rate, curvature
+    type(lack_error) :: found
+    real(dp) :: metres, speed
+    integer :: i
+    deflection = 0.0_dp
+    rate = 0.0_dp
+    curvature = 0.0_dp
+    do i = 1, size(motion%timeline%segments)
+      found = error_of_state(scene, motion, i, deflections)
+      deflection = deflection + found%displacement
+      rate = rate + found%rate
+      if (.not. allocated(errors%bending_moment)) cycle
+      found = error_of_state(scene, motion, i, curvatures)
+      curvature = curvature + found%rate
+    end do
+    speed = abs(unit_velocity(scene))
+    metres = speed*motion%units%time%hi
+    errors%displacement = max(errors%displacement, metres*deflection)
+    if (allocated(errors%velocity)) errors%velocity = max(errors%velocity, speed*rate)
+    if (allocated(errors%bending_moment)) &
+      errors%bending_moment = max(errors%bending_moment, scale_of_moments(scene)*metres*curvature)
+  end subroutine join_state_errors
+
+  subroutine add_rounding_of_turn(rounding, errors)
+    !! Of displacements and velocities.
+    real(dp), intent(in) :: rounding(:, :)       !! that of `rounding_of_turn`
+    type(history_errors), intent(inout) :: errors
+    errors%displacement = errors%displacement + rounding(:, 1)
+    if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding(:, 2)
+  end subroutine add_rounding_of_turn
+
+  subroutine leave_out_rounding(rounding, errors)
+    !! Errors that are not larger count for nothing: a beam that turns with its hub and does not bend has no others.
+    real(dp), intent(in) :: rounding(:, :)       !! that of `rounding_of_turn`
+    type(history_errors), intent(inout) :: errors
+    where (errors%displacement <= rounding(:, 1)) errors%displacement = 0.0_dp
+    if (.not. allocated(errors%velocity)) return
+    where (errors%velocity <= rounding(:, 2)) errors%velocity = 0.0_dp
+  end subroutine leave_out_rounding
+
+  function rounding_of_turn(scene, motion) result(rounding)
+    !! Displacements from a line that turns with its hub are differences: their rounding is that of the turn, and so is that of
+    !! velocities, m and m/s, (points, 2).
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    real(dp) :: rounding(size(scene%response%points), 2)
+    real(dp), parameter :: unit = 16.0_dp*epsilon(1.0_dp)
+    type(stretch_type) :: stretch
+    type(time_grid) :: grid
+    real(dp) :: swing(2)
+    integer :: i
+    rounding = 0.0_dp
+    if (.not. allocated(scene%hub)) return
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    swing = 0.0_dp
+    do i = 1, size(motion%timeline%segments)
+      associate (segment => motion%timeline%segments(i), &
+                 turning => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set%hub_turns())
+        stretch = stretch_of(grid, first_sample(segment%start, grid), grid%samples, segment%start)
+        swing = max(swing, abs(turning(1))*[ &
+          amplitude_of(to_dd(0.0_dp), 0.0_dp, segment%q(1), segment%rate(1), stretch, .false.)*motion%units%time%hi, &
+          amplitude_of(to_dd(0.0_dp), 0.0_dp, segment%q(1), segment%rate(1), stretch, .true.)])
+      end associate
+    end do
+    associate (lever => scene%hub%radius/motion%units%length + scene%response%points)
+      rounding(:, 1) = unit*abs(unit_velocity(scene))*swing(1)*lever
+      rounding(:, 2) = unit*abs(unit_velocity(scene))*swing(2)*lever
+    end associate
+  end function rounding_of_turn
+
+  type(lack_error) function error_of_state(scene, motion, i, quantity) result(error)
+    !! Of segment i, V l²/h and V.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: i, quantity
+    type(lack_type) :: lack
+    type(mode_survey) :: survey
+    type(time_grid) :: grid
+    real(dp), dimension(size(scene%response%points)) :: part, times
+    integer :: first, samples
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    associate (segment => motion%timeline%segments(i))
+      first = first_sample(segment%start, grid)
+      samples = grid%samples - first + 1
+      part = 0.0_dp
+      times = 0.5_dp*spread_of_samples(samples)    ! the errors are twice their root mean squares
+      lack%bounded = segment%count
+      lack%q_doubt = segment%error(:, 1)
+      lack%rate_doubt = segment%error(:, 2)
+      call survey%start(quantity, scene%response%points, stretch_of(grid, first, grid%samples, segment%start))
+      call find_lack(lack, motion%modes%configuration(segment%configuration)%set, segment%count, survey, samples, part, times, &
+                     error)
+    end associate
+  end function error_of_state
+
+end module bw_changing_errors
