@@ -18,11 +18,12 @@ module bw_case_frequency
   use bw_forced_beam, only: forced_beam
   use bw_junction_waves, only: find_scattered
   use bw_kinds, only: dp
-  use bw_missing, only: missing
+  use bw_missing, only: missing, scaled
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: joint_position, junctions_of, piece_beam
   use bw_piece_source, only: source_of_pieces
+  use bw_response_extremes, only: find_extremes, harmonic_response
   use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam
   use bw_text, only: append, shortest, string, text_of
@@ -36,6 +37,14 @@ module bw_case_frequency
   real(dp), parameter :: off_axis = 0.01_dp          !! of Ω², by which r is looked at beside the axis, whose square its error is; tuned
   integer, parameter :: at_once = 256                !! frequencies between two looks at the clock
 
+  type, extends(harmonic_response) :: boundary_response
+    !! By the boundary problem.
+    type(forced_beam) :: forced
+    real(dp) :: mass = 0.0_dp, stiffness = 0.0_dp    !! Rayleigh's damping
+  contains
+    procedure :: at => solve_boundary
+  end type boundary_response
+
   type :: modal_terms
     !! What modes are summed by.
     real(dp), allocatable :: weight(:, :)            !! Φ_k(ξ)Φ_k(ξ_f)/M_k, (modes, points)
@@ -43,19 +52,29 @@ module bw_case_frequency
     real(dp), allocatable :: damping(:)              !! c_k
   end type modal_terms
 
+  type, extends(harmonic_response) :: modal_response
+    !! By n modes, and what these lack of the boundary problem.
+    type(modal_terms) :: own, plain                  !! as the beam is, and as the boundary problem has it
+    type(forced_beam) :: forced
+    integer :: n = 0
+    logical :: has_rest = .true.
+  contains
+    procedure :: at => sum_modes
+  end type modal_response
+
 contains
 
-  subroutine find_frequency_response(scene, units, junctions, monitor, cache, answer, notes, status)
+  subroutine find_frequency_response(scene, units, junctions, with_extremes, monitor, cache, answer, notes, status)
     !! The answer of all points at all frequencies, in SI units.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: junctions                 !! room for those of the beam; 0: they are not wanted
+    logical, intent(in) :: with_extremes             !! resonances and antiresonances are wanted
     class(monitor_type), intent(inout) :: monitor    !! the answer means nothing where it asks to stop
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), allocatable, intent(out) :: answer
     type(string), allocatable, intent(inout) :: notes(:)
     integer, intent(inout) :: status                 !! of the case
-    type(forced_beam) :: forced
     type(struck_beam) :: pieces
     real(dp), allocatable :: omega(:)                ! in h/l²
     complex(dp), allocatable :: factor(:)
@@ -66,14 +85,13 @@ contains
     if (monitor%stop_requested()) return
     call in_uniform_parts(pieces)                    ! where it tapers
     associate (asked => scene%frequency_response)
-      call forced%place(pieces%beam, asked%position, asked%points)
       allocate (answer%value(size(omega), size(asked%points)))
       factor = factors_of(asked%quantity, two_pi*asked%frequency, units%time%hi**2/units%mass)
     end associate
     if (answers_by_modes(scene)) then
-      call by_modes(scene, units, pieces, forced, omega, factor, monitor, cache, answer)
+      call by_modes(scene, units, pieces, omega, factor, with_extremes, monitor, cache, answer)
     else
-      call by_boundary(scene, units, forced, omega, factor, monitor, answer%value)
+      call by_boundary(scene, units, pieces%beam, omega, factor, with_extremes, monitor, cache, answer)
     end if
     if (monitor%stop_requested()) return
     call keep_numbers(answer%value)
@@ -109,23 +127,26 @@ contains
     end where
   end subroutine scatter
 
-  subroutine by_boundary(scene, units, forced, omega, factor, monitor, value)
+  subroutine by_boundary(scene, units, beam, omega, factor, with_extremes, monitor, cache, answer)
     !! Exactly.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    type(forced_beam), intent(inout) :: forced
+    type(piece_beam), intent(in) :: beam             !! in uniform parts
     real(dp), intent(in) :: omega(:)
     complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
+    logical, intent(in) :: with_extremes
     class(monitor_type), intent(inout) :: monitor
-    complex(dp), intent(out) :: value(:, :)          !! (frequencies, points)
-    real(dp) :: mass, stiffness
+    type(case_mode_cache), intent(inout), target :: cache
+    type(answer_type), intent(inout) :: answer
+    type(boundary_response) :: response
+    type(modal_terms) :: modes
+    class(mode_set), allocatable :: set
     integer :: j
-    mass = 0.0_dp
-    stiffness = 0.0_dp
+    call response%forced%place(beam, scene%frequency_response%position, scene%frequency_response%points)
     if (allocated(scene%damping)) then
       associate (law => law_of(scene%damping, units))
-        mass = law%mass
-        stiffness = law%stiffness
+        response%mass = law%mass
+        response%stiffness = law%stiffness
       end associate
     end if
     do j = 1, size(omega)
@@ -133,64 +154,106 @@ contains
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      call forced%respond(cmplx(omega(j)**2, -omega(j)*mass, dp), cmplx(0.0_dp, omega(j)*stiffness, dp), value(j, :))
-      value(j, :) = factor(j)*value(j, :)
+      call response%at(omega(j), answer%value(j, :))
+      answer%value(j, :) = factor(j)*answer%value(j, :)
     end do
+    if (.not. with_extremes) return
+    call find_enough(scene, units, omega(size(omega)), monitor, cache, set)
+    if (monitor%stop_requested() .or. .not. set%resolved) return
+    modes = terms_of(scene, set)
+    call look_for_extremes(scene, units, response, modes, omega, monitor, answer)
   end subroutine by_boundary
 
-  subroutine by_modes(scene, units, pieces, forced, omega, factor, monitor, cache, answer)
+  subroutine solve_boundary(self, omega, value)
+    class(boundary_response), intent(inout) :: self
+    real(dp), intent(in) :: omega
+    complex(dp), intent(out) :: value(:)
+    call self%forced%respond(cmplx(omega**2, -omega*self%mass, dp), cmplx(0.0_dp, omega*self%stiffness, dp), value)
+  end subroutine solve_boundary
+
+  subroutine look_for_extremes(scene, units, response, modes, omega, monitor, answer)
+    !! Resonances and antiresonances, in SI units.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(harmonic_response), intent(inout) :: response
+    type(modal_terms), intent(in) :: modes
+    real(dp), intent(in) :: omega(:)
+    class(monitor_type), intent(inout) :: monitor
+    type(answer_type), intent(inout) :: answer
+    integer :: order
+    order = 0
+    if (scene%frequency_response%quantity == 'velocity') order = 1
+    if (scene%frequency_response%quantity == 'acceleration') order = 2
+    call find_extremes(response, modes%square, modes%damping, order, [omega(1), omega(size(omega))], &
+                       size(answer%value, 2), monitor, answer%extremes)
+    associate (extremes => answer%extremes)
+      extremes%omega = extremes%omega/units%time%hi
+      extremes%amplitude = scaled(extremes%amplitude, units%time%hi**(2 - order)/units%mass)
+    end associate
+  end subroutine look_for_extremes
+
+  subroutine by_modes(scene, units, pieces, omega, factor, with_extremes, monitor, cache, answer)
     !! By all modes that are found, and once more by half of them.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(struck_beam), intent(in) :: pieces
-    type(forced_beam), intent(inout) :: forced
     real(dp), intent(in) :: omega(:)
     complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
+    logical, intent(in) :: with_extremes
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), intent(inout) :: answer
-    type(modal_terms) :: own, plain
+    type(modal_response) :: response
     class(mode_source), allocatable :: uniform
     class(mode_set), allocatable :: set
     complex(dp) :: half(size(answer%value, 2))
     integer :: j, n
-    call find_enough(scene, units, omega(size(omega)), monitor, cache, set)
+    call find_enough(scene, units, beyond*omega(size(omega)), monitor, cache, set)
     if (monitor%stop_requested()) return
     allocate (answer%error(size(half)), source=missing)
     answer%value = cmplx(missing, missing, dp)
     if (.not. set%resolved) return
-    n = set%count
-    own = terms_of(scene, set)
+    call response%forced%place(pieces%beam, scene%frequency_response%position, scene%frequency_response%points)
+    response%n = set%count
+    response%has_rest = .not. allocated(scene%hub)
+    response%own = terms_of(scene, set)
+    response%plain = response%own
     if (varies_along_pieces(scene)) then
       allocate (uniform, source=source_of_pieces(pieces))
-      call uniform%find(first_numbers(n), set, monitor=monitor)
+      call uniform%find(first_numbers(response%n), set, monitor=monitor)
       if (monitor%stop_requested() .or. .not. set%resolved) return
-      plain = terms_of(scene, set)
-    else
-      plain = own
+      response%plain = terms_of(scene, set)
     end if
+    n = response%n
     answer%error = 0.0_dp
     do j = 1, size(omega)
       if (mod(j, at_once) == 0) then
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      answer%value(j, :) = sum_of(own, n, cmplx(omega(j)**2, 0.0_dp, dp), omega(j))
-      half = sum_of(own, n/2, cmplx(omega(j)**2, 0.0_dp, dp), omega(j))
-      if (.not. allocated(scene%hub)) then
-        answer%value(j, :) = answer%value(j, :) + rest_of(own, plain, n, omega(j), forced, size(half))
-        half = half + rest_of(own, plain, n/2, omega(j), forced, size(half))
-      end if
+      call response%at(omega(j), answer%value(j, :))
+      response%n = n/2
+      call response%at(omega(j), half)
+      response%n = n
       answer%value(j, :) = factor(j)*answer%value(j, :)
       answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half))
     end do
+    if (with_extremes) call look_for_extremes(scene, units, response, response%own, omega, monitor, answer)
   end subroutine by_modes
 
+  subroutine sum_modes(self, omega, value)
+    class(modal_response), intent(inout) :: self
+    real(dp), intent(in) :: omega
+    complex(dp), intent(out) :: value(:)
+    value = sum_of(self%own, self%n, cmplx(omega**2, 0.0_dp, dp), omega)
+    if (self%has_rest) value = value + rest_of(self%own, self%plain, self%n, omega, self%forced, size(value))
+  end subroutine sum_modes
+
   subroutine find_enough(scene, units, omega, monitor, cache, set)
-    !! Modes far beyond the highest frequency.
+    !! Modes up to a frequency.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    real(dp), intent(in) :: omega                    !! the highest frequency
+    real(dp), intent(in) :: omega                    !! that the last should exceed
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), target :: cache
     class(mode_set), allocatable, intent(out) :: set
@@ -210,7 +273,7 @@ contains
         n = min(n, source%highest)
         call source%find(first_numbers(n), set, monitor=monitor)
         if (monitor%stop_requested() .or. .not. set%resolved) return
-        if (set%beta_squared(n)%hi > (beyond*omega)**2 .or. n == min(source%highest, most_modes)) return
+        if (set%beta_squared(n)%hi > omega**2 .or. n == min(source%highest, most_modes)) return
         n = min(2*n, most_modes)
       end do
     end associate

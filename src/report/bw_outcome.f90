@@ -125,7 +125,8 @@ contains
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: part, parts
     integer(i1), intent(in) :: statuses(:)    !! how the cases ended, `not_done` of those that have not, (cases)
-    integer :: failed, missing, p
+    integer, parameter :: shown = 10          ! parts that lack cases
+    integer :: failed, missing, p, waiting
     failed = count(statuses(part::parts) /= case_done)
     if (failed > 0) self%status = status_not_trusted
     self%notes = ''
@@ -135,11 +136,16 @@ contains
       text_of(size(statuses(part::parts)))//' of '//text_of(size(statuses))//' cases'//new_line('a')
     if (all(statuses /= not_done)) self%report = self%report// &
       '  no case is missing; the last of the parts that are still at work finishes '//self%file//new_line('a')
-    do p = 1, parts
+    waiting = 0
+    do p = 1, min(parts, size(statuses))      ! further parts have no case
       missing = count(statuses(p::parts) == not_done)
-      if (missing > 0) self%report = self%report//'  missing    '//text_of(missing)//' of the '// &
+      if (missing == 0) cycle
+      waiting = waiting + 1
+      if (waiting <= shown) self%report = self%report//'  missing    '//text_of(missing)//' of the '// &
         text_of(size(statuses(p::parts)))//' cases of part '//text_of(p)//new_line('a')
     end do
+    if (waiting > shown) self%report = self%report//'  missing    cases of '//text_of(waiting - shown)//' further parts'// &
+      new_line('a')
   end subroutine set_part
 
   subroutine set_part_without_case(self, scene, part, parts)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import results
 from scipy.linalg import eigh
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 from workplace import PAPER_BEAM, namelist
 
 MASS = PAPER_BEAM["density"] * np.pi / 4 * PAPER_BEAM["diameter"] ** 2  # kg/m
@@ -154,31 +154,73 @@ def test_histories_and_answers_have_the_same_points(here):
     assert "frequency_response%points: are not those of &response" in ended.stderr
 
 
-def test_the_report_tells_resonances_their_damping_and_what_cancels(here):
-    here.scene("a", scene({"count": 2000}, damping={"ratio": 0.01}))
-    report = here.beamwave("run", "a.nml").stdout
-    table = report.split("response to a harmonic force")[1].split("\n\n")[0]
-    rows = [line.split() for line in table.splitlines()[3:]]
-    resonances = np.array([row[1:] for row in rows if len(row) == 4], float)
-    first = frequencies_of_cantilever(len(resonances)) / 2 / np.pi
-    np.testing.assert_allclose(resonances[:, 0], first * np.sqrt(1 - 2e-4), rtol=1e-3)
-    np.testing.assert_allclose(resonances[:, 2], 0.01, rtol=0.02)  # what other modes add to the parabola
-    # where the tip rests, modes are those of a beam that is clamped and pinned: tan a = tanh a
-    pinned = [brentq(lambda a: np.tan(a) - np.tanh(a), n * np.pi + 0.1, n * np.pi + 1.0) for n in (1, 2, 3)]
-    quiet = np.array([float(row[1]) for row in rows if len(row) == 2])[:3]
-    np.testing.assert_allclose(quiet, np.array(pinned) ** 2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi, rtol=2e-3)
+def pinned_frequencies(count):
+    """Hz, of a beam that is clamped and pinned, as the tip is where it rests under a force: tan a = tanh a."""
+    a = [brentq(lambda a: np.tan(a) - np.tanh(a), n * np.pi + 0.1, n * np.pi + 1.0, xtol=1e-14) for n in range(1, count + 1)]
+    return np.array(a) ** 2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi
 
 
-@pytest.mark.parametrize(("ratio", "spacing", "count"), [(1e-3, "linear", 50), (0.05, "log", 20), (1e-6, "log", 2000)])
-def test_a_spacing_that_hides_a_width_gives_no_damping_and_few_digits(here, ratio, spacing, count):
-    here.scene("a", scene({"first": 1.0, "last": 1000.0, "count": count, "spacing": spacing}, damping={"ratio": ratio}))
+def reported(here):
+    """Rows of resonances, and antiresonances, of the scene's report."""
     table = here.beamwave("run", "a.nml").stdout.split("response to a harmonic force")[1].split("\n\n")[0]
-    rows = [row for row in (line.split() for line in table.splitlines()[3:]) if len(row) == 4]
-    assert rows and all(row[2:] == ["-", "-"] for row in rows)
-    modes = frequencies_of_cantilever(8) / 2 / np.pi
-    for row in rows:
-        digits = len(row[1].replace(".", "").strip("0"))  # of which neighbouring modes, left out of the parabola, move the last by some units
-        assert np.abs(modes / float(row[1]) - 1).min() < 3 * 10.0 ** (1 - digits)
+    rows = [line.split() for line in table.splitlines()[3:]]
+    return [row[1:] for row in rows if len(row) == 4], [float(row[1]) for row in rows if len(row) == 2]
+
+
+def peak_of(size, near, width):
+    """The largest value of a function next to a frequency, and where half of its square is left on both sides."""
+    found = minimize_scalar(lambda f: -size(f), bounds=(near - width, near + width), method="bounded", options={"xatol": 1e-9 * near})
+    half = size(found.x) / np.sqrt(2)
+    return found.x, -found.fun, [brentq(lambda f: size(f) - half, *sorted((found.x, found.x + way * width))) for way in (-2, 2)]
+
+
+@pytest.mark.parametrize("count", [2, 30, 5000])
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_resonances_do_not_depend_on_the_frequencies_that_are_asked_for(here, quantity, count):
+    loss, drag = 3e-6, 3.0
+    order = ["displacement", "velocity", "acceleration"].index(quantity)
+    damping = {"mass_proportional": drag, "stiffness_proportional": loss}
+    here.scene("a", scene({"quantity": quantity, "count": count}, damping=damping))
+    rows, quiet = reported(here)
+    modes = frequencies_of_cantilever(5)
+    assert len(rows) == 5
+    for row, beta in zip(rows, modes):
+        width = (drag + loss * beta**2) / 2 / np.pi
+        at, size, half = peak_of(lambda f: abs((2 * np.pi * f) ** order * tip_of_cantilever(f, loss, drag)), beta / 2 / np.pi, width)
+        assert float(row[0]) == pytest.approx(at, rel=5e-7)
+        assert float(row[1]) == pytest.approx(size, rel=1e-4)
+        assert float(row[2]) == pytest.approx((half[1] - half[0]) / at / 2, rel=2 * width / at + 1e-5)
+        assert float(row[2]) == pytest.approx(np.pi * width / beta, rel=0.04)  # what the other modes add
+    zeros = [brentq(lambda f: tip_of_cantilever(f, loss, drag).real, 0.95 * f, 1.05 * f) for f in pinned_frequencies(4)]
+    np.testing.assert_allclose(quiet[:4], zeros, rtol=5e-7)
+
+
+def test_undamped_resonances_are_the_modes_and_have_no_size(here):
+    here.scene("a", scene({"count": 2}))
+    rows, quiet = reported(here)
+    np.testing.assert_allclose([float(row[0]) for row in rows], frequencies_of_cantilever(5) / 2 / np.pi, rtol=5e-7)
+    assert all(row[1:] == ["-", "-"] for row in rows)
+    np.testing.assert_allclose(quiet, pinned_frequencies(len(quiet)), rtol=5e-7)
+
+
+@pytest.mark.parametrize(("quantity", "peak"), [("displacement", 1 / np.sqrt(1 - 2 * 0.3**2)), ("velocity", 1.0), ("acceleration", np.sqrt(1 - 2 * 0.3**2))])
+def test_a_strongly_damped_mode_has_its_own_peak_of_each_quantity(here, quantity, peak):
+    # a heavy mass at the tip leaves one mode in the band, a mass on a spring
+    tip = {"position": 1.0, "mass": 1e4}
+    here.scene("a", scene({"quantity": quantity, "first": 0.1, "last": 20.0}, body=tip, damping={"ratio": 0.3}))
+    here.scene("b", scene({"quantity": quantity, "first": 0.1, "last": 20.0}, body=tip, modes={"before": 2}))
+    beta = here.run("b")["angular_frequency"].ravel()[0] / 2 / np.pi
+    rows, _ = reported(here)
+    assert len(rows) == 1
+    assert float(rows[0][0]) == pytest.approx(beta / peak, rel=1e-4)
+    assert float(rows[0][2]) == pytest.approx(0.3, rel=1e-3)
+
+
+def test_a_node_has_no_resonance(here):
+    # mode 2 of a cantilever rests at 0.7834417 of its length, the root of its shape
+    here.scene("a", scene({"points": [0.783441692264, 1.0], "first": 100.0, "last": 250.0}, damping={"ratio": 0.01}))
+    rows, _ = reported(here)
+    assert len(rows) == 1
 
 
 def on_a_hub(frequency, position, points, inertia, radius):
