@@ -50,17 +50,16 @@ contains
     integer, intent(in) :: points
     class(monitor_type), intent(inout) :: monitor   !! what is found means nothing where it asks to stop
     type(extreme_type), allocatable, intent(out) :: found(:)
-    real(dp) :: beta(size(square)), lower, reach(2)
+    real(dp) :: beta(size(square)), half_way(0:size(square)), lower, reach(2)   ! half_way: from each mode to the next
     integer :: k
     allocate (found(0))
     beta = sqrt(max(0.0_dp, square))
+    half_way = [0.0_dp, 0.5_dp*(beta(:size(beta) - 1) + beta(2:)), huge(lower)]
     lower = band(1)
     do k = 1, size(square)
       if (monitor%stop_requested()) return
       if (beta(k) <= 0.0_dp) cycle
-      reach = beta(k) + 2.0_dp*[-damping(k), damping(k)]           ! but no further than half way to the next mode
-      if (k > 1) reach(1) = max(reach(1), 0.5_dp*(beta(k - 1) + beta(k)))
-      if (k < size(square)) reach(2) = min(reach(2), 0.5_dp*(beta(k) + beta(k + 1)))
+      reach = [max(beta(k) - 2.0_dp*damping(k), half_way(k - 1)), min(beta(k) + 2.0_dp*damping(k), half_way(k))]
       if (reach(2) < band(1)) cycle
       if (reach(1) > band(2)) exit
       associate (c => max(damping(k), beside_pole*beta(k)))
