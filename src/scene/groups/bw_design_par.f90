@@ -22,7 +22,8 @@ module bw_design_par
     'tabs or blanks. A name is `group%name`, with the rules of `sweep%parameter`: a number that `&sweep` may vary, of a group '// &
     'that is present; a value given there is replaced. Empty lines and lines that begin with `#` are comments; names and '// &
     'numbers may stand in quotes; the decimal mark is a point. All rows are checked before the first case is run. '// &
-    'It excludes `&sweep` and `&identify`.')
+    '`&design` excludes `&sweep` and `&identify`. Every column needs a name; that of an index, which '// &
+    'pandas writes, has none: `to_csv(index=False)`.')
 
   type(input_name), parameter, public :: design_names(*) = [ &
     input_name('design', 'file', text_input, required=.true., &

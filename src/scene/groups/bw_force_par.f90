@@ -17,7 +17,7 @@ module bw_force_par
   type(input_group), parameter, public :: force_group = input_group( &
     'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact contact hub', &
     absent='no force acts', &
-    physics='A force F(t) at a point, positive as displacement is. It does work F(t) v_t on the beam.', &
+    physics='A force F(t) at a point, positive as displacement is. Its power is F(t) v_t.', &
     example='&force position = 0.7, shape = ''half_sine'', amplitude = 200, duration = 4e-4 /   ! a tap of a '// &
     'hammer|&response duration = 0.5, samples = 8192, acceleration = .true. /', &
     rules='One group for each force. The beam is at rest until a force acts, unless something strikes it. A half sine, a '// &

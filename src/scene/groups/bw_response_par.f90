@@ -29,9 +29,9 @@ module bw_response_par
     'and warns where that matters.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 0.5, samples = 8192, points = 0.25, 0.5, 1, '// &
     'velocity = .true. /', &
-    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. Accelerations and shear forces '// &
-    'converge as modes are added under forces, motions of the base and contacts, and do not after an instantaneous blow or '// &
-    'a capture, where they are refused.')
+    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. Under '// &
+    'forces, motions of the base and contacts accelerations and shear forces converge as modes are added; after an '// &
+    'instantaneous blow or a capture they do not, and are refused.')
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
