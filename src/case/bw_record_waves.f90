@@ -16,41 +16,46 @@ module bw_record_waves
   use bw_text, only: append, string
   implicit none (type, external)
   private
-  public :: find_record_waves
+  public :: find_beam_waves, find_record_waves
 
   character(*), parameter :: kind = 'measured waves: '
 
 contains
 
   subroutine find_record_waves(scene, layout, result, monitor)
-    !! Frequencies where results have those of simulated histories, and waves where the sensors fix them.
+    !! Frequencies where results have those of simulated histories, and waves where the sensors fix them; those of a beam with
+    !! unknowns follow once it is identified.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result         !! of a record whose lines are known
     class(monitor_type), intent(inout) :: monitor      !! the waves mean nothing where it asks to stop
-    type(sensor_waves) :: waves
     associate (lines => result%record%lines)
       allocate (result%measured)
       result%measured%peak_count = size(lines%angular_frequency)
       result%measured%angular_frequency = lines%angular_frequency
       result%measured%angular_frequency_error = lines%angular_frequency_error
-      if (has(layout, 'waves')) then
-        call measure_sensor_waves(facts_of(scene, result%record), lines_of(result%record), waves, monitor)
-        call join_notes(waves%notes, result)
-      else if (has(layout, 'places')) then
-        call say_why_not(scene, result)
-      end if
-      if (.not. allocated(waves%wavenumber)) return
-      result%measured%wavenumber = waves%wavenumber
-      result%measured%wavenumber_error = waves%wavenumber_error
-      result%measured%phase_velocity = waves%phase_velocity
-      result%measured%phase_velocity_error = waves%phase_velocity_error
-      result%measured%group_velocity = waves%group_velocity
-      result%measured%group_velocity_error = waves%group_velocity_error
-      result%record%stiffness_root = [waves%stiffness_root, waves%stiffness_root_error]
-      result%record%angular_velocity = [waves%angular_velocity, waves%angular_velocity_error]
     end associate
+    if (has(layout, 'places') .and. .not. has(layout, 'waves')) call say_why_not(scene, result)
+    if (has(layout, 'waves') .and. .not. has(layout, 'unknown')) call find_beam_waves(scene, result, monitor)
   end subroutine find_record_waves
+
+  subroutine find_beam_waves(scene, result, monitor)
+    !! Waves of the lines along the beam of a scene, and what there is to say of them.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result         !! of a record at sensors of known places, with its lines and `measured`
+    class(monitor_type), intent(inout) :: monitor      !! the waves mean nothing where it asks to stop
+    type(sensor_waves) :: waves
+    call measure_sensor_waves(facts_of(scene, result%record), lines_of(result%record), waves, monitor)
+    call join_notes(waves%notes, result)
+    result%measured%wavenumber = waves%wavenumber
+    result%measured%wavenumber_error = waves%wavenumber_error
+    result%measured%phase_velocity = waves%phase_velocity
+    result%measured%phase_velocity_error = waves%phase_velocity_error
+    result%measured%group_velocity = waves%group_velocity
+    result%measured%group_velocity_error = waves%group_velocity_error
+    result%record%stiffness_root = [waves%stiffness_root, waves%stiffness_root_error]
+    result%record%angular_velocity = [waves%angular_velocity, waves%angular_velocity_error]
+  end subroutine find_beam_waves
 
   pure function facts_of(scene, record) result(facts)
     !! What is known beside the lines.

@@ -230,7 +230,7 @@ contains
     case ('profile'); length = merge(layout%profile, 0, layout%modelled .or. .not. layout%of_record)
     case ('event'); length = layout%events
     case ('point'); length = layout%points
-    case ('point_too'); length = merge(layout%points, 0, layout%modal_model)
+    case ('point_too'); length = merge(layout%points, 0, layout%modal_model .or. (layout%of_plain_beam .and. layout%unknowns > 0))
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
     case ('response_frequency'); length = layout%answer_frequencies

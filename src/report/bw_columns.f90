@@ -6,7 +6,7 @@ module bw_columns
   use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
-  public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error
+  public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error, to_width
 
   character, parameter :: mark = '|'                !! between the cells of a row
   integer, parameter, public :: most_rows = 40      !! of a list, however much is to be shown
@@ -199,4 +199,16 @@ contains
       if (index(text, '-.') == 1) text = '-0'//text(2:)
     end if
   end function to_its_error
+
+  pure function to_width(value, width) result(text)
+    !! A number with as many digits as an interval of this width tells, two of its own at least; a dash where there is none.
+    real(dp), intent(in) :: value, width
+    character(:), allocatable :: text
+    integer :: digits
+    text = '-'
+    if (is_missing(value)) return
+    digits = 15
+    if (width > 0.0_dp .and. abs(value) > 0.0_dp) digits = 3 + floor(log10(abs(value))) - floor(log10(width))
+    text = shortest(value, max(2, min(15, digits)))
+  end function to_width
 end module bw_columns

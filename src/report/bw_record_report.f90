@@ -13,7 +13,7 @@ module bw_record_report
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: report_record, short_name
+  public :: report_record, report_waves, short_name
 
   integer, parameter :: shown_candidates = 10, shown_sensors = 16
 

@@ -31,11 +31,11 @@ contains
       call table%put_columns(model%moment)
     if (table%real_row('shear_at_points', at_points, 'N m-1', 'shear force of the mode', needs=needs)) &
       call table%put_columns(model%shear)
-    if (table%real_row('residual_flexibility', by_force, 'm N-1', rest//'displacement'//of_force)) &
+    if (table%real_row('residual_flexibility', by_force, 'm N-1', rest//'displacement'//of_force, needs=needs)) &
       call table%put_columns(by_forces(model, 1))
-    if (table%real_row('residual_moment', by_force, 'm', rest//'bending moment'//of_force)) &
+    if (table%real_row('residual_moment', by_force, 'm', rest//'bending moment'//of_force, needs=needs)) &
       call table%put_columns(by_forces(model, 2))
-    if (table%real_row('residual_shear', by_force, '1', rest//'shear force'//of_force)) &
+    if (table%real_row('residual_shear', by_force, '1', rest//'shear force'//of_force, needs=needs)) &
       call table%put_columns(by_forces(model, 3))
     if (table%real_row('residual_of_base', 'point', 's2', rest//'displacement'//of_base, needs=needs)) &
       call table%put(by_base(model, 1))

@@ -2,6 +2,7 @@ module bw_record_rows
   !! What a result holds of a record beside frequencies and waves: a row for each variable, with its values in SI.
   use bw_case_result, only: record_result
   use bw_kinds, only: dp
+  use bw_missing, only: missing
   use bw_record_lines, only: reason_words, status_words
   use bw_result_table, only: result_table, unit_of_sensors
   implicit none (type, external)
@@ -17,6 +18,7 @@ contains
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record      !! absent where the rows are defined
     call line_rows(table, record)
+    call noise_rows(table, record)
     call dispersion_rows(table, record)
     call candidate_rows(table, record)
     call sensor_rows(table, record)
@@ -64,6 +66,46 @@ contains
       part = table%real_row('window_'//name, 'peak window', units, long_name, needs='record')
     end function part
   end subroutine line_rows
+
+  subroutine noise_rows(table, record)
+    !! What waves of a beam that is identified from all cases need of each: the noise of amplitudes, and what sensors share of it.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record
+    character(*), parameter :: needs = 'record waves unknown', of_parts = ' of the real part of the amplitude, or the imaginary one'
+    if (table%real_row('measured_amplitude_noise', 'point peak', unit_of_sensors, 'standard deviation'//of_parts// &
+                       ', at known frequency and decay; none of a sensor that is constant or a multiple of another', &
+                       needs=needs)) call table%put_columns(along_lines(noise_of_own()))
+    if (row('real', 'correlation of that noise at two sensors, real part')) call table%put_columns(correlations(.false.))
+    if (row('imag', 'its imaginary part')) call table%put_columns(correlations(.true.))
+  contains
+    logical function row(part, long_name)
+      character(*), intent(in) :: part, long_name
+      row = table%real_row('measured_noise_correlation_'//part, 'point point_too peak', '1', long_name, needs=needs)
+    end function row
+    pure function noise_of_own() result(noise)
+      real(dp), allocatable :: noise(:, :)
+      integer :: s
+      noise = record%lines%amplitude_noise
+      do s = 1, size(noise, 1)
+        if (.not. record%lines%own(s)) noise(s, :) = missing
+      end do
+    end function noise_of_own
+    pure function correlations(imaginary) result(columns)
+      !! (lines, pairs of sensors); none where sensors share no noise.
+      logical, intent(in) :: imaginary
+      real(dp), allocatable :: columns(:, :)
+      integer :: i, j, n
+      n = 0
+      if (allocated(record%lines%noise_correlation)) n = size(record%lines%own)
+      allocate (columns(size(record%lines%decay_rate), n**2))
+      do i = 1, n
+        do j = 1, n
+          if (imaginary) columns(:, (i - 1)*n + j) = record%lines%noise_correlation(i, j, :)%im
+          if (.not. imaginary) columns(:, (i - 1)*n + j) = record%lines%noise_correlation(i, j, :)%re
+        end do
+      end do
+    end function correlations
+  end subroutine noise_rows
 
   pure function along_lines(numbers) result(columns)
     !! Numbers of sensors and lines, as columns that run along the lines. (gfortran 12 puts the elements of `transpose(abs(z))` in

@@ -117,15 +117,16 @@ class SoftRoot:
         shape = factors @ self.parts(alpha, np.asarray(xi), 0)
         return shape / (factors @ self.parts(alpha, 1.0, 0))
 
-    def text(self, points, seed, modes=MODES):
-        """Velocities after a blow, with noise."""
+    def text(self, points, seed, modes=MODES, shared=0.0):
+        """Velocities after a blow, with noise of each sensor and some that all share."""
         time = np.arange(16384) / 8192
         motion = np.zeros((len(points), time.size))
         for k, (alpha, frequency) in enumerate(zip(self.alpha[:modes], self.frequency)):
             ring = np.exp(-0.003 * frequency * time) * np.sin(frequency * np.sqrt(1 - 0.003**2) * time + k) * frequency / (k + 1)
             motion += np.outer(self.shape(alpha, points), ring)
         noise = NOISE * motion.std(axis=1, keepdims=True)
-        motion += noise * np.random.default_rng(seed).standard_normal(motion.shape)
+        dice = np.random.default_rng(seed)
+        motion += noise * (dice.standard_normal(motion.shape) + shared * dice.standard_normal(time.size))
         return as_text(time, motion, "time," + ",".join(f"s{i}" for i in range(len(points))))
 
 
@@ -196,3 +197,50 @@ def test_other_ends_are_fitted_where_they_are_named(here):
     result, _, modes = waves_of(here, beam, [0.2, 0.35, 0.5, 0.65, 0.8, 0.95], body, ends="any")
     off = misses(result, beam, modes)
     assert off.size >= 2 and (off < 2).all()
+
+
+CLAMP = 20.0 * STIFFNESS / BEAM["length"]
+UNKNOWN = {"parameter": "support%rotational_stiffness", "first": CLAMP / 100, "last": 1000 * CLAMP}
+
+
+def held(stiffness):
+    return {"support": {"rotational_stiffness": stiffness}, "body": {"position": 1.0, "mass_ratio": 0.05}}
+
+
+@pytest.mark.parametrize("repeats", [1, 2])
+def test_waves_follow_from_the_identified_ends_and_not_from_the_guess(here, repeats):
+    """The guess is a clamp a hundred times as stiff; the true wave number is that of the frequency by the dispersion relation."""
+    beam = SoftRoot(20.0, 0.05)
+    points = [0.3, 0.6, 0.9]
+    for i in range(repeats):
+        here.write(f"{i}.csv", beam.text(points, seed=i))
+    files = [f"{i}.csv" for i in range(repeats)]
+    record = {"file": files if repeats > 1 else files[0], "quantity": "velocity", "points": points}
+    here.scene("soft", {"beam": BEAM, **held(100 * CLAMP), "record": record, "spectrum": {}, "identify": UNKNOWN})
+    ended = here.beamwave("run", "soft.nml")
+    assert ended.returncode == 0 and "measured waves" not in ended.stderr, ended.stderr
+    result = here.result("soft")
+    assert abs(result["identified"][0] / CLAMP - 1) < 1e-3
+    for lines, value, error in zip(*(np.atleast_2d(result[f"measured_{name}"])
+                                     for name in ("angular_frequency", "wavenumber", "wavenumber_error"))):
+        true = np.sqrt(lines[:MODES] / H)
+        assert (np.abs(value[:MODES] - true) < 2 * error[:MODES]).all()
+        assert (error[1:MODES] < 1e-3 * true[1:]).all()
+    np.testing.assert_allclose(result["measured_stiffness_root"], H, rtol=1e-3)
+    assert ("phase velocity" in ended.stdout) == (repeats == 1)
+
+
+def test_waves_of_an_identified_beam_know_what_sensors_share_of_their_noise(here):
+    """They are those that the scene has whose clamp is given as it was identified, with their intervals."""
+    points = [0.3, 0.6, 0.9]
+    here.write("shared.csv", SoftRoot(20.0, 0.05).text(points, 3, shared=3.0))
+    scene = {"beam": BEAM, "record": {"file": "shared.csv", "quantity": "velocity", "points": points}, "spectrum": {}}
+    here.scene("sought", {**scene, **held(100 * CLAMP), "identify": UNKNOWN})
+    sought = here.run("sought")
+    assert not results.is_fill(sought["measured_noise_correlation_real"][:, :, :MODES]).any()
+    assert (np.abs(sought["measured_noise_correlation_real"][0, 1, :MODES]) > 0.5).all()
+    here.scene("given", {**scene, **held(float(sought["identified"][0]))})
+    given = here.run("given")
+    for name in ("wavenumber", "phase_velocity", "group_velocity"):
+        for ending in ("", "_error"):
+            np.testing.assert_allclose(sought[f"measured_{name}{ending}"], given[f"measured_{name}{ending}"], rtol=1e-9)

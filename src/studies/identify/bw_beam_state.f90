@@ -30,6 +30,7 @@ module bw_beam_state
     complex(dp), allocatable :: amplitude(:, :)  !! unallocated: not known where, or not comparable, (sensors, lines)
     real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
     real(dp), allocatable :: points(:)           !! ξ, (sensors)
+    integer, allocatable :: sensor(:)            !! numbers of these among those of the record, (sensors)
     logical :: bends = .false.                   !! sensors measure strain, else motion
     logical :: over_blow = .false.               !! amplitudes are modal constants φ_sφ_f/M [1/kg] of a hammer's blow
   end type state_lines

@@ -2,14 +2,17 @@ module bw_beam_supplement
   !! The beam of a scene held against the lines of its record, and its unknowns found from them: what the result of a record has
   !! beside its lines.
   use bw_corrected_models, only: find_corrections, corrected_model
+  use bw_beam_fit, only: fit_beam
   use bw_beam_state, only: beam_state, state_of
+  use bw_calibration, only: calibration_text, factor_type, find_factors, knows_blows
   use bw_classic_head, only: classic_head
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
-  use bw_fit_problem, only: is_at_end
-  use bw_fit_search, only: misfit_type, unlikely
+  use bw_fit_problem, only: fit_problem, is_at_end, problem_of
+  use bw_fit_search, only: fit_type, misfit_type, unlikely
   use bw_identification, only: identification, identify
   use bw_identified_scene, only: identified_attribute, identified_path, identified_room, identified_text
+  use bw_identified_waves, only: put_identified_waves
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i8
   use bw_lost_lines, only: are_lost, lost_text
@@ -20,6 +23,7 @@ module bw_beam_supplement
   use bw_modelled_response, only: find_modelled_response
   use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_corrections
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_notes, only: notes_type
   use bw_quantile, only: normal_quantile
   use bw_record, only: sensor_type
   use bw_record_lines, only: status_words
@@ -31,7 +35,7 @@ module bw_beam_supplement
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_states, only: all_unknowns, measured_scene, states_of, unknowns_in
   use bw_screen, only: details
-  use bw_text, only: append, text_builder, text_of
+  use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
   private
 
@@ -55,6 +59,7 @@ module bw_beam_supplement
     type(result_lines), allocatable :: lines(:)          !! (the same)
     type(beam_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
     integer :: own = 0                                   !! cases of the scene itself
+    type(scene_type), allocatable :: identified(:)       !! with what was identified, (own cases); unallocated: no waves follow
     integer :: places = 0                                !! along the beam, of shapes that are written
     type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: it is not
     real(dp), allocatable :: frequencies(:)              !! of that response, Hz
@@ -115,7 +120,13 @@ contains
     allocate (findings%scenes(0))
     if (size(self%scene%unknowns) > 0) then
       call identify_beam(self%scene, quantile, set, findings, lines, more)
-      if (.not. are_lost(set%states)) call list_scenes(self%scene, self%directory, set, findings, lines)
+      if (.not. are_lost(set%states)) then
+        if (has(draft%layout, 'waves')) then
+          call set_identified(set, findings%found%values)
+          call put_identified_waves(draft, set%identified, quantile, listener, more, lines)
+        end if
+        call list_scenes(self%scene, self%directory, set, findings, lines)
+      end if
     else
       call compare(set, findings, lines, more)
     end if
@@ -184,6 +195,10 @@ contains
     type(identification) :: found                !! without unknowns
     type(text_builder), allocatable :: own(:)    !! sections, (cases)
     type(corrected_model), allocatable :: corrections(:)
+    type(beam_state) :: states(1)
+    type(factor_type), allocatable :: factors(:)
+    type(string) :: calibration(1)
+    type(notes_type) :: calibrations
     real(dp) :: nothing(0)
     integer :: c
     allocate (findings%cases(set%own), findings%misfits(set%own), own(set%own))
@@ -204,6 +219,12 @@ contains
         end if
         call own(c)%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
+        states(1) = state
+        if (knows_blows(states)) then
+          call find_factors(states, nothing, factors)
+          calibration(1)%text = calibration_text(factors, set%sensors, .not. misfit%tail < unlikely)
+          if (calibration(1)%text /= '') call calibrations%add(int(c, i8), calibration)
+        end if
         if (.not. misfit%tail < unlikely) cycle
         found%fit%mode_of = state%mode_of
         found%fit%misfit_type = misfit
@@ -215,6 +236,7 @@ contains
       if (c == 1) call lines%append(own(c)%text())
       if (c > 1) call lines%append(details(own(c)%text()))
     end do
+    notes = notes//calibrations%lines(merge(0, set%own, set%own == 1))
   end subroutine compare
 
   pure function case_text(set, c) result(text)
@@ -262,6 +284,7 @@ contains
     type(corrected_model), allocatable :: corrections(:)
     type(identification) :: found
     type(text_builder) :: compared
+    logical :: mended
     integer :: c, i
     call states_of(set%measured, set%states)
     do c = 1, size(set%states)
@@ -295,12 +318,66 @@ contains
     do i = 1, size(found%loose)
       notes = notes//'not fixed: '//loose_text(found, i)//nl
     end do
-    if (.not. found%explained) then
+    call check_calibration(set, found, lines, notes, mended)
+    if (.not. (found%explained .or. mended)) then
       call find_corrections(set%measured, found, corrections)
       call report_corrections(corrections, found%fit%scatter, lines)
     end if
     findings%found = found
   end subroutine identify_beam
+
+  subroutine check_calibration(set, found, lines, notes, mended)
+    !! Say which sensors seem to be reversed or of another scale. Where the model does not explain the lines it is fitted again to
+    !! frequencies alone, which such a fault does not touch.
+    type(record_set), intent(inout) :: set
+    type(identification), intent(in) :: found
+    type(text_builder), intent(inout) :: lines
+    character(:), allocatable, intent(inout) :: notes
+    logical, intent(out) :: mended               !! but for such a fault it explains them
+    type(beam_state), allocatable :: states(:)
+    type(fit_problem) :: problem
+    type(fit_type) :: fit
+    type(fit_type), allocatable :: others(:)
+    type(factor_type), allocatable :: factors(:)
+    character(:), allocatable :: text
+    integer :: i
+    mended = .false.
+    if (.not. knows_blows(set%states(:set%own))) return
+    states = set%states
+    if (found%explained) then
+      call find_factors(states(:set%own), found%values, factors)
+    else
+      do i = 1, size(states)
+        if (allocated(states(i)%lines%points)) deallocate (states(i)%lines%points)
+      end do
+      problem = problem_of(states, found%unknowns)
+      call fit_beam(problem, 0.0_dp, .true., fit, others)
+      mended = .not. fit%tail < unlikely
+      states = set%states
+      do i = 1, size(states)
+        states(i)%mode_of = problem%states(i)%mode_of
+      end do
+      call find_factors(states(:set%own), problem%values(), factors)
+    end if
+    text = calibration_text(factors, set%sensors, found%explained .or. mended)
+    mended = mended .and. text /= ''
+    if (text == '') return
+    if (mended) text = text//'; then the model explains the lines'
+    call lines%append_line('  '//text)
+    notes = notes//text//nl
+  end subroutine check_calibration
+
+  subroutine set_identified(set, values)
+    !! The scenes of the own cases with what was identified, which make a beam since its modes were found.
+    type(record_set), intent(inout) :: set
+    real(dp), intent(in) :: values(:)            !! of the unknowns
+    type(error_type), allocatable :: none
+    integer :: c
+    allocate (set%identified(set%own))
+    do c = 1, set%own
+      call set%states(c)%scene_at(values, set%identified(c), none)
+    end do
+  end subroutine set_identified
 
   subroutine forget(found, findings)
     !! Nothing was identified.

@@ -10,12 +10,12 @@ module bw_fit_problem
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
   use bw_line_assignment, only: frequency_band, best_scatter, pairing
+  use bw_sensor_factors, only: amplitude_weights
   implicit none (type, external)
   private
   public :: problem_of, position_in, value_at, is_at_end
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
-  real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
   real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines from which modes are found roughly, to 1e-3 of it
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
 
@@ -205,7 +205,7 @@ contains
     real(dp) :: weight(size(amplitude))
     integer :: s
     s = size(amplitude)
-    weight = 1/(deviation**2 + (sensor_error*maxval(abs(amplitude)))**2)
+    weight = amplitude_weights(amplitude, deviation)
     scale = sum(weight*shape*amplitude)/max(sum(weight*shape**2), tiny(1.0_dp))
     if (over_blow) scale = 1
     left = sqrt(weight)*(amplitude - scale*shape)

@@ -33,6 +33,8 @@ module bw_identification
     type(loose_direction), allocatable :: loose(:)
     logical :: explained = .true.                !! by noise
     integer :: evaluations = 0
+  contains
+    procedure :: width
   end type identification
 
 contains
@@ -67,6 +69,15 @@ contains
     call find_loose(found)
     states = problem%states
   end subroutine identify
+
+  pure real(dp) function width(self, i)
+    !! How wide the interval of an unknown is, up to the end of its range where it reaches that.
+    class(identification), intent(in) :: self
+    integer, intent(in) :: i
+    associate (unknown => self%unknowns(i), interval => self%belief%intervals(i))
+      width = value_at(unknown, interval%high) - value_at(unknown, interval%low)
+    end associate
+  end function width
 
   subroutine widen(intervals)
     !! The places at the ends of all intervals fit alike: an interval reaches at least to where these are. (Where curves of

@@ -1,6 +1,7 @@
 module bw_identified_scene
   !! The scene of an identified beam, as text that runs: the fitted numbers stand in their places, and what was measured is left
   !! out (`&record`, `&spectrum`, `&identify`), so that it simulates. The result holds the text, and a file beside it has it too.
+  use bw_columns, only: to_width
   use bw_descriptors, only: close_file, flush_file, is_file, new_file, open_file, read_bytes, to_read, write_text
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read, cannot_be_written, directory_of, flush_directory, look_at, path_state, remove_file
@@ -70,22 +71,23 @@ contains
     text = without_group(text, 'identify')
     do i = size(unknowns), 1, -1
       if (unknowns(i)%group == 0) cycle
-      text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//end_text(found%low(i))//' to '// &
-        end_text(found%high(i))//nl//text
+      text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//end_text(found%low(i), found%width(i))// &
+        ' to '//end_text(found%high(i), found%width(i))//nl//text
     end do
     if (.not. (is_missing(damping%value) .or. allocated(scene%damping))) text = &
-      '! damping%ratio = '//shortest(damping%value, 6)//': '//shortest(damping%value - damping%error, 4)//' to '// &
-      shortest(damping%value + damping%error, 4)//', from the decay of '//text_of(damping%count)//' lines; the ratio of one '// &
-      'mode scatters about it by '//shortest(damping%scatter, 2)//nl//text//'&damping'//nl//'  ratio = '// &
-      text_of(damping%value)//nl//'/'//nl
+      '! damping%ratio = '//shortest(damping%value, 6)//': '// &
+      to_width(damping%value - damping%error, 2*damping%error)//' to '// &
+      to_width(damping%value + damping%error, 2*damping%error)//', from the decay of '//text_of(damping%count)// &
+      ' lines; the ratio of one mode scatters about it by '//shortest(damping%scatter, 2)//nl//text//'&damping'//nl// &
+      '  ratio = '//text_of(damping%value)//nl//'/'//nl
     text = '! '//printable(scene%name, on_one_line=.true.)//'.nml as the result '//printable(result, on_one_line=.true.)// &
       '.nc identified it; intervals as said there.'//nl//text
   contains
-    function end_text(value) result(words)
-      real(dp), intent(in) :: value                      !! end of an interval
+    function end_text(value, width) result(words)
+      real(dp), intent(in) :: value, width               !! end of an interval, and how wide this is
       character(:), allocatable :: words
       words = 'the end of its range'
-      if (.not. is_missing(value)) words = shortest(value, 6)
+      if (.not. is_missing(value)) words = to_width(value, width)
     end function end_text
   end function identified_text
 

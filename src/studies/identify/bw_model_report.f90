@@ -1,9 +1,8 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_corrected_models, only: helpful, corrected_model
-  use bw_columns, only: right, short, table_of, text_table, to_its_error
+  use bw_columns, only: right, short, table_of, text_table, to_its_error, to_width
   use bw_constants, only: two_pi
-  use bw_fit_problem, only: value_at
   use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification
   use bw_kinds, only: dp
@@ -99,7 +98,7 @@ contains
     remark = ''
     do i = 1, size(found%values)
       associate (unknown => found%unknowns(i), interval => found%belief%intervals(i))
-        width = value_at(unknown, interval%high) - value_at(unknown, interval%low)
+        width = found%width(i)
         remark = ''
         if (unknown%unit /= '1' .or. interval%low_open .or. interval%high_open) remark = '   '
         if (unknown%unit /= '1') remark = remark//unknown%unit
@@ -121,18 +120,6 @@ contains
       call lines%append_line('  Fits as well: '//place_text(found, found%others(:, i), [1], .true.))
     end do
   end subroutine report_identified
-
-  function to_width(value, width) result(text)
-    !! A number with as many digits as an interval of this width tells, two of its own at least.
-    real(dp), intent(in) :: value, width
-    character(:), allocatable :: text
-    integer :: digits
-    text = '-'
-    if (is_missing(value)) return
-    digits = 15
-    if (width > 0.0_dp .and. abs(value) > 0.0_dp) digits = 3 + floor(log10(abs(value))) - floor(log10(width))
-    text = shortest(value, max(2, min(15, digits)))
-  end function to_width
 
   subroutine report_correlations(found, lines)
     !! Those that make an interval twice as wide as it were if the other unknown were known: (1 − ρ²)^(−1/2) ≥ 2.

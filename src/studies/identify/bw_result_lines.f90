@@ -77,6 +77,7 @@ contains
           one%lines%over_blow = size(told) > 0 .and. .not. any(is_missing(place))
           if (one%lines%over_blow) then
             one%lines%points = place(told, 1, 1)
+            one%lines%sensor = told
             one%lines%amplitude = transpose(cmplx(constant_real(:n, told, c), constant_imag(:n, told, c), dp))
             one%lines%amplitude_deviation = transpose(constant_error(:n, told, c))/quantile
             cycle
