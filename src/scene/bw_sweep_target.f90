@@ -34,8 +34,6 @@ contains
     call split(parameter(mark + 1:), name, name_number)
     if (index(parameter, '&') == 1) then
       problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
-    else if (parameter == '') then
-      problem = 'is no name: is there a comma at the end of the line, or an index of pandas (to_csv(index=False) leaves it out)?'
     else if (mark == 0 .or. scan(parameter, ' ') > 0) then
       problem = "names no input"//likely_target(by, parameter, groups)//"; accepted: 'group%name'"
     else if (group_row(group) == 0) then

@@ -31,7 +31,7 @@ module bw_initial_par
     input_name('initial', 'position', real_input, '1', off_the_root, '1', swept=.true., &
                meaning='place of the force: x/l, 1 at the tip'), &
     input_name('initial', 'angular_velocity', real_input, 'rad s-1', any_number, swept=.true., &
-               meaning='rate of a rigid turn about the root, or of the hub, in addition to &rotation')]
+               meaning='rigid turn about the root, or of the hub, beside the rotation')]
 
 contains
 
