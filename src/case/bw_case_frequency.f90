@@ -154,7 +154,7 @@ contains
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      call response%at(omega(j), answer%value(j, :))
+      call response%at(omega(j), 0, answer%value(j, :))
       answer%value(j, :) = factor(j)*answer%value(j, :)
     end do
     if (.not. with_extremes) return
@@ -164,12 +164,24 @@ contains
     call look_for_extremes(scene, units, response, modes, omega, monitor, answer)
   end subroutine by_boundary
 
-  subroutine solve_boundary(self, omega, value)
+  subroutine solve_boundary(self, omega, point, value)
     class(boundary_response), intent(inout) :: self
     real(dp), intent(in) :: omega
+    integer, intent(in) :: point
     complex(dp), intent(out) :: value(:)
-    call self%forced%respond(cmplx(omega**2, -omega*self%mass, dp), cmplx(0.0_dp, omega*self%stiffness, dp), value)
+    complex(dp) :: all(self%forced%points())
+    call self%forced%respond(cmplx(omega**2, -omega*self%mass, dp), cmplx(0.0_dp, omega*self%stiffness, dp), all)
+    value = chosen(all, point)
   end subroutine solve_boundary
+
+  pure function chosen(values, point) result(some)
+    !! That of a point, or all.
+    complex(dp), intent(in) :: values(:)
+    integer, intent(in) :: point                     !! 0: all
+    complex(dp), allocatable :: some(:)
+    some = values
+    if (point > 0) some = values(point:point)
+  end function chosen
 
   subroutine look_for_extremes(scene, units, response, modes, omega, monitor, answer)
     !! Resonances and antiresonances, in SI units.
@@ -231,9 +243,9 @@ contains
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      call response%at(omega(j), answer%value(j, :))
+      call response%at(omega(j), 0, answer%value(j, :))
       response%n = n/2
-      call response%at(omega(j), half)
+      call response%at(omega(j), 0, half)
       response%n = n
       answer%value(j, :) = factor(j)*answer%value(j, :)
       answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half))
@@ -241,12 +253,13 @@ contains
     if (with_extremes) call look_for_extremes(scene, units, response, response%own, omega, monitor, answer)
   end subroutine by_modes
 
-  subroutine sum_modes(self, omega, value)
+  subroutine sum_modes(self, omega, point, value)
     class(modal_response), intent(inout) :: self
     real(dp), intent(in) :: omega
+    integer, intent(in) :: point
     complex(dp), intent(out) :: value(:)
-    value = sum_of(self%own, self%n, cmplx(omega**2, 0.0_dp, dp), omega)
-    if (self%has_rest) value = value + rest_of(self%own, self%plain, self%n, omega, self%forced, size(value))
+    value = sum_of(self%own, self%n, cmplx(omega**2, 0.0_dp, dp), omega, point)
+    if (self%has_rest) value = value + rest_of(self%own, self%plain, self%n, omega, point, self%forced)
   end subroutine sum_modes
 
   subroutine find_enough(scene, units, omega, monitor, cache, set)
@@ -295,23 +308,27 @@ contains
     if (allocated(set%damping)) terms%damping = set%damping(:set%count)
   end function terms_of
 
-  pure function sum_of(terms, n, square, omega) result(value)
-    !! Of the first n modes, (points).
+  pure function sum_of(terms, n, square, omega, point) result(value)
+    !! Of the first n modes, (points), or that of one.
     type(modal_terms), intent(in) :: terms
     integer, intent(in) :: n
     complex(dp), intent(in) :: square                !! Ω², or beside it
     real(dp), intent(in) :: omega                    !! Ω of the damping; 0: there is none
-    complex(dp) :: value(size(terms%weight, 2))
-    value = matmul(1.0_dp/(terms%square(:n) - square + cmplx(0.0_dp, terms%damping(:n)*omega, dp)), terms%weight(:n, :))
+    integer, intent(in) :: point                     !! 0: all
+    complex(dp) :: value(merge(1, size(terms%weight, 2), point > 0))
+    associate (first => max(1, point))
+      value = matmul(1.0_dp/(terms%square(:n) - square + cmplx(0.0_dp, terms%damping(:n)*omega, dp)), &
+                     terms%weight(:n, first:first + size(value) - 1))
+    end associate
   end function sum_of
 
-  function rest_of(own, plain, n, omega, forced, points) result(rest)
-    !! r, what the first n modes lack, (points).
+  function rest_of(own, plain, n, omega, point, forced) result(rest)
+    !! r, what the first n modes lack, (points), or that of one.
     type(modal_terms), intent(in) :: own, plain      !! as the beam is, and as the boundary problem has it
-    integer, intent(in) :: n, points
+    integer, intent(in) :: n, point
     real(dp), intent(in) :: omega
     type(forced_beam), intent(inout) :: forced
-    complex(dp) :: rest(points), square(2), whole(points)
+    complex(dp) :: rest(merge(1, size(own%weight, 2), point > 0)), square(2), whole(size(own%weight, 2))
     real(dp) :: damped
     integer :: i
     damped = own%damping(n)*omega
@@ -319,7 +336,7 @@ contains
     rest = 0.0_dp
     do i = 1, 2
       call forced%respond(square(i), (0.0_dp, 0.0_dp), whole)
-      rest = rest + 0.5_dp*(whole - sum_of(plain, n, square(i), 0.0_dp))
+      rest = rest + 0.5_dp*(chosen(whole, point) - sum_of(plain, n, square(i), 0.0_dp, point))
     end do
   end function rest_of
 
@@ -360,6 +377,7 @@ contains
                   ' of its largest value at point '//text_of(p))
       if (answer%error(p) < largest) cycle
       answer%value(:, p) = cmplx(missing, missing, dp)
+      if (allocated(answer%extremes)) answer%extremes = pack(answer%extremes, answer%extremes%point /= p)
       if (status == case_done) status = case_not_converged
     end do
   end subroutine judge_error

@@ -2,12 +2,15 @@ module bw_response_extremes
   !! Where the response to a harmonic force is largest, with the width of that, and where its parts cancel. It can be had at any
   !! frequency, and modes tell where to look, so that nothing depends on the frequencies that were asked for.
   !!
-  !! A resonance is the largest value near a mode, within twice the width c_k of its damping and half way to the next, if it falls to half
-  !! of its power on one side at least; of an undamped mode it is a pole. Between neighbours, but for these widths, Re H changes sign at
+  !! A resonance is a largest value within twice the width c_k of a mode's damping, on either side, if it falls to half of its power on
+  !! one side at least; of an undamped mode it is a pole. Between neighbours, but for these widths, Re H changes sign at
   !! antiresonances. **Limit**: those that lie within the width of a mode are not found, and neither are two between two samples.
+  !! Frequencies in the units of modes, responses in the caller's.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
+  use bw_order, only: ascending, sort
   implicit none (type, external)
   private
   public :: find_extremes
@@ -19,12 +22,13 @@ module bw_response_extremes
   end type harmonic_response
 
   abstract interface
-    subroutine at_interface(self, omega, value)
+    subroutine at_interface(self, omega, point, value)
       import :: dp, harmonic_response
       implicit none (type, external)
       class(harmonic_response), intent(inout) :: self
       real(dp), intent(in) :: omega              !! > 0
-      complex(dp), intent(out) :: value(:)       !! (points)
+      integer, intent(in) :: point               !! that is looked at; 0: all of them
+      complex(dp), intent(out) :: value(:)       !! (points), or that of one
     end subroutine at_interface
   end interface
 
@@ -36,13 +40,14 @@ module bw_response_extremes
     real(dp) :: ratio = missing                  !! of its damping, by its half-power width, where that is there
   end type extreme_type
 
-  integer, parameter :: samples = 33             !! near a resonance, eight in a width c_k or more, and between two of them
+  integer, parameter, public :: most_extremes = 100   !! that are wanted: of further points none are sought
+  integer, parameter :: samples = 33             !! near a mode, and between two of them
   real(dp), parameter :: beside_pole = 1.0e-7_dp !! relatively, where an undamped resonance is looked at
 
 contains
 
   subroutine find_extremes(response, square, damping, order, band, points, monitor, found)
-    !! Of all points, each with ascending frequencies.
+    !! Of the points in their order, each with ascending frequencies.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: square(:), damping(:)   !! β_k² and c_k of modes, ascending
     integer, intent(in) :: order                 !! derivative of the displacement that is looked at: 0, 1 or 2
@@ -50,144 +55,169 @@ contains
     integer, intent(in) :: points
     class(monitor_type), intent(inout) :: monitor   !! what is found means nothing where it asks to stop
     type(extreme_type), allocatable, intent(out) :: found(:)
-    real(dp) :: beta(size(square)), half_way(0:size(square)), lower, reach(2)   ! half_way: from each mode to the next
-    integer :: k
+    type(extreme_type), allocatable :: own(:)
+    integer :: p
     allocate (found(0))
-    beta = sqrt(max(0.0_dp, square))
-    half_way = [0.0_dp, 0.5_dp*(beta(:size(beta) - 1) + beta(2:)), huge(lower)]
-    lower = band(1)
-    do k = 1, size(square)
+    do p = 1, points
+      if (size(found) > most_extremes) exit
+      allocate (own(0))
+      call find_own(response, sqrt(max(0.0_dp, square)), damping, order, band, p, monitor, own)
       if (monitor%stop_requested()) return
-      if (beta(k) <= 0.0_dp) cycle
-      reach = [max(beta(k) - 2.0_dp*damping(k), half_way(k - 1)), min(beta(k) + 2.0_dp*damping(k), half_way(k))]
-      if (reach(2) < band(1)) cycle
-      if (reach(1) > band(2)) exit
-      associate (c => max(damping(k), beside_pole*beta(k)))
-        call find_antiresonances(response, [lower, min(beta(k) - c, band(2))], points, found)
-        lower = max(lower, beta(k) + c)
-      end associate
-      if (damping(k) > 0.0_dp) then
-        call find_resonance(response, beta(k), max(reach, 1.0e-3_dp*beta(k)), damping(k), order, band, points, found)
-      else if (beta(k) >= band(1) .and. beta(k) <= band(2)) then
-        call find_pole(response, beta(k), points, found)
-      end if
+      found = [found, own(ascending(own%omega))]
+      deallocate (own)
     end do
-    call find_antiresonances(response, [lower, band(2)], points, found)
-    call sort(found)
   end subroutine find_extremes
 
-  subroutine find_pole(response, beta, points, found)
+  subroutine find_own(response, beta, damping, order, band, point, monitor, found)
+    !! Those of a point.
+    class(harmonic_response), intent(inout) :: response
+    real(dp), intent(in) :: beta(:), damping(:)  !! 0 of modes that do not swing
+    integer, intent(in) :: order, point
+    real(dp), intent(in) :: band(2)
+    class(monitor_type), intent(inout) :: monitor
+    type(extreme_type), allocatable, intent(inout) :: found(:)
+    real(dp) :: lower
+    integer :: k
+    call find_resonances(response, pack(beta, beta*damping > 0.0_dp), pack(damping, beta*damping > 0.0_dp), order, band, point, &
+                         monitor, found)
+    lower = band(1)
+    do k = 1, size(beta)
+      if (monitor%stop_requested()) return
+      if (beta(k) <= 0.0_dp) cycle
+      associate (c => max(damping(k), beside_pole*beta(k)))
+        call find_antiresonances(response, [lower, min(beta(k) - c, band(2))], point, found)
+        lower = max(lower, beta(k) + c)
+      end associate
+      if (damping(k) <= 0.0_dp .and. beta(k) >= band(1) .and. beta(k) <= band(2)) call find_pole(response, beta(k), point, found)
+      if (lower > band(2)) exit
+    end do
+    call find_antiresonances(response, [lower, band(2)], point, found)
+  end subroutine find_own
+
+  subroutine find_pole(response, beta, point, found)
     !! Where the response grows without bound: ten times at least of what it is a hundred times as far away.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: beta
-    integer, intent(in) :: points
+    integer, intent(in) :: point
     type(extreme_type), allocatable, intent(inout) :: found(:)
-    complex(dp), dimension(points, 2) :: near, far
-    integer :: p
-    call response%at(beta*(1.0_dp - beside_pole), near(:, 1))
-    call response%at(beta*(1.0_dp + beside_pole), near(:, 2))
-    call response%at(beta*(1.0_dp - 100.0_dp*beside_pole), far(:, 1))
-    call response%at(beta*(1.0_dp + 100.0_dp*beside_pole), far(:, 2))
-    do p = 1, points
-      if (near(p, 1)%re*near(p, 2)%re >= 0.0_dp .or. minval(abs(near(p, :))) <= 10.0_dp*maxval(abs(far(p, :)))) cycle
-      found = [found, extreme_type(p, .true., beta)]
-    end do
+    complex(dp) :: near(2), far(2)
+    near = [value_at(response, beta*(1.0_dp - beside_pole), point), value_at(response, beta*(1.0_dp + beside_pole), point)]
+    far = [value_at(response, beta*(1.0_dp - 100.0_dp*beside_pole), point), &
+           value_at(response, beta*(1.0_dp + 100.0_dp*beside_pole), point)]
+    if (near(1)%re*near(2)%re >= 0.0_dp .or. minval(abs(near)) <= 10.0_dp*maxval(abs(far))) return
+    if (any(found%is_resonance .and. abs(found%omega - beta) <= 2.0_dp*beside_pole*beta)) return
+    found = [found, extreme_type(point, .true., beta)]
   end subroutine find_pole
 
-  subroutine find_resonance(response, beta, reach, c, order, band, points, found)
-    !! The largest values next to a mode.
+  subroutine find_resonances(response, beta, c, order, band, point, monitor, found)
+    !! The largest values near damped modes. Those whose widths overlap are looked at together: they may have one peak.
     class(harmonic_response), intent(inout) :: response
-    real(dp), intent(in) :: beta, c
-    real(dp), intent(in) :: reach(2)             !! in which they are sought
-    integer, intent(in) :: order
+    real(dp), intent(in) :: beta(:), c(:)
+    integer, intent(in) :: order, point
     real(dp), intent(in) :: band(2)
-    integer, intent(in) :: points
+    class(monitor_type), intent(inout) :: monitor
     type(extreme_type), allocatable, intent(inout) :: found(:)
+    real(dp), allocatable :: omega(:)
     type(extreme_type) :: peak
-    real(dp) :: half(2), omega(samples), power(samples, points), step
-    integer :: j, p, top
-    step = (reach(2) - reach(1))/(samples - 1)
-    do j = 1, samples
-      omega(j) = reach(1) + (j - 1)*step
-      power(j, :) = power_at(response, omega(j), order, points)
-    end do
-    do p = 1, points
-      top = 0
-      do j = 2, samples - 1
-        if (power(j, p) <= power(j - 1, p) .or. power(j, p) < power(j + 1, p)) cycle
-        if (top == 0) top = j
-        if (abs(omega(j) - beta) < abs(omega(top) - beta)) top = j
-      end do
-      if (top == 0) cycle
-      peak = extreme_type(p, .true., omega(top))
-      call refine(peak)
+    real(dp) :: half(2), power(3), width             ! power: of three places that follow each other
+    integer :: i
+    omega = places()
+    power = 0.0_dp
+    do i = 1, size(omega)
+      if (mod(i, samples) == 0) then
+        if (monitor%stop_requested()) return
+      end if
+      power = [power(2:), power_at(omega(i))]
+      if (i < 3 .or. power(2) <= power(1) .or. power(2) < power(3)) cycle
+      peak = extreme_type(point, .true., omega(i - 1))
+      call refine(omega(i - 2:i))
       if (peak%omega < band(1) .or. peak%omega > band(2)) cycle
+      width = minval(c, mask=abs(peak%omega - beta) <= 2.0_dp*c)
       half = [side(-1), side(1)]
       if (all(half >= missing)) cycle
       if (all(half < missing)) peak%ratio = ratio_of(half, peak%omega, order)
-      if (is_known(found, peak, 0.01_dp*c)) cycle
       found = [found, peak]
     end do
   contains
-    subroutine refine(peak)
+    pure function places() result(omega)
+      !! Where the response is looked at, ascending: eight places in the width of a mode, twice that on either side.
+      real(dp), allocatable :: omega(:)
+      integer :: j, k
+      omega = [((beta(k) + 4.0_dp*c(k)*(j - (samples + 1)/2)/(samples - 1), j=1, samples), k=1, size(beta))]
+      omega = pack(omega, omega > 0.0_dp .and. omega >= 0.5_dp*band(1) .and. omega <= 2.0_dp*band(2))
+      call sort(omega)
+    end function places
+
+    real(dp) function power_at(at) result(power)
+      !! |Ωⁿ H|².
+      real(dp), intent(in) :: at
+      power = (abs(value_at(response, at, point))*at**order)**2
+    end function power_at
+
+    subroutine refine(ends)
       !! By parabolas of |H|⁻² in Ω², which it is of one mode, ever closer to the peak.
-      type(extreme_type), intent(inout) :: peak
-      integer, parameter :: times = 3, closer = 8
-      real(dp) :: here(points), x(3), y(3), width
-      integer :: i, n
-      width = step
+      real(dp), intent(in) :: ends(3)
+      integer, parameter :: times = 4, closer = 8
+      real(dp) :: x(3), y(3), wide
+      integer :: n
+      wide = 0.5_dp*(ends(3) - ends(1))
       do n = 1, times
-        x = peak%omega + [-width, 0.0_dp, width]
-        do i = 1, 3
-          here = power_at(response, x(i), order, points)
-          y(i) = 1.0_dp/here(p)
-        end do
+        x = [max(ends(1), peak%omega - wide), peak%omega, min(ends(3), peak%omega + wide)]
+        if (x(1) >= x(2) .or. x(2) >= x(3)) exit
+        y = 1.0_dp/[power_at(x(1)), power_at(x(2)), power_at(x(3))]
         peak%omega = sqrt(min(max(least_of(x**2, y), x(1)**2), x(3)**2))
-        width = width/closer
+        wide = wide/closer
       end do
-      here = power_at(response, peak%omega, order, points)
-      peak%amplitude = sqrt(here(p))
+      peak%amplitude = sqrt(power_at(peak%omega))
     end subroutine refine
 
     real(dp) function side(way) result(omega_half)
       !! Where half of the power is left on one side; missing where it rises before.
       integer, intent(in) :: way
       integer, parameter :: times = 60
-      real(dp) :: before, here(points), inner, middle, outer
+      real(dp), parameter :: near = 1.0e-9_dp        ! of the width
+      real(dp) :: level, x(3), y(3)                  ! y: how far |H|⁻² is above twice that of the peak
       integer :: i
       omega_half = missing
-      outer = peak%omega
-      before = peak%amplitude**2
+      level = 2.0_dp/peak%amplitude**2
+      x(2) = peak%omega
+      y(2) = -0.5_dp*level
       do i = 1, times
-        outer = outer + way*0.125_dp*c
-        if (outer <= 0.0_dp) return
-        here = power_at(response, outer, order, points)
-        if (here(p) <= 0.5_dp*peak%amplitude**2) exit
-        if (here(p) > before) return
-        before = here(p)
+        x(1) = x(2)
+        y(1) = y(2)
+        x(2) = x(1) + way*0.25_dp*width
+        if (x(2) <= 0.0_dp) return
+        y(2) = 1.0_dp/power_at(x(2)) - level
+        if (y(2) >= 0.0_dp) exit
+        if (y(2) < y(1)) return
       end do
-      if (here(p) > 0.5_dp*peak%amplitude**2) return
-      inner = outer - way*0.125_dp*c
-      do i = 1, times
-        middle = 0.5_dp*(inner + outer)
-        here = power_at(response, middle, order, points)
-        if (here(p) > 0.5_dp*peak%amplitude**2) then
-          inner = middle
+      if (y(2) < 0.0_dp) return
+      do i = 1, times                                ! by the Illinois algorithm
+        x(3) = (x(1)*y(2) - x(2)*y(1))/(y(2) - y(1))
+        y(3) = 1.0_dp/power_at(x(3)) - level
+        if (y(3)*y(2) < 0.0_dp) then
+          x(1) = x(2)
+          y(1) = y(2)
         else
-          outer = middle
+          y(1) = 0.5_dp*y(1)
         end if
-        if (abs(outer - inner) <= 1.0e-9_dp*c) exit
+        if (abs(x(3) - x(2)) <= near*width) exit
+        x(2) = x(3)
+        y(2) = y(3)
       end do
-      omega_half = 0.5_dp*(inner + outer)
+      omega_half = x(3)
     end function side
-  end subroutine find_resonance
+  end subroutine find_resonances
 
-  pure logical function is_known(found, peak, near)
-    !! Two modes that lie close together may have one peak.
-    type(extreme_type), intent(in) :: found(:), peak
-    real(dp), intent(in) :: near
-    is_known = any(found%is_resonance .and. found%point == peak%point .and. abs(found%omega - peak%omega) <= near)
-  end function is_known
+  complex(dp) function value_at(response, omega, point) result(value)
+    !! Of a point.
+    class(harmonic_response), intent(inout) :: response
+    real(dp), intent(in) :: omega
+    integer, intent(in) :: point
+    complex(dp) :: one(1)
+    call response%at(omega, point, one)
+    value = one(1)
+  end function value_at
 
   pure real(dp) function ratio_of(half, omega, order) result(ratio)
     !! ζ of one mode, by its half-power width, exactly: with Ω² displacements, with Ω velocities, with Ω⁻² accelerations.
@@ -210,74 +240,37 @@ contains
     if (bend > 0.0_dp) at = 0.5_dp*(x(1) + x(2) - slope(1)/bend)
   end function least_of
 
-  subroutine find_antiresonances(response, between, points, found)
+  subroutine find_antiresonances(response, between, point, found)
     !! Where Re H changes sign and |H| is less than where a neighbour begins.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: between(2)
-    integer, intent(in) :: points
+    integer, intent(in) :: point
     type(extreme_type), allocatable, intent(inout) :: found(:)
-    real(dp), parameter :: pi = acos(-1.0_dp)
-    real(dp) :: omega(samples)
-    complex(dp) :: value(points, samples)
-    integer :: j, p
+    real(dp), parameter :: near = 1.0e-9_dp
+    real(dp) :: lower, middle, omega(samples), upper
+    complex(dp) :: here, value(samples)
+    integer :: j
     if (between(2) <= between(1)) return
     do j = 1, samples                                ! many near the ends, where poles are
       omega(j) = between(1) + (between(2) - between(1))*sin(0.5_dp*pi*(j - 1)/(samples - 1))**2
-      call response%at(omega(j), value(:, j))
+      value(j) = value_at(response, omega(j), point)
     end do
-    do p = 1, points
-      do j = 1, samples - 1
-        if (value(p, j)%re*value(p, j + 1)%re < 0.0_dp) call add(omega(j:j + 1), value(p, j)%re)
-      end do
-    end do
-  contains
-    subroutine add(ends, at_first)
-      real(dp), intent(in) :: ends(2)
-      real(dp), intent(in) :: at_first           !! Re H
-      complex(dp) :: here(points)
-      real(dp) :: lower, middle, upper
-      integer, parameter :: times = 40
-      integer :: i
-      lower = ends(1)
-      upper = ends(2)
-      do i = 1, times
+    do j = 1, samples - 1
+      if (value(j)%re*value(j + 1)%re >= 0.0_dp) cycle
+      lower = omega(j)
+      upper = omega(j + 1)
+      do
         middle = 0.5_dp*(lower + upper)
-        call response%at(middle, here)
-        if (here(p)%re*at_first > 0.0_dp) then
+        here = value_at(response, middle, point)
+        if (upper - lower <= near*middle) exit
+        if (here%re*value(j)%re > 0.0_dp) then
           lower = middle
         else
           upper = middle
         end if
-        if (upper - lower <= 1.0e-9_dp*middle) exit
       end do
-      if (abs(here(p)) < max(abs(value(p, 1)), abs(value(p, samples)))) found = [found, extreme_type(p, .false., middle)]
-    end subroutine add
-  end subroutine find_antiresonances
-
-  function power_at(response, omega, order, points) result(power)
-    !! |Ωⁿ H|², (points).
-    class(harmonic_response), intent(inout) :: response
-    real(dp), intent(in) :: omega
-    integer, intent(in) :: order, points
-    real(dp) :: power(points)
-    complex(dp) :: value(points)
-    call response%at(omega, value)
-    power = (abs(value)*omega**order)**2
-  end function power_at
-
-  pure subroutine sort(found)
-    !! By points, and by frequencies.
-    type(extreme_type), intent(inout) :: found(:)
-    type(extreme_type) :: next
-    integer :: i, j
-    do i = 2, size(found)
-      next = found(i)
-      do j = i - 1, 1, -1
-        if (found(j)%point < next%point .or. (found(j)%point == next%point .and. found(j)%omega <= next%omega)) exit
-        found(j + 1) = found(j)
-      end do
-      found(j + 1) = next
+      if (abs(here) < max(abs(value(1)), abs(value(samples)))) found = [found, extreme_type(point, .false., middle)]
     end do
-  end subroutine sort
+  end subroutine find_antiresonances
 
 end module bw_response_extremes

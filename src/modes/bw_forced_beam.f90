@@ -29,6 +29,7 @@ module bw_forced_beam
     type(crossing_type), allocatable, private :: to_tip(:), to_root(:)   !! legs at the last frequency
   contains
     procedure :: place
+    procedure :: points
     procedure :: respond
   end type forced_beam
 
@@ -71,6 +72,12 @@ contains
     if (allocated(self%to_tip)) deallocate (self%to_tip, self%to_root)
     allocate (self%to_tip(n - self%forced), self%to_root(self%forced))
   end subroutine place
+
+  pure integer function points(self)
+    !! How many there are.
+    class(forced_beam), intent(in) :: self
+    points = size(self%point)
+  end function points
 
   pure subroutine respond(self, square, loss, v)
     !! Find the deflection of each point under a force of 1.

@@ -7,6 +7,7 @@ module bw_unhanded
   !!
   !! A mass with a velocity of its own takes none of the beam's motion. Springs that come are unstressed at a deflection that lacks the
   !! missing modes. **Limit**: the tension that comes or leaves with a body is left out; it is less by 1/β_k².
+  !! Units of bw_segment.
   use bw_change_of_bodies, only: body_type
   use bw_kinds, only: dp
   use bw_missing, only: is_missing

@@ -7,12 +7,13 @@ module bw_frequency_report
   use bw_frequency_response_par, only: frequency_response_par
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_text, only: shortest, text_builder, text_of
+  use bw_response_extremes, only: most_extremes
+  use bw_text, only: shortest, text_builder
   implicit none (type, external)
   private
   public :: report_answer
 
-  integer, parameter :: shown = 20, most = 100       !! rows that are no details, and rows
+  integer, parameter :: shown = 20                   !! rows that are no details
 
 contains
 
@@ -33,7 +34,7 @@ contains
     call lines%append_line('response to a harmonic force of 1 N at xi = '//shortest(asked%position, 6)//': '//asked%quantity)
     table = table_of('xi|resonance|amplitude|damping ratio|antiresonance', '|Hz|'//unit//'||Hz', [10, 13, 13, 15, 15])
     call table%put_head(lines)
-    do i = 1, min(most, size(answer%extremes))
+    do i = 1, min(most_extremes, size(answer%extremes))
       associate (extreme => answer%extremes(i))
         at = shortest(extreme%omega/two_pi, 7)
         if (extreme%is_resonance) then
@@ -44,8 +45,8 @@ contains
         end if
       end associate
     end do
-    if (size(answer%extremes) > most) call lines%append_line('   ...  '//text_of(size(answer%extremes))// &
-      ' in all; fewer points or a narrower band show the others')
+    if (size(answer%extremes) > most_extremes) &
+      call lines%append_line('   ...  and more, which fewer points or a narrower band show')
     if (size(answer%extremes) == 0) &
       call lines%append_line('  neither a resonance nor an antiresonance lies between these frequencies')
     if (allocated(answer%junction)) call report_junctions(asked%frequency, answer, lines)

@@ -216,6 +216,24 @@ def test_a_strongly_damped_mode_has_its_own_peak_of_each_quantity(here, quantity
     assert float(rows[0][2]) == pytest.approx(0.3, rel=1e-3)
 
 
+def test_two_modes_within_one_width_have_one_resonance(here):
+    # two halves of a beam, clamped at both ends and all but clamped between: pairs of modes 1e-4 apart; the curve itself tells its peak
+    halves = {
+        "tip_support": {"stiffness": 1e14, "rotational_stiffness": 1e12},
+        "body": {"position": 0.5, "mass": 0.01, "stiffness": 1e11, "rotational_stiffness": 1e8},
+        "damping": {"mass_proportional": 30.0},
+    }
+    clamped = float(4.730040744862704**2 / 0.5**2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi)
+    asked = {"first": 0.99 * clamped, "last": 1.01 * clamped, "count": 4001, "position": 0.2, "points": [0.2, 0.3]}
+    here.scene("a", scene(asked, **halves))
+    rows, _ = reported(here)
+    frequency, size = here.result("a")["response_frequency"], np.abs(answer(here.result("a")))
+    assert len(rows) == 2
+    for row, curve in zip(rows, size):
+        assert float(row[0]) == pytest.approx(frequency[np.argmax(curve)], rel=1e-5)
+        assert float(row[1]) == pytest.approx(curve.max(), rel=1e-4)
+
+
 def test_a_node_has_no_resonance(here):
     # mode 2 of a cantilever rests at 0.7834417 of its length, the root of its shape
     here.scene("a", scene({"points": [0.783441692264, 1.0], "first": 100.0, "last": 250.0}, damping={"ratio": 0.01}))
@@ -280,6 +298,7 @@ def test_what_is_held_rests(here):
 def test_what_is_less_than_its_error_is_missing(here):
     ended = here.beamwave("run", here.scene("a", scene({"last": 1e6, "count": 30}, damping={"ratio": 1e30})))
     assert ended.returncode == 4
+    assert "neither a resonance nor an antiresonance" in ended.stdout
     assert results.is_fill(here.result("a")["frequency_response_real"]).all()
 
 
