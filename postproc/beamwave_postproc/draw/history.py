@@ -33,6 +33,8 @@ from ..style import COLOURS, say_zero, sparse_markers, styled
 
 ALONE = {"color": COLOURS[1], "linewidth": 1.0}  # a single history may be dense, and needs no marker
 COLUMNS = 3  # panels of cases beside each other
+# How the variables begin that are asked for of each of many cases, beside the histories: a dataset of all would be slow.
+OF_CASES = ("time", "point_position", "growth_rate", "event_", "case", "beam_")
 ALIKE = 5.0  # times the smallest peak, up to which panels of one row have one scale
 
 
@@ -89,18 +91,20 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
 
 def _of_many(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
     """Draw the bands in which variable `name` of all cases lies, points as rows, and what is the same for all."""
-    cases = [ds.isel(case=i) for i in range(ds.sizes["case"])]
+    slim = ds.drop_vars([other for other in ds.variables if not str(other).startswith((name, *OF_CASES))]).load()
+    cases = [slim.isel(case=i) for i in range(ds.sizes["case"])]
     cases = [case for case in cases if np.isfinite(case[name].values).any()]
     if not cases:
         raise NothingToDraw(f"{name} holds nothing but fill")
     points, left = shown_points(ds, cases, name, limit)
     sheet = sheet_of_points(ax, len(points), 1)
-    values = [np.array([case[name][point].values for case in cases]) for point in points]
+    values = [np.array([case[name].values[point] for case in cases]) for point in points]
     scales = common_prefixes(_peaks(values), units_of(ds[name]))
+    growing = [grows(case) for case in cases]
     for axes, point, rows, (prefix, scale) in zip(sheet.axes, points, values, scales):
         draw_bands(axes, ds["time"].values * _time_factor(ds), scale * rows)
         axes.set_ylabel(point_label(ds, name, point, prefix))
-        _scale_values(axes, scale * rows, [grows(case) for case in cases])
+        _scale_values(axes, scale * rows, growing)
     if name == "bending_moment":
         _add_stress(sheet.axes, cases, points, [scale for _, scale in scales])
     _mark_time(sheet.axes, ds, Panel("", [Curve(0, case, "", {}) for case in cases]), name, alike=True)
@@ -117,7 +121,7 @@ def _least(panels: list[Panel], name: str, point: int) -> float:
 
 def _rows(panel: Panel, name: str, point: int) -> np.ndarray:
     """Histories (curve, time) of a panel at one point."""
-    return np.array([curve.data[name][point].values for curve in panel.curves])
+    return np.array([curve.data[name].values[point] for curve in panel.curves])
 
 
 def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], name: str, point: int, scale: float) -> list[str]:
@@ -145,7 +149,7 @@ def _add_stress(column: list[Axes], cases: list[xr.Dataset], points: list[int], 
     of_moment = of_cases[0]
     if (of_cases != of_moment).any():
         return
-    peaks = [max(_peaks([case["bending_moment"][point].values for case in cases])) for point in points]
+    peaks = [max(_peaks([case["bending_moment"].values[point] for case in cases])) for point in points]
     for axes, own, peak, scale, (prefix, times) in zip(
         column, of_moment, peaks, scales, common_prefixes(list(of_moment * peaks), "Pa")
     ):

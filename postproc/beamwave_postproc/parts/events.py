@@ -36,8 +36,8 @@ def events_of(case: xr.Dataset) -> list[Event]:
         return []
     meanings = {value: word.replace("_", " ") for value, word in flag_words(case["event_kind"]).items()}
     times, kinds = case["event_time"].values, case["event_kind"].values
-    ends = case["event_end"].fillna(np.inf).values if "event_end" in case else times
-    impulses = case["event_impulse"].fillna(0.0).values if "event_impulse" in case else np.zeros(times.size)
+    ends = np.nan_to_num(case["event_end"].values, nan=np.inf) if "event_end" in case else times
+    impulses = np.nan_to_num(case["event_impulse"].values) if "event_impulse" in case else np.zeros(times.size)
     return [
         Event(float(time), float(end), meanings.get(int(kind), f"event {int(kind)}"), float(impulse))
         for time, end, kind, impulse in zip(times, ends, kinds, impulses)

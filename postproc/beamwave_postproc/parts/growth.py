@@ -24,7 +24,7 @@ def grows(case: xr.Dataset) -> bool:
     if "growth_rate" not in case or "time" not in case:
         return False
     rates = case["growth_rate"].values
-    duration = float(case["time"][-1] - case["time"][0])
+    duration = np.ptp(case["time"].values)
     return bool(np.any(np.nan_to_num(rates) * duration > GROWN))
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..result import NothingToDraw, swept_inputs
 from .labels import quantity
-from .main_effects import first_order_indices
+from .main_effects import first_order_indices, ranks
 
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
 QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
@@ -115,7 +115,5 @@ def dependence(inputs: np.ndarray) -> float:
 
 def _correlation(one: np.ndarray, other: np.ndarray) -> float:
     """Spearman's; 0 where one of both is the same in all cases."""
-    from scipy.stats import rankdata  # here, since few pictures need it and it takes 1 s to import
-
-    ranks = [rankdata(one), rankdata(other)]
-    return float(np.corrcoef(ranks)[0, 1]) if all(np.ptp(rank) > 0.0 for rank in ranks) else 0.0
+    both = [ranks(one), ranks(other)]
+    return float(np.corrcoef(both)[0, 1]) if all(np.ptp(rank) > 0.0 for rank in both) else 0.0

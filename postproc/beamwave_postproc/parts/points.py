@@ -25,8 +25,9 @@ def shown_points(ds: xr.Dataset, cases: list[xr.Dataset], name: str, limit: int 
     every = list(range(ds.sizes["point"]))
     if limit is None:
         return every, ""
-    resting = [point for point in every if all(rests(case[name][point].values) for case in cases)]
-    unknown = [point for point in every if all(np.isnan(case[name][point].values).all() for case in cases)]
+    values = np.array([case[name].values for case in cases])
+    resting = [point for point in every if all(map(rests, values[:, point]))]
+    unknown = [point for point in every if np.isnan(values[:, point]).all()]
     there = [point for point in every if point not in resting + unknown] or every
     shown = [there[i] for i in spread(len(there), limit)]
     words = [left_out(len(shown), len(there), "points that move" if len(there) < len(every) else "points")]
@@ -97,9 +98,10 @@ def _worst_error(cases: Sequence[xr.Dataset], name: str, points: Sequence[int]) 
     for case in cases:
         if f"{name}_error" not in case:
             return 0.0, 0, np.nan
+        values, errors = case[name].values, case[f"{name}_error"].values
         for point in points:
-            peak = np.nanmax(np.abs(case[name][point].values), initial=0.0)
-            error = float(case[f"{name}_error"][point])
+            peak = np.nanmax(np.abs(values[point]), initial=0.0)
+            error = float(errors[point])
             if peak > 0.0 and np.isfinite(error) and error / peak > worst:
                 worst, where = error / peak, point
                 bound = float(case[f"{name}_bound"][point]) / peak if f"{name}_bound" in case else np.nan
