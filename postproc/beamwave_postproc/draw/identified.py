@@ -63,7 +63,7 @@ def _draw_interval(axes: Axes, ds: xr.Dataset, i: int) -> None:
         clip_on=False,
     )
     near = SAME_END * (last - first)
-    ends = (low <= first + near, high >= last - near)
+    ends = (not low > first + near, not high < last - near)  # a side that is not known is as open
     for end, reached, marker in zip((first, last), ends, "<>"):
         if reached:
             axes.plot([factor * end], [0.0], marker=marker, color=COLOURS[1], markersize=8, clip_on=False, zorder=3)

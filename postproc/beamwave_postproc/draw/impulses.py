@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..parts.bands import is_scattered
 from ..parts.curves import Curve, panels_of
 from ..parts.events import Event, events_of
 from ..parts.labels import axis_label
@@ -23,10 +24,12 @@ ROOM = 1.3  # times the end of the last contact, up to which time is drawn
 def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Draw `event_impulse` (N s) of the impact and of each contact at its time, as wide as it lasts.
 
-    Raises `NothingToDraw` unless a case has two impulses or more.
+    Raises `NothingToDraw` unless a case has two impulses or more, and of a design, unless few of its `cases` are chosen.
     """
     ds = chosen(ds, cases=cases)
     require(ds, "event_time", "event_kind", "event_impulse")
+    if is_scattered(ds):
+        raise NothingToDraw("cases that vary several inputs at once: choose some of them with cases")
     drawn = panels_of(ds, "event_impulse", panels=1)
     blows = [[event for event in events_of(curve.data) if event.impulse != 0.0] for curve in drawn.curves]
     if max(len(events) for events in blows) < 2:
@@ -68,9 +71,9 @@ def _end(ds: xr.Dataset) -> float:
 
 
 def _draw(axes: Axes, curve: Curve, events: list[Event]) -> None:
-    """Stems with a marker; a span for what lasts."""
+    """Stems with a marker; of a single case a span for what lasts."""
     colour = curve.style["color"]
-    for event in events:
+    for event in events if not curve.label else ():  # spans of several cases would hide each other
         if event.end > event.time:
             axes.fill_between([event.time, event.end], 0.0, event.impulse, color=colour, alpha=0.2, linewidth=0.0)
     times, sizes = [event.time for event in events], [event.impulse for event in events]

@@ -68,7 +68,7 @@ def _draw_place(axes: Axes, position: np.ndarray, jump: np.ndarray, curve: Curve
         **{**curve.style, "marker": ""},
     )
     if not jump.any():
-        return "no jump"
+        return f"no jump: {curve.label}" if curve.label else "no jump"
     there = np.flatnonzero(jump)
     axes.vlines(position[there], 0.0, jump[there], color=curve.style["color"], linewidth=0.8, linestyle=":")
     axes.plot(

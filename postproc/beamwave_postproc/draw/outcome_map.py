@@ -33,10 +33,13 @@ def outcome_map(ds: xr.Dataset, *, inputs: Sequence[str] | None = None, ax: Give
     if not outcomes:
         raise NothingToDraw("no largest displacement, stress or contact force that differs from case to case")
     names = _inputs(ds, outcomes[0], inputs)
-    sheet = sheet_for(ax, 1, len(outcomes), width=5.0 * len(outcomes), height=3.7)
+    columns = min(2, len(outcomes))
+    sheet = sheet_for(ax, -(-len(outcomes) // columns), columns, width=5.0 * columns, height=3.7)
     for axes, outcome in zip(sheet.axes, outcomes):
         _draw(axes, ds, outcome, names)
         axes.set_title(outcome.words)
+    for axes in sheet.axes[len(outcomes) :]:
+        axes.set_visible(False)
     others = len(swept_inputs(ds)) - 2
     lacking = int(max(np.isnan(outcome.variable.values).sum() for outcome in outcomes))
     notes = [

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..parts.labels import symbol_of
+from ..parts.labels import input_words
 from ..parts.outcome import rankings, strength
 from ..parts.select import left_out
 from ..parts.sheet import Given, sheet_for
@@ -42,7 +43,7 @@ def ranking(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     return sheet.finish(ds, notes)
 
 
-def _draw(axes: Axes, table: xr.Dataset) -> None:
+def _draw(axes: Axes, table: pd.DataFrame) -> None:
     """Bars of one outcome, the input that explains most at the top."""
     table = table.loc[strength(table).sort_values(ascending=False).index[:MOST_INPUTS]]
     places = np.arange(len(table))
@@ -55,13 +56,5 @@ def _draw(axes: Axes, table: xr.Dataset) -> None:
     )
     axes.axvline(0.0, color="0.3", linewidth=0.8)
     axes.set(xlim=(-1.04, 1.04), ylim=(len(table) - 0.4, -0.6), xticks=[-1.0, -0.5, 0.0, 0.5, 1.0])
-    axes.set_yticks(places, [_name(name) for name in table.index])
+    axes.set_yticks(places, [input_words(name) for name in table.index])
     axes.grid(visible=False, axis="y")
-
-
-def _name(name: str) -> str:
-    """An input as the scene names it, its symbol behind it."""
-    group, _, rest = name.partition("_")
-    symbol = symbol_of(name)
-    words = f"{group} {rest}".replace("_", " ")
-    return f"{words}  {symbol}" if "$" in symbol else words

@@ -53,4 +53,4 @@ def record_dispersion(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     above.set_ylabel("Frequency (Hz)")
     below.set(xlabel="Wave number $P$ (1/m)", ylabel="Measured − fitted\nwave number (%)")
     gone = int(np.count_nonzero(np.isfinite(beta) & ~known))
-    return sheet.finish(case, [note, words, f"{gone} lines have no wave number" if gone else ""])
+    return sheet.finish(case, [note, words, f"{gone} line{'s have' if gone > 1 else ' has'} no wave number" if gone else ""])

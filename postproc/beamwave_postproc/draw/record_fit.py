@@ -44,7 +44,8 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     time, recorded, fitted = time[known], recorded[:, known], fitted[:, known]
     sensors, left = shown_sensors(case)
     thin = is_thinned(recorded)
-    near = None if thin else _near(case, time)
+    blow = float(case["measured_blow_time"].fillna(time[0])) if "measured_blow_time" in case else time[0]
+    near = None if thin else _near(case, time, blow)
     rows, ratios = (1, [1.0]) if thin else (2, RATIOS)
     columns, width, height = (1, 6.8, 2.3) if near is None else (2, 9.6, 2.3)
     size = {"width": width, "height": height if thin else 0.65 * height, "ratios": ratios * len(sensors)}
@@ -56,7 +57,7 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
             _draw_near(above[1], case, sensor, time[near], recorded[sensor, near], fitted[sensor, near])
         if not thin:
             below[0].set_ylabel(f"Residual\n{_unit(case, sensor)}")
-            _draw_residual(below, time, recorded[sensor] - fitted[sensor], near)
+            _draw_residual(below, time, np.where(time < blow, np.nan, recorded[sensor] - fitted[sensor]), near)
     for axes in sheet.grid[-1]:
         axes.set_xlabel("Time since the first sample (s)")
     words = "bands: least to largest of each stretch of time" if thin else ""
@@ -110,7 +111,7 @@ def _between_samples(
 
 
 def _draw_residual(row: list[Axes], time: np.ndarray, residual: np.ndarray, near: slice | None) -> None:
-    """What the fit leaves of one record, whole and from near, on one scale."""
+    """What the fit leaves of one record from the blow on, whole and from near, on one scale."""
     style, largest = dict(RESIDUAL), 1.15 * np.nanmax(np.abs(residual)) or 1.0
     if is_dense(residual):
         _draw_band(row[0], *_extremes(time, residual), style)
@@ -140,19 +141,18 @@ def _extremes(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     parts = [slice(start, end + 1) for start, end in zip(edges, edges[1:])]
     return (
         np.array([time[part].mean() for part in parts]),
-        np.array([values[part].min() for part in parts]),
-        np.array([values[part].max() for part in parts]),
+        np.array([np.fmin.reduce(values[part]) for part in parts]),
+        np.array([np.fmax.reduce(values[part]) for part in parts]),
     )
 
 
-def _near(case: xr.Dataset, time: np.ndarray) -> slice | None:
+def _near(case: xr.Dataset, time: np.ndarray, blow: float) -> slice | None:
     """Samples of some periods of the fastest of the strong lines from the blow on; none where that is most of the record."""
     strength = np.nan_to_num(case["measured_amplitude"].values).max(axis=0)
     if not strength.any():
         return None
     beta = case["measured_angular_frequency"].values[strength >= STRONG * strength.max()].max()
-    blow = float(case["measured_blow_time"]) if "measured_blow_time" in case else time[0]
-    first = int(np.searchsorted(time, blow)) if np.isfinite(blow) else 0
+    first = int(np.searchsorted(time, blow))
     end = time[first] + min(PERIODS * 2.0 * np.pi / beta, PART * (time[-1] - time[0]))
     count = max(int(np.searchsorted(time, end)) - first, LEAST)
     return slice(first, first + count) if count < 0.5 * time.size and first + count <= time.size else None

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from ..parts.describe import effects_of
 from ..parts.labels import flag_words
 from ..parts.sensors import one_record, sensor_name, shown_sensors
 from ..parts.sheet import Given, sheet_for
@@ -13,6 +14,7 @@ from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, logarithmic, styled
 
 DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
+KIND = {"displacement": "Receptance (m/N)", "velocity": "Mobility (m/s/N)", "acceleration": "Accelerance (m/s²/N)"}
 BEYOND = 1.5  # times the highest line, up to where there is something to see
 PALE = "#A6CEE6"
 ROOM = 1e-5  # of the largest response, to which the axis goes down
@@ -36,6 +38,7 @@ def record_response(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     sensors, left = shown_sensors(case)
     sheet = sheet_for(ax, len(sensors), 2 if pooled else 1, width=9.6 if pooled else 7.0, height=2.4, share="x")
     known = _modal_sum(case, frequency)
+    damped = "damping" in effects_of(ds)
     for row, sensor in zip(sheet.grid, sensors):
         if pooled:  # H2 is nowhere below H1, and stands behind it
             other = np.abs(_complex(case, "pooled_response_h2"))[sensor, shown]
@@ -47,13 +50,15 @@ def record_response(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         row[0].plot(frequency[shown], np.abs(first[sensor, shown]), color=GREY, linewidth=0.8, label=words)
         if np.isfinite(known[sensor]).all():
             row[0].plot(frequency[shown], np.abs(known[sensor, shown]), color=COLOURS[2], linewidth=0.9, label="modal constants")
+        highest = [first[sensor, shown], np.nan_to_num(known[sensor, shown])]
         if "modelled_response_real" in case:
             modelled = np.abs(_complex(case, "modelled_response")[sensor])
             seen = shown & np.isfinite(modelled)
-            row[0].plot(frequency[seen], modelled[seen], color=COLOURS[3], linewidth=0.9, linestyle="--", label="model of the beam")
-        top = 3.0 * np.nanmax(np.abs([first[sensor, shown], np.nan_to_num(known[sensor, shown])]))
+            row[0].plot(frequency[seen], modelled[seen], color=COLOURS[3], linewidth=0.9, linestyle="--", label=f"model of the beam{'' if damped else ', undamped'}")
+            highest += [np.where(seen, modelled, 0.0)[shown]] if damped else []  # else its peaks have no end
+        top = 3.0 * np.nanmax(np.abs(highest))
         logarithmic(row[0], "y", max(ROOM * top, 0.3 * np.nanmin(np.abs(first[sensor, shown]))), top)
-        row[0].set_ylabel(f"{sensor_name(case, sensor)}\n{_unit(case, sensor)}")
+        row[0].set_ylabel(f"{sensor_name(case, sensor)}\n{KIND.get(_quantity(case, sensor), '')}")
         for axes in row:
             axes.set_xlim(0.0, frequency[shown][-1])
     for axes in sheet.grid[-1]:
@@ -67,10 +72,6 @@ def _complex(case: xr.Dataset, name: str) -> np.ndarray:
 
 def _quantity(case: xr.Dataset, sensor: int) -> str:
     return flag_words(case["sensor_quantity"]).get(int(case["sensor_quantity"].values[sensor]), "")
-
-
-def _unit(case: xr.Dataset, sensor: int) -> str:
-    return {"displacement": "m/N", "velocity": "m/s/N", "acceleration": "m/s²/N"}.get(_quantity(case, sensor), "")
 
 
 def _modal_sum(case: xr.Dataset, frequency: np.ndarray) -> np.ndarray:

@@ -145,7 +145,7 @@ class _BeamView:
         (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=11, clip_on=False)
         (self.flash,) = axes.plot([], [], "o", color=FLASHES, markerfacecolor="none")
         self.words = axes.text(0.08, 0.96, "", transform=axes.transAxes, va="top", color="0.3")
-        self.mode = axes.text(0.98, 0.04, "", transform=axes.transAxes, ha="right", color="0.3")
+        self.mode = axes.text(0.08, 0.04, "", transform=axes.transAxes, color="0.3")  # near the root, where little moves
         self.moving = [self.line, self.dots, self.joint, self.bodies, self.mass, self.flash, self.words, self.mode]
 
     def set_limit(self, limit: float) -> None:

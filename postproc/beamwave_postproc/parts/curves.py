@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import xarray as xr
 from ..result import NothingToDraw, require, swept_inputs
 from ..style import MAX_CURVES, curve_style
 from .labels import how_it_ended, input_name, value_text
+from .scene import groups_of
 from .select import spread
 
 MAX_PANELS = 4
@@ -142,13 +144,19 @@ def _curves(ds: xr.Dataset, cases: np.ndarray, names: list[str]) -> list[Curve]:
 
 def _labels(ds: xr.Dataset, cases: np.ndarray, names: list[str]) -> list[str]:
     """Values of inputs in words, a text for each case, with enough digits to tell apart what differs."""
+    files = [Path(str(name)).name for group in groups_of(ds) if group.name == "record" for name in group.inputs.get("file", [])]
+    if names == ["record_file"] and files:
+        return [files[int(number) - 1] for number in ds["record_file"].values[cases]]
     values = ds[names].isel(case=cases) if names else None
     if values is None:
         return [f"case {int(ds['case'][case])}" if "case" in ds.coords else f"case {case + 1}" for case in cases]
     different = len({tuple(float(values[name][i]) for name in names) for i in range(len(cases))})
     texts: list[str] = []
     for digits in DIGITS:
-        texts = [", ".join(value_text(values[name][i], digits) for name in names) for i in range(len(cases))]
+        texts = [
+            ", ".join(value_text(values[name][i], digits, among=values[name].values) for name in names)
+            for i in range(len(cases))
+        ]
         if len(set(texts)) == different:
             break
     return texts

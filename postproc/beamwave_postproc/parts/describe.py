@@ -165,17 +165,17 @@ def _input(variable: xr.DataArray) -> str:
     values = np.unique(variable.values)
     digits = DIGITS if variable.dtype.kind == "f" else WHOLE
     add_up = variable.name == "beam_length" and variable.size > 1 and "piece" in variable.dims
-    symbol, units = symbol_of(str(variable.name)), unit_text(units_of(variable))
+    symbol, units = symbol_of(str(variable.name)), units_of(variable)
     if values.size == 1 and not add_up:
         return value_text(variable if variable.ndim == 0 else variable[0], digits, symbol)
     if variable.dims != ("case",):
         values = variable.values
-    elif values.size > FEW:
-        prefix, factor = si_prefix(values, units_of(variable))
+    prefix, factor = si_prefix(values, units)
+    if variable.dims == ("case",) and values.size > FEW:
         first, last = (number_text(factor * value) for value in (values[0], values[-1]))
-        text = f"{symbol}\u00a0from {first} to {last}\u00a0{unit_text(prefix + units_of(variable))}".rstrip("\u00a0")
+        text = f"{symbol}\u00a0from {first} to {last}\u00a0{unit_text(prefix + units)}".rstrip("\u00a0")
         return f"{text} ({values.size}\u00a0values)"
-    return f"{symbol}\u00a0=\u00a0{listed([number_text(value, digits) for value in values], units)}"
+    return f"{symbol}\u00a0=\u00a0{listed([number_text(factor * value, digits) for value in values], unit_text(prefix + units))}"
 
 
 def _modes(ds: xr.Dataset) -> str:

@@ -34,6 +34,8 @@ INPUT_SYMBOLS = {
 INPUT_WORDS = {
     "rotation_angular_velocity": "Angular velocity",
     "impact_mass_ratio": "Mass ratio",
+    "impact_mass": "Mass that strikes",
+    "beam_diameter": "Diameter",
     "impact_approach_velocity": "Approach velocity",
     "impact_position": "Place of the blow",
     "contact_stiffness": "Contact stiffness",
@@ -139,9 +141,19 @@ def input_label(variable: xr.DataArray, prefix: str = "") -> str:
     return " ".join(filter(None, parts)) + in_units(variable, prefix)
 
 
-def value_text(variable: xr.DataArray, digits: int = 4, name: str = "") -> str:
-    """One scalar input as it stands in a legend: symbol, words or `name` = value unit, without a blank before or after the sign."""
-    return f"{name or input_name(str(variable.name))}\u00a0=\u00a0{with_unit(float(variable), units_of(variable), digits)}"
+def input_words(name: str) -> str:
+    """What an input is in few words, with its symbol."""
+    words, symbol = INPUT_WORDS.get(name, name.replace("_", " ")), symbol_of(name)
+    return words[:1].upper() + words[1:] + (f" {symbol}" if "$" in symbol else "")
+
+
+def value_text(variable: xr.DataArray, digits: int = 4, name: str = "", among: np.ndarray | None = None) -> str:
+    """One scalar input as it stands in a legend: symbol, words or `name` = value unit, without a blank before or after the sign.
+
+    The SI prefix is the one that suits all values `among` which it stands.
+    """
+    value = with_unit(float(variable), units_of(variable), digits, among)
+    return f"{name or input_name(str(variable.name))}\u00a0=\u00a0{value}"
 
 
 def plain(text: str) -> str:

@@ -69,8 +69,11 @@ def number_text(number: float, digits: int = 4, *, up: bool = False) -> str:
     return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", text)
 
 
-def with_unit(number: float, units: str, digits: int = 4) -> str:
-    """A number in its unit, with a prefix where that reads better: 0.037 'm' becomes 37 mm. The blanks do not break."""
-    prefix, factor = si_prefix(np.array([number]), units)
+def with_unit(number: float, units: str, digits: int = 4, among: np.ndarray | None = None) -> str:
+    """A number in its unit, with a prefix where that reads better, for it or for all `among` which it stands: 0.037 'm' becomes 37 mm.
+
+    The blanks do not break.
+    """
+    prefix, factor = si_prefix(np.array([number]) if among is None else among, units)
     text = f"{number_text(number * factor, digits)}\u00a0{unit_text(prefix + units)}"
     return text.rstrip("\u00a0").replace(" ", "\u00a0")
