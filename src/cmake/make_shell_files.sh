@@ -27,9 +27,9 @@ roff() { sed 's/\\/\\e/g; s/-/\\-/g; s/^\([.'\'']\)/\\\&\1/'; }
     fenced { print; next }
     /^# / { next }
     /^## / { gsub(/`/, ""); print ".SH " substr($0, 4); next }
-    /^\| *(name|:?\\-)/ || /^\| \\-/ { next }
+    /^\| *(name|effect|:?\\-)/ || /^\| \\-/ { next }
     /^\|/ {
-      split($0, cell, "|")
+      if (split($0, cell, "|") < 8) { print ".TP\n.B " trimmed(cell[2]) "\n" trimmed(cell[3]); next }
       print ".TP\n.B " trimmed(cell[2]) "\n" trimmed(cell[7]) "; " trimmed(cell[3]) ", unit " trimmed(cell[4]) ", range " \
         trimmed(cell[5]) ", default " trimmed(cell[6])
       next

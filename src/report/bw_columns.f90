@@ -6,10 +6,11 @@ module bw_columns
   use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
-  public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error, to_width
+  public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error, to_width, wrapped
 
   character, parameter :: mark = '|'                !! between the cells of a row
   integer, parameter, public :: most_rows = 40      !! of a list, however much is to be shown
+  integer, parameter, public :: text_width = 110    !! letters of a line of words
 
   type, public :: text_table
     !! Columns with a name and a unit each. Words stand at the right of a column, at the left where its width is negative, and
@@ -25,6 +26,27 @@ module bw_columns
   end type text_table
 
 contains
+
+  pure function wrapped(text, width, hang) result(lines)
+    !! A text over lines of at most `width` letters, broken at blanks; a word that is longer stays whole.
+    character(*), intent(in) :: text
+    integer, intent(in) :: width
+    integer, intent(in) :: hang                   !! blanks before each line but the first
+    character(:), allocatable :: lines
+    integer :: first, blank, room
+    lines = ''
+    first = 1
+    room = width
+    do while (len(text) - first >= room)
+      blank = index(text(first:first + room), ' ', back=.true.)
+      if (blank == 0) blank = index(text(first:), ' ')
+      if (blank == 0) exit
+      lines = lines//text(first:first + blank - 2)//new_line('a')//repeat(' ', hang)
+      first = first + blank
+      room = width - hang
+    end do
+    lines = lines//text(first:)
+  end function wrapped
 
   pure function seconds_text(seconds) result(text)
     !! Below a second in whole ms, else three digits.

@@ -5,7 +5,7 @@ module bw_report
   use bw_kinds, only: dp
   use bw_case_rows, only: all_modes, starts_of, values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, most_rows, note_rest, table_of, text_table
+  use bw_columns, only: fixed, most_rows, note_rest, table_of, text_table, text_width, wrapped
   use bw_event, only: capture_event, contact_event, event_words, release_event
   use bw_frequency_report, only: report_answer
   use bw_history_report, only: report_histories, report_measured
@@ -14,6 +14,7 @@ module bw_report
   use bw_note, only: is_remark, unmarked
   use bw_record_report, only: report_record
   use bw_scene, only: scene_type
+  use bw_screen, only: note_hang, note_mark
   use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
@@ -267,7 +268,7 @@ contains
   end subroutine report_events
 
   pure function notes_report(notes) result(text)
-    !! The notes, one to a line, indented: warnings, and remarks as notes.
+    !! The notes, indented and wrapped: warnings, and remarks as notes.
     character(*), intent(in) :: notes             !! lines
     character(:), allocatable :: text
     type(string), allocatable :: lines(:)
@@ -276,9 +277,9 @@ contains
     lines = lines_of(notes)
     do i = 1, size(lines)
       if (is_remark(lines(i)%text)) then
-        text = text//'  note: '//unmarked(trim(lines(i)%text))//new_line('a')
+        text = text//wrapped(note_mark//unmarked(trim(lines(i)%text)), text_width, len(note_hang))//new_line('a')
       else
-        text = text//'  warning: '//trim(lines(i)%text)//new_line('a')
+        text = text//wrapped('  warning: '//trim(lines(i)%text), text_width, len(note_hang))//new_line('a')
       end if
     end do
   end function notes_report

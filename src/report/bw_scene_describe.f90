@@ -1,16 +1,17 @@
 module bw_scene_describe
   !! Every input name with its type, unit, range, default and meaning: plain text that is Markdown too.
+  use bw_columns, only: text_width, wrapped
   use bw_effect_table, only: effect_table
   use bw_error, only: error_type, fail, status_bad_input
-  use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
+  use bw_input_name, only: has_unit, input_group, input_name, is_sweepable, kind_text, quoted_words, &
                            range_text
   use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group
-  use bw_text, only: lower, shortened, text_builder
+  use bw_text, only: lines_of, lower, replaced, shortened, string, text_builder, words_of
   implicit none (type, external)
   private
   public :: describe_text
 
-  integer, parameter :: columns = 6, most_columns = 110, widest = 80
+  integer, parameter :: columns = 6, widest = 80
   character(*), parameter :: heads(columns) = [character(7) :: 'name', 'type', 'unit', 'range', 'default', 'meaning']
 
   character(*), parameter :: opening(*) = [character(120) :: &
@@ -76,17 +77,20 @@ contains
   pure subroutine put_effects(builder)
     !! The effects that a scene may have, as `beamwave effects` compares them.
     type(text_builder), intent(inout) :: builder
-    character(:), allocatable :: text
-    integer :: i
-    text = ''
+    character(widest) :: cells(2, 0:size(effect_table))
+    integer :: width(2), i
+    cells(:, 0) = [character(widest) :: 'effect', 'compared with']
     do i = 1, size(effect_table)
-      text = text//', `'//trim(effect_table(i)%name)//'`'
-      if (effect_table(i)%about /= '') text = text//' ('//trim(effect_table(i)%about)//')'
+      cells(:, i) = [character(widest) :: '`'//trim(effect_table(i)%name)//'`', effect_table(i)%beside]
     end do
+    width = maxval(len_trim(cells), dim=2)
     call builder%append_line('')
     call builder%append_line('## What `beamwave effects` compares')
     call builder%append_line('')
-    call put_wrapped(builder, 'A scene with each of these beside the same scene without it: '//text(3:)//'.')
+    do i = 0, size(effect_table)
+      call put_row(builder, cells(:, i), width)
+      if (i == 0) call put_row(builder, [repeat('-', widest), repeat('-', widest)], width)
+    end do
   end subroutine put_effects
 
   pure subroutine put_opening(builder)
@@ -109,7 +113,8 @@ contains
     call builder%append_line('')
     call put_wrapped(builder, trim(group%physics))
     call builder%append_line('')
-    call put_wrapped(builder, 'Absent: '//trim(group%absent)//'.'//needs_text(group))
+    call put_wrapped(builder, 'Absent: '//trim(group%absent)//'.')
+    call put_needs(builder, group)
     if (size(rows) == 0) then
       call builder%append_line('')
       call builder%append_line('It has no names: being there is all that it says.')
@@ -119,9 +124,13 @@ contains
     do i = 1, size(rows)
       if (name_table(rows(i))%words /= '') call put_words(builder, name_table(rows(i)))
     end do
-    if (group%rules /= '' .or. any(is_sweepable(name_table(rows)))) then
+    if (group%rules /= '') then
       call builder%append_line('')
-      call put_wrapped(builder, trim(group%rules)//swept_text(group%rules /= '', rows))
+      call put_wrapped(builder, trim(group%rules))
+    end if
+    if (any(is_sweepable(name_table(rows)))) then
+      call builder%append_line('')
+      call put_wrapped(builder, swept_text(rows))
     end if
     call put_example(builder, group%example)
   end subroutine put_group
@@ -142,25 +151,42 @@ contains
     call builder%append_line('```')
   end subroutine put_example
 
-  pure function needs_text(group) result(text)
-    !! ` It needs &impact.`, or nothing.
+  pure subroutine put_needs(builder, group)
+    !! The groups that a group needs and those that it excludes, if there are any.
+    type(text_builder), intent(inout) :: builder
     type(input_group), intent(in) :: group
     character(:), allocatable :: text
-    character(:), allocatable :: words
-    integer :: i, gap
     text = ''
-    do i = 1, size(group_table)
-      if (has_word(group%needs, group_table(i)%name)) text = text//' It needs `&'//trim(group_table(i)%name)//'`.'
-      if (has_word(group%excludes, group_table(i)%name)) text = text//' It excludes `&'//trim(group_table(i)%name)//'`.'
-    end do
-    words = trim(group%needs)
-    gap = index(words, '|')
-    if (gap > 0) text = ' It needs `&'//words(:gap - 1)//'` or `&'//words(gap + 1:)//'`.'
-  end function needs_text
+    if (group%needs /= '') text = ' Needs '//listed(group%needs, 'and')//'.'
+    if (group%excludes /= '') text = text//' Cannot be combined with '//listed(group%excludes, 'or')//'.'
+    if (text == '') return
+    call builder%append_line('')
+    call put_wrapped(builder, text(2:))
+  end subroutine put_needs
 
-  pure function swept_text(goes_on, rows) result(text)
-    !! Which names of a group a sweep may vary; nothing where there are none.
-    logical, intent(in) :: goes_on                !! stands behind another sentence
+  pure function listed(groups, between) result(text)
+    !! Groups as a list in words.
+    character(*), intent(in) :: groups            !! by blanks; by `|` where one of them is enough
+    character(*), intent(in) :: between           !! the last two
+    character(:), allocatable :: text
+    type(string), allocatable :: names(:)
+    integer :: i
+    names = words_of(replaced(trim(groups), '|', ' '))
+    text = '`&'//names(1)%text//'`'
+    do i = 2, size(names)
+      if (i < size(names)) then
+        text = text//', '
+      else if (index(groups, '|') > 0) then
+        text = text//' or '
+      else
+        text = text//' '//between//' '
+      end if
+      text = text//'`&'//names(i)%text//'`'
+    end do
+  end function listed
+
+  pure function swept_text(rows) result(text)
+    !! Which of a group's names a sweep may vary; there is one at least.
     integer, intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: i
@@ -168,7 +194,7 @@ contains
     do i = 1, size(rows)
       if (is_sweepable(name_table(rows(i)))) text = text//', `'//trim(name_table(rows(i))%name)//'`'
     end do
-    if (text /= '') text = repeat(' ', merge(1, 0, goes_on))//'`&sweep` may vary '//text(3:)//'.'
+    text = '`&sweep` may vary '//text(3:)//'.'
   end function swept_text
 
   pure subroutine put_table(builder, rows)
@@ -226,17 +252,17 @@ contains
   end subroutine put_words
 
   pure subroutine put_wrapped(builder, paragraph)
-    !! A paragraph over lines of at most `most_columns`, broken at blanks.
+    !! A paragraph over lines of at most `text_width`, broken at blanks; behind a `|` begins an item of a list.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: paragraph
-    integer :: first, last
-    first = 1
-    do while (len(paragraph) - first >= most_columns)
-      last = first + index(paragraph(first:first + most_columns), ' ', back=.true.) - 2
-      call builder%append_line(paragraph(first:last))
-      first = last + 2
+    type(string), allocatable :: parts(:)
+    integer :: i
+    parts = lines_of(paragraph, '|')
+    call builder%append_line(wrapped(parts(1)%text, text_width, 0))
+    if (size(parts) > 1) call builder%append_line('')
+    do i = 2, size(parts)
+      call builder%append_line(wrapped('- '//parts(i)%text, text_width, 2))
     end do
-    call builder%append_line(paragraph(first:))
   end subroutine put_wrapped
 
 end module bw_scene_describe

@@ -2,9 +2,9 @@ module bw_screen
   !! What of a report is printed: one screen of it, or all with `--verbose`.
   !!
   !! A screen says what was simulated, what came out, how sure that is and what is wrong. Details are printed with `--verbose`
-  !! alone: what single cases say where a section speaks of all, where the time went, and rows of a list beyond the first. If the
-  !! rest is longer than a screen, its lists are cut, all to the same number of rows. The kind of a line is the number of blanks
-  !! at its end, so that the report in a result remains plain text.
+  !! alone: what single cases say where a section speaks of all, where the time went, rows of a list beyond the first, and what a
+  !! note says beyond its first line. If the rest is longer than a screen, its lists are cut, all to the same number of rows. The
+  !! kind of a line is the number of blanks at its end, so that the report in a result remains plain text.
   use bw_text, only: lines_of, string, text_builder, text_of
   implicit none (type, external)
   private
@@ -12,6 +12,8 @@ module bw_screen
 
   character(*), parameter, public :: row_mark = ' '       !! at the end of a row of a list
   character(*), parameter, public :: detail_mark = '  '   !! at the end of a line that is a detail
+  character(*), parameter, public :: note_mark = '  note: '   !! before a remark
+  character(*), parameter, public :: note_hang = '    '   !! before the lines of a note but the first
 
   integer, parameter :: screen = 45                       !! lines
   integer, parameter :: fewest = 3                        !! rows of a list that are shown on any screen
@@ -40,6 +42,7 @@ contains
     type(string), allocatable :: lines(:)
     integer, allocatable :: rank(:)               ! of a row in its list; 0: of no list, `huge`: a detail
     integer :: i, row, most, height
+    logical :: in_note
     lines = lines_of(report)
     allocate (rank(size(lines)), source=0)
     row = 0
@@ -48,6 +51,15 @@ contains
         row = merge(row + 1, 0, kind == len(row_mark))
         rank(i) = merge(huge(rank), row, kind >= len(detail_mark))
       end associate
+    end do
+    in_note = .false.
+    do i = 1, merge(0, size(lines), verbose)
+      in_note = in_note .and. index(lines(i)%text, note_hang) == 1
+      if (in_note) then
+        if (rank(i - 1) == 0) lines(i - 1)%text = lines(i - 1)%text//' ...'
+        rank(i) = huge(rank)
+      end if
+      in_note = in_note .or. index(lines(i)%text, note_mark) == 1
     end do
     most = max(fewest, maxval(rank, mask=rank < huge(rank)))
     do

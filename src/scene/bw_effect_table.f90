@@ -31,29 +31,29 @@ module bw_effect_table
     logical :: alone = .false.                    !! compared without the groups that need its own
     logical :: counted = .false.                  !! compared, where it is on, with counts of modes alone
     character(96) :: remark_off = '', remark_on = ''   !! on what is tried where it is off, and beside what it stands where it is on
-    character(56) :: about = ''                   !! what is compared with what
+    character(56) :: beside = 'the scene without it'   !! what it is compared with
   end type effect_type
 
   character(*), parameter :: both = 'rotation and stiffening, beside neither of them'
 
   type(effect_type), parameter, public :: effect_table(*) = [ &
     effect_type('rotation', 'rotation', values='angular_velocity = @', tried=0.4_dp, measure=of_first_speed, alone=.true., &
-                remark_off='tried in plane at @ rad/s', remark_on='without tension', about='without tension'), &
+                remark_off='tried in plane at @ rad/s', remark_on='without tension', beside='no rotation; both without tension'), &
     effect_type('rotation_with_tension', 'rotation stiffening', values='angular_velocity = @', tried=0.4_dp, &
                 measure=of_first_speed, remark_off=both//'; the tension is that of a hub without radius', remark_on=both, &
-                about='both, compared with neither'), &
+                beside='neither rotation nor tension'), &
     effect_type('out_of_plane', 'rotation', 'plane', "'out'", "'in'", needs='rotation', &
                 remark_off='the rotation, out of the plane of the motion beside in it', &
-                remark_on='the rotation, out of the plane of the motion beside in it', about='compared with in plane'), &
+                remark_on='the rotation, out of the plane of the motion beside in it', beside='the same rotation in plane'), &
     effect_type('stiffening', 'stiffening', needs='rotation', remark_off='tried with hub_radius = 0'), &
     effect_type('shear', 'shear', values='shear_coefficient = @', tried=1.0_dp, measure=of_section, &
                 remark_off='tried with poisson_ratio = 0.3 and shear_coefficient = @'), &
     effect_type('damping', 'damping', values='ratio = @', tried=usual_ratio, remark_off='tried with ratio = @'), &
     effect_type('body_inertia', 'capture', 'rotary_inertia', '@', '0', tried=1.0_dp, measure=of_sphere, needs='capture', &
                 remark_off='tried with rotary_inertia = @ kg m2, a solid sphere of the beam''s density', &
-                about='compared with a point mass'), &
+                beside='a point mass'), &
     effect_type('capture', 'capture', needs='impact', counted=.true., &
-                remark_on='beside a rebound of as many modes as before the capture', about='compared with a rebound'), &
+                remark_on='beside a rebound of as many modes as before the capture', beside='a rebound'), &
     effect_type('release', 'release', values='time = @', tried=0.5_dp, measure=of_duration, needs='capture response', &
                 remark_off='tried at half of the duration'), &
     effect_type('recontact', 'recontact', needs='impact response', excludes='capture force base'), &
@@ -61,40 +61,40 @@ module bw_effect_table
                 needs='impact response', excludes='recontact force base', counted=.true., &
                 remark_off='tried with a sphere of @ m, the mass in the beam''s density', &
                 remark_on='beside an instantaneous blow', &
-                about='compared with an instantaneous blow'), &
+                beside='an instantaneous blow'), &
     effect_type('force', 'force', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
                 excludes='contact recontact hub initial', &
                 remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
-                about='all forces'), &
+                beside='the scene without any force'), &
     effect_type('base', 'base', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
                 excludes='contact recontact hub initial', &
                 remark_off='tried with a half sine of @ m/s2 over the record, 0.001 EI/(m l^2)', &
-                about='all accelerations of the base'), &
+                beside='the scene without any acceleration of the base'), &
     effect_type('initial', 'initial', values='force = @', tried=0.01_dp, measure=own_unit, needs='impact response', &
                 excludes='hub contact recontact force base', counted=.true., &
                 remark_off='tried with force = @ N at the tip, EI/l^2/100', &
                 remark_on='beside a beam that is straight and at rest', &
-                about='compared with a beam at rest'), &
+                beside='a beam at rest'), &
     effect_type('pieces', 'beam', 'length', tried=0.9_dp, &
                 remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
                 remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
-                about='compared with a uniform beam of its mass and mean E I'), &
+                beside='a uniform beam of its mass and mean E I'), &
     effect_type('taper', 'beam', 'taper', tried=0.9_dp, remark_off='tried with a tip of @ of the root''s', &
                 remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
-                about='compared with a uniform beam of its mass and mean E I'), &
+                beside='a uniform beam of its mass and mean E I'), &
     effect_type('support', 'support', values='rotational_stiffness = @', tried=100.0_dp, measure=own_unit, &
-                remark_off='tried with rotational_stiffness = @ N m/rad, 100 EI/l', about='compared with a clamped root'), &
+                remark_off='tried with rotational_stiffness = @ N m/rad, 100 EI/l', beside='a clamped root'), &
     effect_type('tip_support', 'tip_support', values='stiffness = @, rotational_stiffness = 0', tried=1.0_dp, measure=own_unit, &
                 remark_off='tried with stiffness = @ N/m, EI/l^3, and rotational_stiffness = 0', &
-                about='compared with a free tip'), &
+                beside='a free tip'), &
     effect_type('hub', 'hub', values='rotary_inertia = @', tried=1.0_dp, measure=own_unit, excludes='force base', &
                 remark_off='tried with rotary_inertia = @ kg m2, the beam''s mass times l^2', &
-                about='compared with a hub whose motion is prescribed'), &
+                beside='a hub whose motion is prescribed'), &
     effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &
-                remark_off='tried with a mass of @ of the beam''s at the midpoint', about='all bodies'), &
+                remark_off='tried with a mass of @ of the beam''s at the midpoint', beside='the scene without any body'), &
     effect_type('position', 'impact', 'position', '@', '1', tried=0.9_dp, needs='impact', &
                 remark_off='a blow at xi = @ beside one at the tip', remark_on='beside a blow at the tip', &
-                about='compared with a blow at the tip')]
+                beside='a blow at the tip')]
 
   integer, parameter, public :: added = 1, given = 2, toggled = 3
     !! a correction adds a group or a name; it changes what the scene gives; it switches the effect of its row over

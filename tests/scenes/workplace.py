@@ -19,6 +19,11 @@ MPI_ON_FEW_CORES = {
 }
 
 
+def unwrapped(text):
+    """A report whose notes are a line each."""
+    return re.sub(r"\n {4}(?=\S)", " ", text)
+
+
 def captured_beam(**groups):
     """The paper's capture with few modes; `groups` (dicts) are merged in, one given as None is left out."""
     scene = {

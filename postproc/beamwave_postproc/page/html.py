@@ -17,6 +17,7 @@ from ..writing import MARK
 from .tables import Table, tables_of
 
 DPI = 130
+REMARK = "remark: "  # how a note of the file begins that is no warning
 STYLE = """
 body { font: 16px/1.45 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: .3rem; } h2 { font-size: 1.3rem; margin-top: 2.2rem; }
@@ -48,9 +49,9 @@ def page_of(ds: xr.Dataset, figures: dict[str, Figure]) -> str:
         f"<h1>{escape(title_of(ds))}</h1>",
         f'<p class="about">{escape(plain(description_of(ds)))}<br>{escape(source)}</p>',
     ]
-    notes = [note for note in str(ds.attrs.get("notes", "")).splitlines() if note.strip()]
+    notes = [_note(note) for note in str(ds.attrs.get("notes", "")).splitlines() if note.strip()]
     if notes:
-        parts += ["<h2>Notes</h2>", "<ul>", *(f"<li>{escape(note)}</li>" for note in notes), "</ul>"]
+        parts += ["<h2>Notes</h2>", "<ul>", *notes, "</ul>"]
     parts.append("<h2>Report</h2>")
     if which:
         parts.append(f"<p>Of {escape(plain(which))}.</p>")
@@ -79,6 +80,12 @@ def _page(title: str, parts: list[str]) -> str:
         f'<!DOCTYPE html>\n<html lang="en"><head>{head}{view}<style>{STYLE}</style></head>\n'
         f"<body>\n{body}\n</body></html>\n"
     )
+
+
+def _note(note: str) -> str:
+    """A note as the report has it: a warning, unless the file marks it as a remark."""
+    words = note.removeprefix(REMARK)
+    return f"<li><b>{'Warning' if words == note else 'Note'}:</b> {escape(words)}</li>"
 
 
 def _table(table: Table) -> str:

@@ -19,13 +19,14 @@ module bw_frequency_response_par
   end type frequency_response_par
 
   type(input_group), parameter, public :: frequency_response_group = input_group( &
-    'frequency_response', excludes='record', absent='none', &
-    physics='The steady response to a harmonic force of unit amplitude, as a complex ratio: receptance (displacement), '// &
+    'frequency_response', excludes='record', absent='no frequency response', &
+    physics='Finds the steady response to a harmonic force of unit amplitude as a complex ratio: receptance (displacement), '// &
     'mobility (velocity) or accelerance (acceleration).', &
     example='&damping ratio = 0.005 /|&frequency_response first = 5, last = 2000, quantity = ''acceleration'', points = '// &
     '0.5, 1.0 /', &
-    rules='The response at `points` to a harmonic force of 1 N at `position`, as real and imaginary part. It is that of '// &
-    'the beam after t = 0, with a captured mass. Beside `&response` the `points` are those of that group.')
+    rules='The result holds the real and the imaginary part of the response at `points` to a harmonic force of 1 N at '// &
+    '`position`. The beam is that after t = 0, with a captured mass. Beside `&response` the `points` are those of that '// &
+    'group.')
 
   type(input_name), parameter, public :: frequency_response_names(*) = [ &
     input_name('frequency_response', 'position', real_input, '1', unit_interval, '1', swept=.true., &

@@ -32,11 +32,11 @@ module bw_modes_par
 
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., &
-    absent='20 modes without `&response`; with it tolerance 1e-6, or the finest in reach; counts if a mass rebounds at once', &
-    physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose them: it bounds '// &
-    'the estimated error of the displacement, the largest at any point over the largest displacement of all points; with '// &
-    '`&contact`, `&force`, `&base`, `&initial` and bodies that come or leave the largest of all histories asked for. The '// &
-    'result has the estimated errors either way.', &
+    absent='20 modes; with `&response` as many as a tolerance of 1e-6 takes, or the finest that can be reached', &
+    physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose: it bounds '// &
+    'the estimated error of the displacement at any point, relative to the largest displacement; with `&contact`, '// &
+    '`&force`, `&base`, `&initial` and bodies that come or leave it bounds that of every history asked for. The result has '// &
+    'the estimated errors either way.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 4096 /|&modes tolerance = 1e-9 /', &
     rules='Give counts, or a tolerance. With `&capture` there are two sets of modes, and a count that is not given equals '// &
     'the other one. With bodies that come or leave, `before` counts modes until the first change and `after` those of all '// &

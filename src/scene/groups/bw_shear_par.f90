@@ -20,7 +20,7 @@ module bw_shear_par
     'than the section is high.', &
     example='&shear poisson_ratio = 0.3 /', &
     rules='This is Timoshenko''s beam: the shear force is kappa G A times the angle of shear, and the shear modulus is '// &
-    'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. Unless it is given kappa is '// &
+    'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. Unless it is given, kappa is '// &
     '6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter`, and 10 (1 + nu)/(12 + 11 nu) for the rectangle of `width` '// &
     'and `height` (Cowper 1966). Any other section needs its own. Both numbers are those of every piece.')
 

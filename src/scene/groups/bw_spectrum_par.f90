@@ -22,17 +22,18 @@ module bw_spectrum_par
 
   type(input_group), parameter, public :: spectrum_group = input_group( &
     'spectrum', needs='response|record', absent='no spectral analysis', &
-    physics='Of a simulated response: its amplitude spectrum, and the frequencies, wave numbers and wave velocities that '// &
-    'two sensors would measure. Of a `&record`: its spectral lines, each with frequency, decay and amplitude and their '// &
-    'confidence intervals.', &
+    physics='Finds the amplitude spectrum of a simulated response, and the frequencies, wave numbers and wave velocities '// &
+    'that two sensors would measure. In a `&record` it finds the spectral lines, each with frequency, decay rate and '// &
+    'amplitude and their confidence intervals.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 65536 /|&spectrum window = '// &
     '''blackman_harris'' /', &
     rules='At least 16 samples are needed. Frequencies, wave numbers and wave velocities of the spectral peaks are '// &
     'measured where 0.5 and 1.0 are among the points of `&response`; with `&stiffening` or `&shear` only the frequencies. '// &
-    '`confidence`, `false_alarm` and `ends` concern a `&record`: `ends` says which shapes are fitted to its amplitudes: '// &
-    'those of the scene''s own beam (model, the default with `&support`, `&body` or pieces), of a clamped beam that may '// &
-    'have a mass at its tip (tip, else the default), of a beam of which only the clamped root is known (clamped), or of '// &
-    'any part of a beam (any).')
+    '`confidence`, `false_alarm` and `ends` concern a `&record`. `ends` says which shapes are fitted to its amplitudes:|'// &
+    '`model`: those of the scene''s own beam; the default where it has supports, bodies, a hub or pieces|'// &
+    '`tip`: those of a clamped beam that may have a mass at its tip; the default elsewhere|'// &
+    '`clamped`: those of a beam of which only the clamped root is known|'// &
+    '`any`: those of any part of a beam')
 
   type(input_name), parameter, public :: spectrum_names(*) = [ &
     input_name('spectrum', 'window', text_input, default="'hann'", &
