@@ -6,20 +6,22 @@ module bw_case_loads
   !! is part of the answer; what is missing is how much they lag behind the loads. As many modes more tell that, and for displacements it
   !! is bounded.
   use bw_beam_units, only: beam_units
+  use bw_case_bodies, only: bodies_of
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_result, only: case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
     history_errors, load_result
+  use bw_change_of_bodies, only: beam_state, body_type
   use bw_error, only: error_type
   use bw_kinds, only: dp
   use bw_load_columns, only: placed_loads, quantities
-  use bw_load_course, only: impulse_of, largest_load, load_course
+  use bw_load_course, only: impulse_of, largest_load, load_course, steady_course
   use bw_load_courses, only: courses_of
   use bw_load_run, only: follow_loads, largest_of, loaded_run
   use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_scene, only: at_start, by_pieces, changes_in_time, changes_shapes, scene_type
   use bw_text, only: append, shortest
   implicit none (type, external)
   private
@@ -40,7 +42,7 @@ contains
     counted%modes%before = scene%modes%after
   end function without_tolerance
 
-  subroutine add_loads(scene, motion, monitor, cache, histories, errors, found, error)
+  subroutine add_loads(scene, motion, monitor, cache, histories, errors, found, error, before_event)
     !! Add the motion under loads to the histories of a case, and its errors to theirs.
     type(scene_type), intent(in) :: scene            !! with loads
     type(case_motion), intent(inout) :: motion       !! without the loads, whose notes and plan are added to
@@ -50,6 +52,7 @@ contains
     type(history_errors), intent(inout) :: errors
     type(load_result), allocatable, intent(out) :: found
     type(error_type), allocatable, intent(out) :: error
+    type(beam_state), allocatable, intent(out), optional :: before_event(:)   !! the motion under loads before each event after t = 0
     type(placed_loads) :: loads
     type(loaded_run) :: run
     type(case_modes) :: modes
@@ -58,8 +61,8 @@ contains
     integer :: most, summed(2)
     call courses_of(scene, motion%units, loads%course, error)
     if (allocated(error)) return
-    call place_loads(scene, loads)
-    found = applied(loads%course, motion%units, size(loads%place))
+    found = applied(scene, loads%course, motion%units)
+    call place_loads(scene, motion%units, loads)
     counted = scene
     most = most_count
     if (scene%modes%asked) most = 4*most_count
@@ -95,6 +98,7 @@ contains
     if (by_tolerance(scene%modes)) call judge_tolerance(scene%modes, reached, run%count, &
                                                          'fewer quantities, loads without jumps', errors)
     found%count = run%count
+    if (present(before_event)) call move_alloc(run%before_event, before_event)
     motion%plan%reached = max(motion%plan%reached, part_of_peak(run))
   contains
     pure integer function twice(count)
@@ -105,23 +109,46 @@ contains
     end function twice
   end subroutine add_loads
 
-  pure subroutine place_loads(scene, loads)
-    !! Forces come first, each at a place of its own; motions of the base are all of one kind.
+  subroutine place_loads(scene, units, loads)
+    !! Forces come first, each at a place of its own; motions of the base are all of one kind. Springs of bodies that come later make
+    !! loads that are 0 until then.
     type(scene_type), intent(in) :: scene
-    type(placed_loads), intent(inout) :: loads     !! with their courses
-    integer :: l
+    type(beam_units), intent(in) :: units
+    type(placed_loads), intent(inout) :: loads     !! with the courses of what the scene gives
+    type(body_type), allocatable :: bodies(:)
+    integer :: b, l
     allocate (loads%place(0))
     if (allocated(scene%forces)) loads%place = scene%forces%position
+    loads%turns = spread(.false., 1, size(loads%place))
     loads%accelerated = allocated(scene%bases)
-    loads%kind = [(min(l, size(loads%place) + 1), l=1, size(loads%course))]
+    loads%kind = [(l, l=1, size(loads%place)), (0, l=size(loads%place) + 1, size(loads%course))]
+    loads%spring_of = 0*loads%kind
+    bodies = bodies_of(scene, units)
+    do b = 1, size(at_start(scene))
+      if (is_missing(scene%bodies(b)%from)) cycle
+      if (bodies(b)%stiffness > 0.0_dp) call add_spring(.false.)
+      if (bodies(b)%turning_stiffness > 0.0_dp) call add_spring(.true.)
+    end do
+    where (loads%kind == 0) loads%kind = size(loads%place) + 1
+  contains
+    subroutine add_spring(turns)
+      logical, intent(in) :: turns
+      loads%place = [loads%place, bodies(b)%position]
+      loads%turns = [loads%turns, turns]
+      loads%kind = [loads%kind, size(loads%place)]
+      loads%spring_of = [loads%spring_of, b]
+      loads%course = [loads%course, steady_course(0.0_dp, 0.0_dp)]
+    end subroutine add_spring
   end subroutine place_loads
 
-  pure type(load_result) function applied(courses, units, forces) result(loads)
+  pure type(load_result) function applied(scene, courses, units) result(loads)
     !! What was applied.
-    type(load_course), intent(in) :: courses(:)
+    type(scene_type), intent(in) :: scene
+    type(load_course), intent(in) :: courses(:)    !! forces, then what accelerations do to the beam
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: forces                  !! how many of them are; the others are what accelerations do to the beam
-    integer :: l
+    integer :: forces, l
+    forces = 0
+    if (allocated(scene%forces)) forces = size(scene%forces)
     associate (largest => largest_load(courses), impulse => impulse_of(courses)*units%time%hi)
       loads%applied_force = largest(:forces)
       loads%applied_impulse = impulse(:forces)
@@ -140,7 +167,7 @@ contains
     do q = 1, quantities
       peak = largest_of(run, q)
       error = maxval(run%error, mask=run%quantity == q)
-      if (q == 1) error = max(error, maxval(run%bound)/bound_times)
+      if (q == 1) error = max(error, maxval(run%bound, mask=run%bound < huge(error))/bound_times)
       if (peak > 0.0_dp .and. error > 0.0_dp) part = max(part, error/peak)
     end do
   end function part_of_peak
@@ -153,7 +180,7 @@ contains
     type(history_errors), intent(inout) :: errors
     logical :: alone_there
     integer :: n
-    alone_there = .not. allocated(scene%impact)
+    alone_there = .not. (allocated(scene%impact) .or. changes_in_time(scene))
     associate (response => histories%response)
       n = min(response%finite_samples, run%samples)
       response%finite_samples = n

@@ -91,7 +91,8 @@ contains
     changes = changes_of(scene, motion%units)
     do i = 1, size(changes)
       associate (last => motion%timeline%segments(size(motion%timeline%segments)))
-        if (.not. happens(changes(i), scene, changes(i)%time - last%start, motion%modes%configuration(last%configuration)%set)) then
+        if (.not. happens(changes(i)%seconds, scene, changes(i)%time - last%start, &
+                          motion%modes%configuration(last%configuration)%set)) then
           call note_no_change(scene, motion)
           cycle
         end if

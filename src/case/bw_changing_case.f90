@@ -2,16 +2,18 @@ module bw_changing_case
   !! A case whose beam changes in time, or moves from the beginning: modes ► segments and events ► histories ► errors ► spectrum.
   !!
   !! What fewer modes change tells how much is missing: the motion is followed with all modes and with some eighths of them. A tolerance
-  !! lets their number grow until that is small enough.
+  !! lets their number grow until that is small enough. The motion under loads is added, as all changes are linear (bw_case_loads).
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: in_joules, units_of
   use bw_case_histories, only: sum_histories
+  use bw_case_loads, only: add_loads
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_moments, only: find_moments
   use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, case_result, case_spectrum, &
-    history_errors, put_together
+    history_errors, load_result, put_together
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
+  use bw_change_of_bodies, only: beam_state
   use bw_changing_motion, only: follow_changes
   use bw_event, only: event_words
   use bw_changing_errors, only: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, &
@@ -27,7 +29,7 @@ module bw_changing_case
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_scene, only: by_pieces, changes_shapes, is_loaded, scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: shortest, string
   implicit none (type, external)
@@ -57,11 +59,22 @@ contains
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
     type(search_failure), target :: failure
+    type(load_result), allocatable :: loads
+    type(beam_state), allocatable :: before_event(:)   ! under loads
     type(string), allocatable :: foremost(:), validity(:)
+    integer :: handing
     whole = .false.
     call watch%start()
-    call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors)
+    call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
     if (monitor%stop_requested()) return
+    if (is_loaded(scene) .and. motion%modes%resolved .and. allocated(histories%response)) then
+      call add_loads(scene, motion, monitor, cache, histories, errors, loads, result%error, before_event)
+      whole = allocated(result%error)
+      if (whole) return
+      if (monitor%stop_requested()) return
+      call follow_changes(times_as_many(counted, handing), 8, handing, by_tolerance(scene%modes), motion, monitor, before_event)
+      if (monitor%stop_requested()) return
+    end if
     if (motion%modes%resolved) then
       call note_validity(counted, motion, histories%response, validity)
       call note_losses(motion)
@@ -75,7 +88,7 @@ contains
     end if
     call watch%lap(stage_response)
     if (motion%modes%resolved .and. allocated(scene%spectrum)) then
-      call find_spectrum(counted, layout, motion, histories%response, errors%status, monitor, plan, spectrum)
+      call find_spectrum(counted, layout, motion, histories%response, errors%status, monitor, plan, spectrum, loads)
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
     end if
@@ -88,11 +101,13 @@ contains
     call add_notes(result%notes, errors%notes)
     call add_notes(result%notes, spectrum%notes)
     call compose(scene, motion, histories, errors, spectrum, result)
+    if (allocated(loads)) result%mode_count = max(result%mode_count, loads%count)
+    call move_alloc(loads, result%loads)
     result%profile_points = layout%profile
     whole = .true.
   end subroutine run_changing_case
 
-  subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors)
+  subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
     !! The motion with enough modes, or as many as the scene counts, and its errors.
     type(scene_type), intent(in) :: scene
     type(stopwatch), intent(inout) :: watch
@@ -104,14 +119,15 @@ contains
     type(case_motion), intent(out) :: motion
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
+    integer, intent(out) :: handing                  !! times as many modes hand on their motion as are summed
     real(dp), allocatable :: rounding(:, :)
     logical :: limit, enough
-    integer :: handing, most
+    integer :: most
     limit = by_tolerance(scene%modes)
+    handing = 1
     most = most_count
     if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     counted = scene
-    handing = 1
     if (limit) then
       counted%modes%tolerance = missing
       counted%modes%before = first_count

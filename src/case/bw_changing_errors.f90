@@ -4,11 +4,11 @@ module bw_changing_errors
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_motion, history_errors
   use bw_contact_errors, only: largest_distance
-  use bw_double_double, only: to_dd
+  use bw_double_double, only: dd, to_dd
   use bw_kinds, only: dp
   use bw_lack_error, only: find_lack, lack_error
   use bw_missing, only: is_missing
-  use bw_mode_set, only: curvatures, deflections
+  use bw_mode_set, only: curvatures, deflections, mode_set
   use bw_mode_survey, only: mode_survey
   use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
@@ -19,7 +19,8 @@ module bw_changing_errors
   use bw_truncation_error, only: spread_of_samples
   implicit none (type, external)
   private
-  public :: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, rounding_of_turn
+  public :: add_difference, add_rounding_of_turn, error_of_state, extrapolate, join_state_errors, leave_out_rounding
+  public :: rounding_of_turn
 
 contains
 
@@ -62,18 +63,23 @@ contains
     type(history_errors), intent(inout) :: errors
     real(dp), dimension(size(scene%response%points)) :: deflection, rate, curvature
     type(lack_error) :: found
+    type(time_grid) :: grid
     real(dp) :: metres, speed
     integer :: i
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     deflection = 0.0_dp
     rate = 0.0_dp
     curvature = 0.0_dp
     do i = 1, size(motion%timeline%segments)
-      found = error_of_state(scene, motion, i, deflections)
-      deflection = deflection + found%displacement
-      rate = rate + found%rate
-      if (.not. allocated(errors%bending_moment)) cycle
-      found = error_of_state(scene, motion, i, curvatures)
-      curvature = curvature + found%rate
+      associate (segment => motion%timeline%segments(i), points => scene%response%points, &
+                 modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
+        found = error_of_state(modes, segment%count, segment%start, segment%error, deflections, points, grid)
+        deflection = deflection + found%displacement
+        rate = rate + found%rate
+        if (.not. allocated(errors%bending_moment)) cycle
+        found = error_of_state(modes, segment%count, segment%start, segment%error, curvatures, points, grid)
+        curvature = curvature + found%rate
+      end associate
     end do
     speed = abs(unit_velocity(scene))
     metres = speed*motion%units%time%hi
@@ -130,29 +136,28 @@ contains
     end associate
   end function rounding_of_turn
 
-  type(lack_error) function error_of_state(scene, motion, i, quantity) result(error)
-    !! Of segment i, V l²/h and V.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    integer, intent(in) :: i, quantity
+  type(lack_error) function error_of_state(modes, count, start, doubt, quantity, points, grid) result(error)
+    !! Of histories from a time to the end of the record, in the units of the doubt.
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: count                   !! that are summed
+    type(dd), intent(in) :: start                  !! l²/h
+    real(dp), intent(in) :: doubt(:, :)            !! that of modal displacements and velocities then, (modes, 2)
+    integer, intent(in) :: quantity                !! deflections or curvatures
+    real(dp), intent(in) :: points(:)              !! ξ
+    type(time_grid), intent(in) :: grid            !! of the record
     type(lack_type) :: lack
     type(mode_survey) :: survey
-    type(time_grid) :: grid
-    real(dp), dimension(size(scene%response%points)) :: part, times
+    real(dp), dimension(size(points)) :: part, times
     integer :: first, samples
-    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-    associate (segment => motion%timeline%segments(i))
-      first = first_sample(segment%start, grid)
-      samples = grid%samples - first + 1
-      part = 0.0_dp
-      times = 0.5_dp*spread_of_samples(samples)    ! the errors are twice their root mean squares
-      lack%bounded = segment%count
-      lack%q_doubt = segment%error(:, 1)
-      lack%rate_doubt = segment%error(:, 2)
-      call survey%start(quantity, scene%response%points, stretch_of(grid, first, grid%samples, segment%start))
-      call find_lack(lack, motion%modes%configuration(segment%configuration)%set, segment%count, survey, samples, part, times, &
-                     error)
-    end associate
+    first = first_sample(start, grid)
+    samples = grid%samples - first + 1
+    part = 0.0_dp
+    times = 0.5_dp*spread_of_samples(samples)      ! the errors are twice their root mean squares
+    lack%bounded = count
+    lack%q_doubt = doubt(:, 1)
+    lack%rate_doubt = doubt(:, 2)
+    call survey%start(quantity, points, stretch_of(grid, first, grid%samples, start))
+    call find_lack(lack, modes, count, survey, samples, part, times, error)
   end function error_of_state
 
 end module bw_changing_errors

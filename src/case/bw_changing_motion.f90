@@ -1,6 +1,7 @@
 module bw_changing_motion
   !! The motion of a beam that changes in time: from what it does first through all that happens, as segments and events. Modes are
   !! counted; a part of them may take part, so that several runs tell what modes add.
+  use bw_case_bodies, only: bodies_of, presence, set_pull
   use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, hand_over, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
@@ -10,9 +11,8 @@ module bw_changing_motion
   use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
-  use bw_rotation, only: dimensionless_speed, speed_in_plane
+  use bw_rotation, only: speed_in_plane
   use bw_scene, only: scene_type
-  use bw_scene_pieces, only: joints_of_bodies
   use bw_segment, only: energy_type, known_energy, leaves_range, move, segment_type, operator(+)
   use bw_text, only: append, shortest
   use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of, timeline_type
@@ -24,6 +24,9 @@ module bw_changing_motion
   type :: now_type
     !! Where the motion has come to.
     type(beam_state) :: state
+    type(body_type), allocatable :: bodies(:)
+    type(beam_state) :: total                      !! with what loads add after t = 0, and with
+    type(body_type), allocatable :: stretched(:)   !! the bodies as they are then
     integer :: configuration = 1
     logical, allocatable :: there(:)               !! which bodies are, (bodies)
     real(dp), allocatable :: error(:, :)           !! that of a segment that starts, (modes, 2)
@@ -31,84 +34,45 @@ module bw_changing_motion
 
 contains
 
-  subroutine follow_changes(scene, eighths, handing, limit, motion, monitor)
-    !! From the beginning to the last event.
+  subroutine follow_changes(scene, eighths, handing, limit, motion, monitor, loaded)
+    !! From the beginning to the last event. Loads are added elsewhere, but energies and momenta are those of both motions together.
     type(scene_type), intent(in) :: scene          !! without sweeps, that counts its modes
     integer, intent(in) :: eighths                 !! how many eighths of the modes of each configuration take part, the first
     integer, intent(in) :: handing                 !! times as many modes hand on their motion as are summed
     logical, intent(in) :: limit                   !! a mass that is captured strikes infinitely many modes
     type(case_motion), intent(inout) :: motion     !! its modes are known
     class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(beam_state), intent(in), optional :: loaded(:)     !! the motion under loads before each event after t = 0
     type(step_type), allocatable :: steps(:)
-    type(body_type), allocatable :: bodies(:)
     type(now_type) :: now
     type(dd) :: time
-    integer :: i
+    integer :: first, i
     motion%initial = initial_state()
     motion%timeline = timeline_type()
     if (allocated(motion%notes)) deallocate (motion%notes)
     allocate (motion%initial%events(0), motion%timeline%events(0), motion%timeline%segments(0))
     steps = steps_of(scene)
-    bodies = bodies_of(scene, motion)
     call begin(scene, motion, eighths, steps(1)%carried, now)
-    do i = 2, size(steps)
-      if (steps(i)%seconds > 0.0_dp) exit
-      call take_step(scene, steps(i), eighths, limit, bodies, motion, now, monitor)
+    do first = 2, size(steps)
+      if (steps(first)%seconds > 0.0_dp) exit
+      call take_step(scene, steps(first), eighths, limit, motion, now, monitor)
       if (monitor%stop_requested()) return
     end do
+    now%total = now%state
+    now%stretched = now%bodies
     motion%initial%modal_velocity = now%state%rate
     motion%initial%events = motion%timeline%events
     call add_segment(to_dd(0.0_dp), handing, motion, now)
-    do i = i, size(steps)
+    do i = first, size(steps)
       time = to_dd(steps(i)%seconds)/motion%units%time
       if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
       call advance(time, motion, now)
-      call take_step(scene, steps(i), eighths, limit, bodies, motion, now, monitor)
+      if (present(loaded)) call add_loaded(loaded(i - first + 1), now)
+      call take_step(scene, steps(i), eighths, limit, motion, now, monitor, present(loaded))
       if (monitor%stop_requested()) return
       call add_segment(time, handing, motion, now)
     end do
   end subroutine follow_changes
-
-  function bodies_of(scene, motion) result(bodies)
-    !! Those of the scene, and last the mass that strikes, if it is captured.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    type(body_type), allocatable :: bodies(:)
-    integer :: b
-    allocate (bodies(0))
-    associate (joints => joints_of_bodies(scene))
-      do b = 1, size(joints)
-        bodies = [bodies, body_type(scene%bodies(b)%position, joints(b)%mass%hi, joints(b)%inertia%hi, joints(b)%stiffness%hi, &
-                                    joints(b)%turning_stiffness%hi, scene%bodies(b)%velocity)]
-      end do
-    end associate
-    if (allocated(scene%capture)) bodies = [bodies, body_type(scene%impact%position, scene%impact%mass_ratio, &
-      scene%capture%rotary_inertia/motion%units%mass/motion%units%length**2)]
-    call set_pull(scene, motion, bodies)
-  end function bodies_of
-
-  pure subroutine set_pull(scene, motion, bodies)
-    !! The tension that bodies bring into the beam.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    type(body_type), intent(inout) :: bodies(:)
-    type(dd) :: speed
-    real(dp) :: radius, spin_squared
-    if (.not. allocated(scene%stiffening)) return
-    speed = dimensionless_speed(scene%rotation, motion%units)
-    spin_squared = speed%hi**2
-    radius = scene%stiffening%hub_radius/motion%units%length
-    bodies%pull = spin_squared*bodies%mass*(radius + bodies%position)
-  end subroutine set_pull
-
-  pure function presence(scene, carried) result(there)
-    !! Which bodies are there, (bodies).
-    type(scene_type), intent(in) :: scene
-    type(carried_type), intent(in) :: carried
-    logical, allocatable :: there(:)
-    there = carried%body
-    if (allocated(scene%capture)) there = [there, carried%captured]
-  end function presence
 
   pure integer function taking_part(modes, eighths) result(count)
     !! How many modes do.
@@ -129,6 +93,7 @@ contains
     integer :: n
     now%configuration = number_of(configurations_of(scene), carried)
     now%there = presence(scene, carried)
+    now%bodies = bodies_of(scene, motion%units)
     associate (modes => motion%modes%configuration(now%configuration)%set, state => now%state, units => motion%units)
       n = taking_part(modes, eighths)
       state%count = n
@@ -208,18 +173,33 @@ contains
     motion%timeline%segments = [motion%timeline%segments, segment]
   end subroutine add_segment
 
-  subroutine take_step(scene, step, eighths, limit, bodies, motion, now, monitor)
+  pure subroutine add_loaded(loaded, now)
+    !! The whole motion before an event.
+    type(beam_state), intent(in) :: loaded         !! of any number of modes
+    type(now_type), intent(inout) :: now
+    integer :: n
+    n = min(loaded%count, now%state%count)
+    associate (total => now%total)
+      total%count = now%state%count
+      total%q = now%state%q
+      total%rate = now%state%rate
+      total%q(:n) = total%q(:n) + loaded%q(:n)
+      total%rate(:n) = total%rate(:n) + loaded%rate(:n)
+    end associate
+  end subroutine add_loaded
+
+  subroutine take_step(scene, step, eighths, limit, motion, now, monitor, with_loads)
     !! What happens at an instant.
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
     integer, intent(in) :: eighths
     logical, intent(in) :: limit
-    type(body_type), intent(inout) :: bodies(:)
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     class(monitor_type), intent(inout), target :: monitor
+    logical, intent(in), optional :: with_loads    !! the balance of the event is that of the whole motion
     type(event_type) :: event
-    type(beam_state) :: later
+    type(beam_state) :: later, whole
     logical, allocatable :: is(:)
     real(dp) :: speed
     integer :: next
@@ -233,15 +213,20 @@ contains
     is = presence(scene, step%carried)
     next = number_of(configurations_of(scene), step%carried)
     speed = speed_in_plane(scene%rotation, motion%units)
-    if (step%is_capture) bodies(size(bodies))%velocity = motion%initial%impact%tip_velocity
+    if (step%is_capture) now%bodies(size(now%bodies))%velocity = motion%initial%impact%tip_velocity
     associate (configuration => motion%modes%configuration)
       call hand_over(configuration, now%configuration, now%state, now%there, next, &
-                     taking_part(configuration(next)%set, eighths), is, bodies, speed**2, later, event, monitor)
+                     taking_part(configuration(next)%set, eighths), is, now%bodies, speed**2, later, event, monitor)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
         now%error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
-                                    configuration(next)%set, bodies, now%there, is)
+                                    configuration(next)%set, now%bodies, now%there, is)
       end associate
+      if (present(with_loads)) then
+        if (with_loads) call hand_over(configuration, now%configuration, now%total, now%there, next, &
+          taking_part(configuration(next)%set, eighths), is, now%stretched, speed**2, whole, event, monitor)
+        if (with_loads) now%total = whole
+      end if
     end associate
     event%kind = kind_of_change(step, now%there, is)
     motion%timeline%events = [motion%timeline%events, event]
@@ -280,7 +265,7 @@ contains
       impact%gamma = given%mass_ratio
       impact%restitution = given%restitution
       mass = body_type(position=given%position, mass=given%mass_ratio)
-      call set_pull(scene, motion, mass)
+      call set_pull(scene, motion%units, mass)
       speed = speed_in_plane(scene%rotation, motion%units)
       place = sum(energy_at(modes, state%q(:state%count), mass(1), dot_product(modes%struck, state%q), speed**2))
       if (limit) then

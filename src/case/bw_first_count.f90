@@ -62,7 +62,8 @@ contains
     samples = grid%samples
     changes = changes_of(scene, motion%units)
     do i = 1, size(changes)
-      if (happens(changes(i), scene, changes(i)%time, moving%set)) samples = min(samples, first_sample(changes(i)%time, grid) - 1)
+      if (happens(changes(i)%seconds, scene, changes(i)%time, moving%set)) &
+        samples = min(samples, first_sample(changes(i)%time, grid) - 1)
     end do
   end function samples_of_first
 

@@ -19,11 +19,13 @@ module bw_load_columns
   integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3], order_of(quantities) = [0, 1, 2, 0, 0]
 
   type, public :: placed_loads
-    !! Loads, and where they act.
+    !! Loads, and where they act. Last come the forces and moments with which springs hold on to the position in which they came.
     type(load_course), allocatable :: course(:)
-    real(dp), allocatable :: place(:)                !! ξ of forces, each a kind of load
+    real(dp), allocatable :: place(:)                !! ξ of forces and moments, each a kind of load
+    logical, allocatable :: turns(:)                 !! a moment acts there
     logical :: accelerated = .false.                 !! the acceleration of the frame is the last kind
     integer, allocatable :: kind(:)                  !! of each course
+    integer, allocatable :: spring_of(:)             !! the body to which a spring belongs that makes it; 0: none, (courses)
   end type placed_loads
 
 contains
@@ -68,14 +70,16 @@ contains
     integer :: c, l, sheared
     sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points whose shear forces are asked for
     weights = 0.0_dp
-    call find_drive(given, modes, loads%place, loads%accelerated, monitor, drive, points(:sheared), weights(:, :sheared, 3))
+    call find_drive(given, modes, loads%place, loads%turns, loads%accelerated, monitor, drive, points(:sheared), &
+                    weights(:, :sheared, 3))
     if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
     allocate (residual(size(drive, 2), size(points), 3), soft(size(points) + size(loads%place)))
     allocate (terms, mold=residual)
     view%summed = min(summed, modes%count)
-    call find_residuals(given, modes, view%summed, loads%place, loads%accelerated, drive, weights, points, residual, terms, soft)
+    call find_residuals(given, modes, view%summed, loads%place, loads%turns, loads%accelerated, drive, weights, points, residual, &
+                        terms, soft)
     associate (kind => loads%kind)
       flexibility = [soft(:size(points)), spread(0.0_dp, 1, size(kind))]
       allocate (view%drive(modes%count, size(kind)), view%weight(modes%count, size(quantity)), &
@@ -99,19 +103,26 @@ contains
     end associate
   end subroutine make_view
 
-  subroutine find_drive(given, modes, places, accelerated, monitor, drive, points, shear)
-    !! How each kind of load drives the modes: forces at their places, and the acceleration of the frame by −1 behind them.
+  subroutine find_drive(given, modes, places, turns, accelerated, monitor, drive, points, shear)
+    !! How each kind of load drives the modes: forces and moments at their places, and the acceleration of the frame by −1 behind them.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: places(:)                    !! of forces
+    real(dp), intent(in) :: places(:)                    !! of forces and moments
+    logical, intent(in) :: turns(:)                      !! a moment acts there
     logical, intent(in) :: accelerated                   !! the frame is
     class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
     real(dp), intent(in) :: points(:)                    !! none: no shear forces are asked for
     real(dp), intent(out) :: shear(:, :)                 !! shear forces of the modes at the points, (modes, points)
-    real(dp) :: participation(modes%count)
+    real(dp) :: participation(modes%count), motion(modes%count, 2)
+    integer :: i
     if (accelerated .or. size(points) > 0) call find_shears(given, modes, points, shear, participation, monitor)
     drive = modes%shapes(places)
+    do i = 1, size(places)
+      if (.not. turns(i)) cycle
+      motion = modes%motion_at(places(i))
+      drive(:, i) = motion(:, 2)
+    end do
     if (accelerated) drive = reshape([drive, participation], [modes%count, size(places) + 1])
   end subroutine find_drive
 

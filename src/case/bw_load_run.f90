@@ -2,19 +2,28 @@ module bw_load_run
   !! The motion of a beam under its loads, with some modes: through the changes of its topology, to histories and what they lack of
   !! infinitely many modes.
   use bw_beam_units, only: beam_units
+  use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_modes
-  use bw_double_double, only: dd, to_dd, operator(-)
+  use bw_changing_errors, only: error_of_state
+  use bw_change_of_bodies, only: beam_state, body_type, hand_over
+  use bw_double_double, only: dd, to_dd, operator(/), operator(-)
+  use bw_event, only: event_type
   use bw_kinds, only: dp
+  use bw_lack_error, only: lack_error
   use bw_load_columns, only: factor_of_quantity, find_drive, list_columns, make_view, placed_loads, quantities
-  use bw_load_course, only: interval_at, lag_bound, load_course, rates_of
+  use bw_load_course, only: degree_of, interval_at, lag_bound, load_course, rates_of, steady_course
+  use bw_load_modes, only: find_residuals
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes, tail_error
-  use bw_mode_set, only: configuration_type, first_numbers, mode_set
+  use bw_missing, only: is_missing
+  use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, varying_of
-  use bw_segment, only: alone, growth_ends
+  use bw_segment, only: growth_ends
+  use bw_static_shape, only: deflection, turning
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_timeline, only: change_type, changes_of, happens
+  use bw_timeline, only: carried_type, configurations_of, happens, number_of, step_type, steps_of
+  use bw_unhanded, only: unhanded_motion
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -24,10 +33,11 @@ module bw_load_run
     !! The histories of some modes, SI.
     real(dp), allocatable :: history(:, :)         !! (samples, columns)
     real(dp), allocatable :: error(:)              !! (columns)
-    real(dp), allocatable :: bound(:)              !! of the displacements, (points)
+    real(dp), allocatable :: bound(:)              !! of the displacements, `huge` where there is none, (points)
     integer, allocatable :: quantity(:), point(:)  !! (columns)
     integer :: samples = 0                         !! that are known
     integer :: count = 0                           !! modes
+    type(beam_state), allocatable :: before_event(:)   !! the motion before each event after t = 0
   end type loaded_run
 
 contains
@@ -37,18 +47,22 @@ contains
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(case_modes), intent(in) :: modes            !! with more than are summed, if there are
-    integer, intent(in) :: summed(2)                 !! modes of each configuration that are
+    integer, intent(in) :: summed(2)                 !! modes of the first configuration and of others that are
     type(placed_loads), intent(in) :: loads
     class(monitor_type), intent(inout) :: monitor
     type(loaded_run), intent(out) :: run
     type(load_view) :: view
     type(load_tail) :: tail
     type(time_grid) :: grid
-    type(change_type), allocatable :: changes(:)
-    real(dp), allocatable :: q(:), v(:), flexibility(:)
-    real(dp) :: ends, factor, metre
-    type(dd) :: start, until
-    integer :: c, configuration, i, samples(2)
+    type(step_type), allocatable :: steps(:)
+    type(carried_type), allocatable :: configurations(:)
+    type(placed_loads) :: acting
+    type(varying_beam) :: given
+    type(body_type), allocatable :: bodies(:)
+    real(dp), allocatable :: q(:), v(:), doubt(:, :), flexibility(:)
+    real(dp) :: ends, factor, metre, of_states(size(scene%response%points), 3)
+    type(dd) :: start, until, whole
+    integer :: c, configuration, i, next, samples(2)
     associate (response => scene%response)
       call list_columns(response, [.true., response%velocity, response%acceleration, response%bending_moment, &
                                    response%shear_force], run%quantity, run%point)
@@ -56,17 +70,27 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     allocate (run%history(grid%samples, size(run%quantity)), source=0.0_dp)
     allocate (run%error(size(run%quantity)), run%bound(size(scene%response%points)), source=0.0_dp)
-    changes = changes_of(scene, units)
+    allocate (run%before_event(0))
+    steps = steps_of(scene)
+    configurations = configurations_of(scene)
+    bodies = bodies_of(scene, units)
+    acting = loads
+    of_states = 0.0_dp
     configuration = modes%moving
-    run%count = summed(configuration)
+    run%count = summed(merge(1, 2, configuration == 1))
     run%samples = grid%samples
     start = to_dd(0.0_dp)
-    do i = 0, size(changes)
+    whole = to_dd(scene%response%duration/units%time%hi)
+    do i = 1 + count(steps%seconds <= 0.0_dp), size(steps) + 1
       associate (set => modes%configuration(configuration)%set)
         ends = start%hi + growth_ends(set)
-        until = to_dd(scene%response%duration/units%time%hi)
-        if (i < size(changes)) then
-          if (happens(changes(i + 1), scene, changes(i + 1)%time - start, set)) until = changes(i + 1)%time
+        until = whole
+        next = 0
+        if (i <= size(steps)) then
+          if (happens(steps(i)%seconds, scene, to_dd(steps(i)%seconds)/units%time - start, set)) then
+            next = number_of(configurations, steps(i)%carried)
+            until = to_dd(steps(i)%seconds)/units%time
+          end if
         end if
         samples = [first_sample(start, grid), first_sample(until, grid) - 1]
         if (ends < until%hi) then
@@ -74,7 +98,8 @@ contains
           run%samples = samples(2)
           until = to_dd(ends)
         end if
-        call make_view(beam_of(scene, units, configuration), set, summed(configuration), loads, scene%response%points, &
+        given = beam_of(scene, units, configurations(configuration))
+        call make_view(given, set, summed(merge(1, 2, configuration == 1)), acting, scene%response%points, &
                        run%quantity, run%point, monitor, view, flexibility)
         if (monitor%stop_requested()) return
         if (.not. allocated(q)) q = spread(0.0_dp, 1, set%count)
@@ -83,24 +108,44 @@ contains
         call sum_loaded_modes(set, view, grid, samples, start, until, monitor, q, v, run%history, tail)
         if (monitor%stop_requested()) return
         call add_errors()
-        if (run%samples < grid%samples .or. until%hi >= scene%response%duration/units%time%hi) exit
-        call hand_over(beam_of(scene, units, configuration), modes%configuration(configuration), &
-                       modes%configuration(changes(i + 1)%configuration)%set, loads, until, monitor, q, v)
+        if (run%samples < grid%samples .or. next == 0) exit
+        run%before_event = [run%before_event, about_rest(set, view, acting, q, v, units)]
+        call take_change(given, modes%configuration(configuration), presence(scene, configurations(configuration)), &
+                         modes%configuration(next)%set, presence(scene, steps(i)%carried), bodies, until, monitor, acting, q, v, &
+                         doubt)
         if (monitor%stop_requested()) return
-        configuration = changes(i + 1)%configuration
+        configuration = next
         start = until
+        call add_doubt(modes%configuration(next)%set)
       end associate
     end do
     metre = units%time%hi**2/units%mass                ! of displacements under loads in N
     do c = 1, size(run%quantity)
       factor = metre*factor_of_quantity(scene, units, run%quantity(c))
       run%history(:, c) = factor*run%history(:, c)
+      select case (run%quantity(c))
+      case (1, 2); run%error(c) = run%error(c) + of_states(run%point(c), run%quantity(c))
+      case (4); run%error(c) = run%error(c) + of_states(run%point(c), 3)
+      end select
       run%error(c) = factor*run%error(c)
     end do
-    run%bound = metre*run%bound
+    where (run%bound < huge(metre)) run%bound = metre*run%bound
   contains
+    subroutine add_doubt(after)
+      !! What errors of the state after a change come to.
+      class(mode_set), intent(in) :: after
+      type(lack_error) :: found
+      found = error_of_state(after, after%count, start, doubt, deflections, scene%response%points, grid)
+      of_states(:, 1) = of_states(:, 1) + found%displacement
+      of_states(:, 2) = of_states(:, 2) + found%rate
+      if (.not. scene%response%bending_moment) return
+      found = error_of_state(after, after%count, start, doubt, curvatures, scene%response%points, grid)
+      of_states(:, 3) = of_states(:, 3) + found%rate
+    end subroutine add_doubt
+
     subroutine add_errors()
-      !! What is missing of infinitely many modes, the most of all segments, and rounding.
+      !! What is missing of infinitely many modes, the most of all segments, and rounding. A motion is bounded while the beam stays the
+      !! same.
       real(dp) :: bound(size(run%bound)), missed(size(run%error)), rounding(size(run%error))
       integer, allocatable :: columns(:)
       integer :: o
@@ -111,14 +156,38 @@ contains
         missed(columns) = tail_error(view, tail, columns)
       end do
       associate (set => modes%configuration(configuration)%set)
-        bound = bound_of(set, view, flexibility, loads%course, until%hi)
+        bound = huge(bound)
+        if (start%hi <= 0.0_dp) bound = bound_of(set, view, flexibility, loads%course, until%hi)
         missed(:size(bound)) = min(missed(:size(bound)), bound)
         rounding = rounding_of(set, view, tail, until%hi)
-        run%bound = max(run%bound, bound) + rounding(:size(bound))
+        run%bound = max(run%bound, bound)
+        where (run%bound < huge(bound)) run%bound = run%bound + rounding(:size(bound))
         run%error = max(run%error, missed) + rounding
       end associate
     end subroutine add_errors
   end subroutine follow_loads
+
+  pure type(beam_state) function about_rest(modes, view, acting, q, v, units) result(state)
+    !! The motion as bw_change_of_bodies has it, V l²/h and V for V = 1 m/s: about the position in which springs are at rest.
+    class(mode_set), intent(in) :: modes
+    type(load_view), intent(in) :: view
+    type(placed_loads), intent(in) :: acting
+    real(dp), intent(in) :: q(:), v(:)
+    type(beam_units), intent(in) :: units
+    real(dp), allocatable :: moved(:)
+    integer :: l
+    moved = q
+    do l = 1, size(acting%course)
+      if (acting%spring_of(l) == 0) cycle
+      where (modes%beta_squared%hi /= 0.0_dp) &
+        moved = moved - view%drive(:, l)*acting%course(l)%power(0, 1)/modes%beta_squared%hi
+    end do
+    associate (speed => units%time%hi/units%mass)
+      state%count = size(q)
+      state%q = speed*moved
+      state%rate = speed*v
+    end associate
+  end function about_rest
 
   pure function bound_of(modes, view, flexibility, courses, until) result(bound)
     !! A bound of what the displacements of infinitely many modes differ by: how much the missing ones lag behind each load, times their
@@ -143,51 +212,114 @@ contains
     end do
   end function bound_of
 
-  pure type(varying_beam) function beam_of(scene, units, configuration) result(given)
+  pure type(varying_beam) function beam_of(scene, units, carried) result(given)
     !! What the modes of a configuration are of.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: configuration
-    given = varying_of(scene, units, pieces_of(scene, units, configuration /= alone))
+    type(carried_type), intent(in) :: carried
+    given = varying_of(scene, units, pieces_of(scene, units, carried%captured, carried%body))
   end function beam_of
 
-  subroutine hand_over(given, configuration, after, loads, time, monitor, q, v)
-    !! The motion goes over to other modes, with that of modes that were not summed, which follow the loads at once.
+  subroutine take_change(given, configuration, was, after, is, bodies, time, monitor, acting, q, v, doubt)
+    !! Bodies come and leave: the motion goes over to other modes, with that of modes that were not summed, which follow the loads at
+    !! once. Springs that come are at rest in the position in which they meet the beam, and so make a force that stays the same.
     type(varying_beam), intent(in) :: given          !! before the change
     type(configuration_type), intent(in) :: configuration
+    logical, intent(in) :: was(:), is(:)             !! which bodies are there before and after, (bodies)
     class(mode_set), intent(in) :: after
-    type(placed_loads), intent(in) :: loads
+    type(body_type), intent(in) :: bodies(:)
     type(dd), intent(in) :: time
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout) :: monitor    !! nothing that is found means anything where it asks to stop
+    type(placed_loads), intent(inout) :: acting
     real(dp), allocatable, intent(inout) :: q(:), v(:)
+    real(dp), allocatable, intent(out) :: doubt(:, :)   !! what modes beyond may add to both, (modes after, 2)
     integer, parameter :: times_as_many = 4          ! modes are handed on as are summed
-    class(mode_set), allocatable :: before
-    real(dp), allocatable :: drive(:, :), moved(:), moving(:)
-    real(dp) :: power(0:1)
-    complex(dp) :: tone
-    real(dp) :: no_points(0)
-    real(dp), allocatable :: nothing(:, :)
-    integer :: l, n
+    type(configuration_type) :: pair(2)
+    type(beam_state) :: state, later
+    type(body_type) :: inert(size(bodies))
+    type(event_type) :: ignored
+    real(dp), allocatable :: drive(:, :), nothing(:, :)
+    real(dp) :: beyond(size(bodies), 2, 2), load(size(acting%course), 2), no_points(0)
+    integer :: b, l, n
     n = configuration%set%count
-    call configuration%source%find(first_numbers(min(configuration%source%highest, times_as_many*n)), before, monitor=monitor)
+    call configuration%source%find(first_numbers(min(configuration%source%highest, times_as_many*n)), pair(1)%set, monitor=monitor)
     if (monitor%stop_requested()) return
-    allocate (nothing(before%count, 0))
-    call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
+    allocate (nothing(pair(1)%set%count, 0))
+    call find_drive(given, pair(1)%set, acting%place, acting%turns, acting%accelerated, monitor, drive, no_points, nothing)
     if (monitor%stop_requested()) return
-    moved = spread(0.0_dp, 1, before%count)
-    moving = moved
-    do l = 1, size(loads%course)
-      call rates_of(loads%course(l), interval_at(loads%course(l), time%hi), time%hi, power, tone)
-      associate (soft => drive(:, loads%kind(l))/(before%modal_mass*before%beta_squared%hi))
-        moved = moved + soft*(power(0) + real(tone))
-        moving = moving + soft*(power(1) - loads%course(l)%frequency*aimag(tone))
-      end associate
+    load = loads_before(acting%course, time%hi)
+    associate (before => pair(1)%set)
+      state = beam_state(before%count, spread(0.0_dp, 1, before%count), spread(0.0_dp, 1, before%count))
+      do l = 1, size(acting%course)
+        where (before%beta_squared%hi > 1.0_dp)
+          state%q = state%q + drive(:, acting%kind(l))*load(l, 1)/(before%modal_mass*before%beta_squared%hi)
+          state%rate = state%rate + drive(:, acting%kind(l))*load(l, 2)/(before%modal_mass*before%beta_squared%hi)
+        end where
+      end do
+      doubt = unhanded_motion(configuration%set, q - state%q(:n), v - state%rate(:n), after, bodies, was, is)
+      state%q(:n) = q
+      state%rate(:n) = v
+    end associate
+    allocate (state%shape(0))
+    allocate (pair(2)%set, source=after)
+    inert = bodies                                   ! their springs are loads, and what they bring moves the beam without loads
+    inert%stiffness = 0.0_dp
+    inert%turning_stiffness = 0.0_dp
+    inert%pull = 0.0_dp
+    where (.not. is_missing(inert%velocity)) inert%velocity = 0.0_dp
+    beyond = 0.0_dp
+    do b = 1, size(bodies)
+      if (was(b) .or. .not. is(b)) cycle
+      beyond(b, :, :) = matmul(residual_at(given, pair(1)%set, acting, drive, bodies(b)%position), load)
     end do
-    moved(:n) = q
-    moving(:n) = v
-    q = after%overlap_of_beam(before, moved, monitor)/after%modal_mass
-    v = after%overlap_of_beam(before, moving, monitor)/after%modal_mass
-  end subroutine hand_over
+    call hand_over(pair, 1, state, was, 2, after%count, is, inert, 0.0_dp, later, ignored, monitor, beyond)
+    if (monitor%stop_requested()) return
+    do l = 1, size(acting%course)
+      b = acting%spring_of(l)
+      if (b == 0) cycle
+      if (was(b) .and. .not. is(b)) acting%course(l) = steady_course(0.0_dp, time%hi)
+      if (was(b) .or. .not. is(b)) cycle
+      if (acting%turns(acting%kind(l))) then
+        acting%course(l) = steady_course(bodies(b)%turning_stiffness*inert(b)%unstressed(2), time%hi)
+      else
+        acting%course(l) = steady_course(bodies(b)%stiffness*inert(b)%unstressed(1), time%hi)
+      end if
+    end do
+    q = later%q
+    v = later%rate
+  end subroutine take_change
+
+  pure function loads_before(course, time) result(load)
+    !! Loads and their rates just before a time, (loads, 2).
+    type(load_course), intent(in) :: course(:)
+    real(dp), intent(in) :: time
+    real(dp) :: load(size(course), 2)
+    real(dp), allocatable :: power(:)
+    complex(dp) :: tone
+    integer :: l
+    allocate (power(0:degree_of(course)))
+    do l = 1, size(course)
+      call rates_of(course(l), interval_at(course(l), nearest(time, -1.0_dp)), time, power, tone)
+      load(l, :) = [power(0) + real(tone), power(1) - course(l)%frequency*aimag(tone)]
+    end do
+  end function loads_before
+
+  function residual_at(given, modes, acting, drive, place) result(residual)
+    !! How a place moves and turns under each load by modes beyond these, which follow it at once, (2, loads).
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    type(placed_loads), intent(in) :: acting
+    real(dp), intent(in) :: drive(:, :)            !! that of `find_drive`
+    real(dp), intent(in) :: place                  !! ξ
+    real(dp) :: residual(2, size(acting%course))
+    real(dp), dimension(size(drive, 2), 1, turning) :: beyond, terms
+    real(dp) :: flexibility(1 + size(acting%place)), weights(modes%count, 1, turning)
+    weights = 0.0_dp
+    weights(:, 1, [deflection, turning]) = modes%motion_at(place)
+    call find_residuals(given, modes, modes%count, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
+                        beyond, terms, flexibility)
+    residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
+  end function residual_at
 
   pure real(dp) function largest_of(run, quantity) result(peak)
     type(loaded_run), intent(in) :: run

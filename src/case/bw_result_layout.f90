@@ -155,7 +155,7 @@ contains
     layout%shear_force = scene%response%shear_force
     layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
     layout%continuum = (allocated(scene%capture) .and. .not. counts_in_its_run(scene)) .or. &
-      (is_loaded(scene) .and. .not. allocated(scene%impact))
+      (is_loaded(scene) .and. .not. (allocated(scene%impact) .or. changes_in_time(scene)))
     layout%contacts = allocated(scene%recontact) .or. allocated(scene%contact)
     layout%estimates = layout%continuum .or. layout%contacts .or. changes_in_time(scene)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)

@@ -17,7 +17,8 @@ module bw_static_shape
   private
   public :: find_residual, gauss_places, static_shape, static_shapes
 
-  integer, parameter, public :: deflection = 1, moment = 2, shear = 3    !! columns of a shape
+  integer, parameter, public :: deflection = 1, moment = 2, shear = 3, turning = 4    !! columns of a shape
+  integer, parameter :: columns = 4
   integer, parameter :: stages = 8                !! of Gauss's collocation, which is exact to the order of twice as many
   real(dp), parameter :: calm = 0.7_dp            !! how much the state may change over a part
   integer, parameter :: band = 7                  !! diagonals beside the main one
@@ -63,28 +64,30 @@ contains
   end function sums_of
 
   function static_shape(given, struck, shift, xi) result(shape)
-    !! Deflection, moment and shear force at points under a force of 1, of the inner side where something jumps, (points, 3).
+    !! Deflection, moment, shear force and turning at points under a force of 1, of the inner side where something jumps, (points, 4).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: struck                 !! the joint at which the force acts
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    real(dp) :: shape(size(xi), 3), shapes(size(xi), 3, 1)
+    real(dp) :: shape(size(xi), columns), shapes(size(xi), columns, 1)
     type(dd) :: place
     place = joint_position(given%beam, struck)
-    shapes = static_shapes(given, [place%hi], .false., shift, xi)
+    shapes = static_shapes(given, [place%hi], [.false.], .false., shift, xi)
     shape = shapes(:, :, 1)
   end function static_shape
 
-  function static_shapes(given, place, accelerated, shift, xi) result(shape)
-    !! The same under a force of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked for, which
-    !! loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly, and nothing
-    !! but what holds the beam to it feels that: the deflection is that of displaced ends and springs, less c. (points, 3, places)
+  function static_shapes(given, place, turns, accelerated, shift, xi) result(shape)
+    !! The same under a force or a moment of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked
+    !! for, which loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly,
+    !! and nothing but what holds the beam to it feels that: the deflection is that of displaced ends and springs, less c.
+    !! (points, 4, places)
     type(varying_beam), intent(in) :: given
-    real(dp), intent(in) :: place(:)              !! ξ of the forces
+    real(dp), intent(in) :: place(:)              !! ξ of forces and moments
+    logical, intent(in) :: turns(:)               !! a moment acts there
     logical, intent(in) :: accelerated            !! the last column is that of the acceleration
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest; λ is not 0 where accelerated
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    real(dp) :: shape(size(xi), 3, size(place) + merge(1, 0, accelerated))
+    real(dp) :: shape(size(xi), columns, size(place) + merge(1, 0, accelerated))
     type(beam_part), allocatable :: parts(:)
     integer :: end_of(size(xi) + size(place))     ! the part that ends at each point; 0: the root
     real(dp), allocatable :: matrix(:, :), right(:, :)
@@ -97,15 +100,16 @@ contains
     call join_parts(given, shift, parts, matrix)
     right = 0.0_dp
     do f = 1, size(place)
-      right(row_of_force(size(parts), end_of(size(xi) + f)), f) = &
-        merge(1.0_dp, -1.0_dp, end_of(size(xi) + f) == size(parts))
-      if (end_of(size(xi) + f) == 0 .and. given%beam%root%holds_deflection) right(:, f) = 0.0_dp
+      associate (e => end_of(size(xi) + f), root => given%beam%root)
+        right(row_of_force(size(parts), e) - merge(1, 0, turns(f)), f) = merge(1.0_dp, -1.0_dp, e == size(parts))
+        if (e == 0 .and. merge(root%holds_turning, root%holds_deflection, turns(f))) right(:, f) = 0.0_dp
+      end associate
     end do
     if (accelerated) call displace_ends(given, parts, 1.0_dp/lambda, right(:, size(shape, 3)))
     call solve(matrix, right)
     do p = 1, size(xi)
       i = max(0, 8*end_of(p) - 4)
-      shape(p, :, :) = right(i + [1, 3, 4], :)
+      shape(p, :, :) = right(i + [1, 3, 4, 2], :)
     end do
     if (accelerated) shape(:, deflection, size(shape, 3)) = shape(:, deflection, size(shape, 3)) - 1.0_dp/lambda
     do p = 1, size(xi)

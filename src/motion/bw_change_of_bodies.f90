@@ -45,7 +45,7 @@ module bw_change_of_bodies
 
 contains
 
-  subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor)
+  subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond)
     !! The state of the modes after a change, and the balance of the event; its kind and its time are the caller's.
     type(configuration_type), intent(in) :: configuration(:)   !! whose modes were found in the same way, of the same pieces
     integer, intent(in) :: from, onto               !! the configurations before and after
@@ -57,6 +57,8 @@ contains
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
     class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
+    real(dp), intent(in), optional :: beyond(:, :, :)
+      !! deflection and turning at the bodies, and their rates, that the state lacks and that is known, (bodies, 2, 2)
     type(shape_term), allocatable :: whole(:)       ! the displacement
     type(shape_term) :: motion(1)                   ! the velocity
     real(dp), dimension(size(bodies), 2) :: moved, moving, push
@@ -68,6 +70,10 @@ contains
     whole = [state%shape, shape_term(from, was, state%q(:state%count))]
     moved = motions_at(bodies, configuration, whole)
     moving = motions_at(bodies, configuration, motion)
+    if (present(beyond)) then
+      moved = moved + beyond(:, :, 1)
+      moving = moving + beyond(:, :, 2)
+    end if
     push = blows(bodies, is .and. .not. was, moving)
     associate (before => configuration(from)%set, after => configuration(onto)%set)
       bent = state%q(:state%count)                  ! all of the displacement, in these modes
@@ -87,6 +93,12 @@ contains
       if (stops(monitor)) return
       later%rate = seen_by(after, is, bodies, configuration, motion, monitor) + pushed_by(after, bodies, push)
       if (stops(monitor)) return
+      if (present(beyond)) then
+        associate (gain => max(0.0_dp, gains(bodies, was, is)))
+          later%q = later%q + pushed_by(after, bodies, gain*beyond(:, :, 1))
+          later%rate = later%rate + pushed_by(after, bodies, gain*beyond(:, :, 2))
+        end associate
+      end if
       later%q = later%q/after%modal_mass
       later%rate = later%rate/after%modal_mass
       later%shape = state%shape(:0)

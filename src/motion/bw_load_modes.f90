@@ -11,7 +11,7 @@ module bw_load_modes
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: holds_tip, joint_position
-  use bw_static_shape, only: gauss_places, static_shapes
+  use bw_static_shape, only: deflection, gauss_places, static_shapes, turning
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
@@ -176,9 +176,9 @@ contains
     slope(0) = -sum(slope(1:))
   end function end_slopes
 
-  subroutine find_residuals(given, modes, summed, place, accelerated, drive, weights, xi, residual, terms, flexibility)
+  subroutine find_residuals(given, modes, summed, place, turns, accelerated, drive, weights, xi, residual, terms, flexibility)
     !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
-    !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²).
+    !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²), or under a moment.
     !!
     !! Modes that grow, or that nothing holds, are taken out of both: β² is raised by s², 2s², 3s² and 4s², and what holds without that
     !! is extrapolated, with an error of 24(s/β)⁸ of what each missing mode adds. The larger s is, the smaller are the terms whose
@@ -186,33 +186,36 @@ contains
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed                  !! how many of them are
-    real(dp), intent(in) :: place(:)               !! ξ of the forces
+    real(dp), intent(in) :: place(:)               !! ξ of forces and moments
+    logical, intent(in) :: turns(:)                !! a moment acts there
     logical, intent(in) :: accelerated             !! the last load is an acceleration of the frame by −1
-    real(dp), intent(in) :: drive(:, :)            !! Φ_k at the places of forces, and the participation, (modes, loads)
-    real(dp), intent(in) :: weights(:, :, :)       !! deflection, curvature and shear force of modes at points, (modes, points, 3)
+    real(dp), intent(in) :: drive(:, :)            !! Φ_k or Ψ_k at these places, and the participation, (modes, loads)
+    real(dp), intent(in) :: weights(:, :, :)
+      !! deflection, curvature, shear force, turning of modes at points, or the first of these, (modes, points, quantities)
     real(dp), intent(in) :: xi(:)                  !! (points)
-    real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, 3)
-    real(dp), intent(out) :: terms(:, :, :)        !! the size of what it is a difference of, (loads, points, 3)
-    real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + forces)
+    real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, quantities)
+    real(dp), intent(out) :: terms(:, :, :)        !! the size of what it is a difference of, (loads, points, quantities)
+    real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + places)
     integer, parameter :: signs(4) = [4, -6, 4, -1]
     real(dp), parameter :: far_below = sqrt(sqrt(epsilon(1.0_dp)/24.0_dp))   ! (s/β)²
-    real(dp) :: shift, soft(summed)
-    real(dp), allocatable :: whole(:, :, :), own(:, :), of_modes(:)
+    real(dp) :: shift, soft(summed), own(summed, size(xi) + size(place))
+    real(dp), allocatable :: whole(:, :, :), of_modes(:)
     integer :: f, i, l, p, q
     shift = 0.25_dp
     if (given%beam%in_plane) shift = 2.0_dp*given%beam%spin_squared%hi + 0.25_dp
     shift = max(shift, far_below*modes%beta_squared(summed)%hi)
-    own = modes%some_shapes(1, summed, [xi, place])
+    own(:, :size(xi)) = modes%some_shapes(1, summed, xi)
+    own(:, size(xi) + 1:) = drive(:summed, :size(place))
     residual = 0.0_dp
     terms = 0.0_dp
     flexibility = 0.0_dp
     do i = 1, size(signs)
-      whole = static_shapes(given, [place, xi], accelerated, i*shift, [xi, place])
+      whole = static_shapes(given, [place, xi], [turns, spread(.false., 1, size(xi))], accelerated, i*shift, [xi, place])
       soft = 1.0_dp/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + i*shift))
       do l = 1, size(drive, 2)
         f = l                                      ! its column
         if (l > size(place)) f = size(whole, 3)
-        do q = 1, 3
+        do q = 1, size(weights, 3)
           of_modes = matmul(soft*drive(:summed, l), weights(:summed, :, q))
           residual(l, :, q) = residual(l, :, q) + signs(i)*(whole(:size(xi), q, f) - of_modes)
           terms(l, :, q) = terms(l, :, q) + abs(signs(i))*(abs(whole(:size(xi), q, f)) + abs(of_modes))
@@ -222,7 +225,9 @@ contains
       do p = 1, size(flexibility)
         f = size(place) + p
         if (p > size(xi)) f = p - size(xi)
-        flexibility(p) = flexibility(p) + signs(i)*(whole(p, 1, f) - sum(soft*own(:, p)**2))
+        q = deflection
+        if (p > size(xi)) q = merge(turning, deflection, turns(p - size(xi)))
+        flexibility(p) = flexibility(p) + signs(i)*(whole(p, q, f) - sum(soft*own(:, p)**2))
       end do
     end do
     flexibility = max(0.0_dp, flexibility)

@@ -139,14 +139,14 @@ contains
     end do
   end function number_of
 
-  pure logical function happens(change, scene, since, modes)
+  pure logical function happens(seconds, scene, since, modes)
     !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.
-    type(change_type), intent(in) :: change
+    real(dp), intent(in) :: seconds                 !! when
     type(scene_type), intent(in) :: scene
     type(dd), intent(in) :: since                   !! from the start of the segment before it, l²/h
     class(mode_set), intent(in) :: modes            !! that move until then
     happens = .not. leaves_range(modes, since)
-    if (allocated(scene%response)) happens = happens .and. change%seconds < scene%response%duration
+    if (allocated(scene%response)) happens = happens .and. seconds < scene%response%duration
   end function happens
 
   pure logical function comes_back(scene)

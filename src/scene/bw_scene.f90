@@ -203,7 +203,7 @@ contains
     !! What bodies that come or leave and a first motion have to do with other groups; and something has to move the beam.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    character(*), parameter :: elsewhere(5) = [character(9) :: 'contact', 'recontact', 'record', 'force', 'base']
+    character(*), parameter :: elsewhere(3) = [character(9) :: 'contact', 'recontact', 'record']
     integer :: g, i, response
     logical :: moves, timed
     moves = any([(position_of(groups, trim(movers(i))) > 0, i=1, size(movers))])
@@ -426,9 +426,10 @@ contains
   end function is_loaded
 
   pure logical function changes_in_time(scene) result(changes)
-    !! Bodies come or leave, or the beam moves from the beginning: its motion is a timeline of any number of configurations.
+    !! Bodies come or leave, also a captured one while loads act, or the beam moves from the beginning: its motion is a timeline of any
+    !! number of configurations.
     type(scene_type), intent(in) :: scene
-    changes = allocated(scene%initial)
+    changes = allocated(scene%initial) .or. (allocated(scene%release) .and. is_loaded(scene))
     if (allocated(scene%bodies)) &
       changes = changes .or. any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
   end function changes_in_time

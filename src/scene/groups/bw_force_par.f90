@@ -20,7 +20,7 @@ module bw_force_par
     physics='A force F(t) at a point, positive as displacement is. Its power is F(t) v_t.', &
     example='&force position = 0.7, shape = ''half_sine'', amplitude = 200, duration = 4e-4 /   ! a tap of a '// &
     'hammer|&response duration = 0.5, samples = 8192, acceleration = .true. /', &
-    rules='One group for each force. The beam is at rest until a force acts, unless something strikes it. A half sine, a '// &
+    rules='One group for each force. The beam is at rest until a force acts, unless something else moves it. A half sine, a '// &
     'haversine (1 - cos)/2 and a triangle begin and end at 0 and reach `amplitude` in the middle; a rectangle is '// &
     '`amplitude` throughout; a sine begins at 0 and has the `frequency`. With shape = ''file'' the force is read as '// &
     '`&record` reads histories; it is linear between samples, and 0 before and after them. Histories are exact in time and '// &

@@ -15,7 +15,7 @@ module bw_initial_par
   end type initial_par
 
   type(input_group), parameter, public :: initial_group = input_group( &
-    'initial', excludes='contact recontact record force base', is_event=.true., &
+    'initial', excludes='contact recontact record', is_event=.true., &
     absent='the beam is straight and at rest when the motion begins', &
     physics='The beam does not start straight and at rest: it is let go from a static deflection, or it turns.', &
     example='&initial force = 100, position = 1 /          ! plucked at the tip|&response duration = 0.5, samples = 8192 '// &

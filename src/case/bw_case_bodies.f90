@@ -1,0 +1,58 @@
+module bw_case_bodies
+  !! The bodies that a beam carries in a case, as its changes ask for them, and which of them are there.
+  use bw_beam_units, only: beam_units
+  use bw_change_of_bodies, only: body_type
+  use bw_double_double, only: dd
+  use bw_kinds, only: dp
+  use bw_rotation, only: dimensionless_speed
+  use bw_scene, only: scene_type
+  use bw_scene_pieces, only: joints_of_bodies
+  use bw_timeline, only: carried_type
+  implicit none (type, external)
+  private
+  public :: bodies_of, presence, set_pull
+
+contains
+
+  function bodies_of(scene, units) result(bodies)
+    !! Those of the scene, and last the mass that strikes, if it is captured.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(body_type), allocatable :: bodies(:)
+    integer :: b
+    allocate (bodies(0))
+    associate (joints => joints_of_bodies(scene))
+      do b = 1, size(joints)
+        bodies = [bodies, body_type(scene%bodies(b)%position, joints(b)%mass%hi, joints(b)%inertia%hi, joints(b)%stiffness%hi, &
+                                    joints(b)%turning_stiffness%hi, scene%bodies(b)%velocity)]
+      end do
+    end associate
+    if (allocated(scene%capture)) bodies = [bodies, body_type(scene%impact%position, scene%impact%mass_ratio, &
+      scene%capture%rotary_inertia/units%mass/units%length**2)]
+    call set_pull(scene, units, bodies)
+  end function bodies_of
+
+  pure subroutine set_pull(scene, units, bodies)
+    !! The tension that bodies bring into the beam.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(body_type), intent(inout) :: bodies(:)
+    type(dd) :: speed
+    real(dp) :: radius, spin_squared
+    if (.not. allocated(scene%stiffening)) return
+    speed = dimensionless_speed(scene%rotation, units)
+    spin_squared = speed%hi**2
+    radius = scene%stiffening%hub_radius/units%length
+    bodies%pull = spin_squared*bodies%mass*(radius + bodies%position)
+  end subroutine set_pull
+
+  pure function presence(scene, carried) result(there)
+    !! Which bodies are there, (bodies).
+    type(scene_type), intent(in) :: scene
+    type(carried_type), intent(in) :: carried
+    logical, allocatable :: there(:)
+    there = carried%body
+    if (allocated(scene%capture)) there = [there, carried%captured]
+  end function presence
+
+end module bw_case_bodies
