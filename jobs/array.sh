@@ -15,7 +15,8 @@
 set -eu
 export OPENBLAS_NUM_THREADS=1
 
-tasks=$SLURM_ARRAY_TASK_COUNT
+tasks=${SLURM_ARRAY_TASK_COUNT:-}
+[ -n "$tasks" ] || { echo 'array.sh: this is no task of an array; submit it by sbatch --array=1-20' >&2; exit 2; }
 first=$((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN))
 if [ $((SLURM_ARRAY_TASK_MAX - SLURM_ARRAY_TASK_MIN + 1)) -ne "$tasks" ]; then
   echo 'array.sh: scenes are shared out among the tasks of an array without gaps, as --array=1-20' >&2

@@ -15,7 +15,8 @@
 set -eu
 export OPENBLAS_NUM_THREADS=1
 
-tasks=$SLURM_ARRAY_TASK_COUNT
+tasks=${SLURM_ARRAY_TASK_COUNT:-}
+[ -n "$tasks" ] || { echo 'parts.sh: this is no task of an array; submit it by sbatch --array=1-20, or use parallel.sh' >&2; exit 2; }
 part=$((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN + 1))
 if [ $((SLURM_ARRAY_TASK_MAX - SLURM_ARRAY_TASK_MIN + 1)) -ne "$tasks" ]; then
   echo 'parts.sh: cases are shared out among the tasks of an array without gaps, as --array=1-20' >&2

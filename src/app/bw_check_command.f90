@@ -157,8 +157,10 @@ contains
     if (forecast%cases == 0) then
       time_line = time_line//untried//new_line('a')
     else if (forecast%from_few) then
-      time_line = time_line//'  tried      '//text_of(few_modes)//' modes and '//text_of(few_samples)// &
-        ' samples; only a run tells the errors of histories'//new_line('a')
+      time_line = time_line//'  tried      at most '//text_of(few_modes)//' modes'
+      if (allocated(scene%response)) time_line = time_line//' and '//text_of(few_samples)// &
+        ' samples; only a run tells the errors of histories'
+      time_line = time_line//new_line('a')
     else if (layout%cases > forecast%cases) then
       time_line = time_line//'  tried      '//text_of(forecast%cases)//' of '//text_of(layout%cases)//' cases'
       if (facts%notes /= '') time_line = time_line//', of which these notes are'

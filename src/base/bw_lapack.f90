@@ -6,8 +6,8 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: ddot, dgbsvx, dgemm, dgesv, dtrsm
-  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgbsv, zgeev, zgesv, &
-    & zgesvd
+  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dlasrt, dsyev, dsygv, dsterf, zgbsv, zgeev, &
+    & zgesv, zgesvd
 
   interface
 
@@ -170,6 +170,16 @@ module bw_lapack
       real(dp), intent(in) :: rcond
       integer, intent(out) :: rank, info
     end subroutine dgelsy
+
+    pure subroutine dlasrt(id, n, d, info)
+      !! Numbers sorted, ascending where id is I.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: id
+      integer, intent(in) :: n
+      real(dp), intent(inout) :: d(*)
+      integer, intent(out) :: info
+    end subroutine dlasrt
 
     subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
       !! All eigenvalues of a symmetric matrix, ascending, and with jobz = 'V' its eigenvectors in A.

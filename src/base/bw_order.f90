@@ -3,7 +3,7 @@ module bw_order
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: ascending, local_maxima, quantile_of, sort, vertex
+  public :: ascending, local_maxima, place_ranks, quantile_of, vertex
 
 contains
 
@@ -40,76 +40,46 @@ contains
     vertex = max(-0.5_dp, min(0.5_dp, vertex))
   end function vertex
 
-  pure subroutine sort(values)
-    !! Sort many numbers, ascending, by merging runs of them that are sorted.
-    real(dp), intent(inout) :: values(:)
-    real(dp), allocatable :: merged(:)
-    integer :: run, first, middle, last, i, j, k
-    allocate (merged(size(values)))
-    run = 1
-    do while (run < size(values))
-      do first = 1, size(values), 2*run
-        middle = min(first + run - 1, size(values))
-        last = min(middle + run, size(values))
-        i = first
-        j = middle + 1
-        do k = first, last
-          if (j > last) then
-            merged(k) = values(i)
-            i = i + 1
-          else if (i > middle) then
-            merged(k) = values(j)
-            j = j + 1
-          else if (values(j) < values(i)) then
-            merged(k) = values(j)
-            j = j + 1
-          else
-            merged(k) = values(i)
-            i = i + 1
-          end if
-        end do
-      end do
-      values = merged
-      run = 2*run
-    end do
-  end subroutine sort
-
   pure real(dp) function quantile_of(values, part) result(quantile)
-    !! The value that so large a part of them is below, by halving the range until only one is left in it.
+    !! The value that so large a part of them is below.
     real(dp), intent(in) :: values(:), part
-    real(dp) :: list(size(values)), pivot, swap
-    integer :: low, high, i, j, k
+    real(dp) :: list(size(values))
+    integer :: k
     list = values
-    low = 1
-    high = size(list)
     k = max(1, min(size(list), nint(part*(size(list) + 1))))
-    do while (low < high)
-      pivot = list((low + high)/2)
-      i = low
-      j = high
-      do while (i <= j)
-        do while (list(i) < pivot)
-          i = i + 1
-        end do
-        do while (pivot < list(j))
-          j = j - 1
-        end do
-        if (i > j) exit
-        swap = list(i)
-        list(i) = list(j)
-        list(j) = swap
-        i = i + 1
-        j = j - 1
-      end do
-      if (k <= j) then
-        high = j
-      else if (k >= i) then
-        low = i
-      else
-        exit
-      end if
-    end do
+    call place_ranks(list, 1, size(list), [k])
     quantile = list(k)
   end function quantile_of
+
+  pure recursive subroutine place_ranks(values, first, last, ranks)
+    !! Put the values of some ranks where they would be if all were sorted, by parting the range around one of its values and going
+    !! on in the parts that hold a rank (Hoare, Algorithm 65: Find, 1961; Chambers, Algorithm 410: Partial sorting, 1971).
+    real(dp), intent(inout) :: values(:)
+    integer, intent(in) :: first, last             !! of the range; outside of it nothing is moved
+    integer, intent(in) :: ranks(:)                !! in any order
+    real(dp), parameter :: golden = 0.618_dp       !! how far into the range the pivot is: no regular order has its extremes there
+    real(dp) :: pivot, swap
+    integer :: i, j
+    if (first >= last .or. .not. any(ranks >= first .and. ranks <= last)) return
+    pivot = values(first + int(golden*(last - first)))
+    i = first
+    j = last
+    do while (i <= j)
+      do while (values(i) < pivot)
+        i = i + 1
+      end do
+      do while (pivot < values(j))
+        j = j - 1
+      end do
+      if (i > j) exit
+      swap = values(i)
+      values(i) = values(j)
+      values(j) = swap
+      i = i + 1
+      j = j - 1
+    end do
+    call place_ranks(values, first, j, ranks)
+    call place_ranks(values, i, last, ranks)
+  end subroutine place_ranks
 
 end module bw_order

@@ -8,9 +8,10 @@ module bw_response_extremes
   !! Frequencies in the units of modes, responses in the caller's.
   use bw_constants, only: pi
   use bw_kinds, only: dp
+  use bw_lapack, only: dlasrt
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
-  use bw_order, only: ascending, sort
+  use bw_order, only: ascending
   implicit none (type, external)
   private
   public :: find_extremes
@@ -142,10 +143,10 @@ contains
     pure function places() result(omega)
       !! Where the response is looked at, ascending: eight places in the width of a mode, twice that on either side.
       real(dp), allocatable :: omega(:)
-      integer :: j, k
+      integer :: j, k, info                        ! info is 0
       omega = [((beta(k) + 4.0_dp*c(k)*(j - (samples + 1)/2)/(samples - 1), j=1, samples), k=1, size(beta))]
       omega = pack(omega, omega > 0.0_dp .and. omega >= 0.5_dp*band(1) .and. omega <= 2.0_dp*band(2))
-      call sort(omega)
+      call dlasrt('I', size(omega), omega, info)
     end function places
 
     real(dp) function power_at(at) result(power)

@@ -101,10 +101,10 @@ contains
 
   pure function what_differs(text, first) result(rest)
     !! A note of the same kind as the first one, without the words at its beginning and the clauses at its end that the first one
-    !! has said.
+    !! has said. A clause in which what differs is the value of a symbol, as xi = 0.5, is whole.
     character(*), intent(in) :: text, first       !! not the same
     character(:), allocatable :: rest
-    integer :: cut, at, begin
+    integer :: cut, at, begin, clause
     cut = len(text)
     do
       at = max(index(text(:cut), '; ', back=.true.), index(text(:cut), ', ', back=.true.), index(text(:cut), ': ', back=.true.))
@@ -113,10 +113,15 @@ contains
       cut = at - 1
     end do
     begin = 0
-    do at = 1, min(len(first), cut)
-      if (text(at:at) /= first(at:at)) exit
+    clause = 0
+    do at = 2, min(len(first), cut)
+      if (text(:at) /= first(:at)) exit
       if (text(at:at) == ' ') begin = at
+      if (scan(text(at - 1:at - 1), ':;,') > 0) clause = begin
     end do
+    if (begin > 1) then
+      if (text(begin - 1:begin - 1) == '=') begin = clause
+    end if
     rest = text(begin + 1:cut)
   end function what_differs
 

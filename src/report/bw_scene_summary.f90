@@ -169,12 +169,13 @@ contains
     !! How many cases there are, and what they are the product of, or which table they are the rows of.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
+    integer, parameter :: most = 8                !! sweeps that are listed
     character(2) :: mark
     integer :: s
-    text = text_of(case_count(scene))//' cases:'
+    text = text_of(case_count(scene))//trim(merge(' case: ', ' cases:', case_count(scene) == 1))
     if (allocated(scene%design)) text = text//' the rows of '//scene%design%file//' with'
     mark = ''
-    do s = 1, size(scene%sweeps)
+    do s = 1, min(most, size(scene%sweeps))
       associate (sweep => scene%sweeps(s))
         if (s > 1) mark = merge(', ', ' x', sweep%designed)
         text = text//trim(mark)//' '
@@ -184,6 +185,7 @@ contains
         if (.not. sweep%designed) text = text//span_text(sweep%values)
       end associate
     end do
+    if (size(scene%sweeps) > most) text = text//', and '//text_of(size(scene%sweeps) - most)//' more'
     if (count(.not. scene%sweeps%designed) > 1) text = text//'; the first varies slowest'
   end function sweep_text
 

@@ -2,7 +2,7 @@ module bw_over_cases
   !! What all cases of a result say together.
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
-  use bw_order, only: sort
+  use bw_order, only: place_ranks
   use bw_repeats, only: pooled_lines
   use bw_result_layout, only: quantile_levels
   use bw_result_table, only: result_table
@@ -64,18 +64,17 @@ contains
     real(dp), intent(out) :: quantiles(:)
     integer, intent(out) :: cases                 !! that are not missing
     real(dp), allocatable :: order(:)
-    real(dp) :: place
-    integer :: q, below
+    real(dp) :: places(size(quantiles))
+    integer :: below(size(quantiles)), above(size(quantiles))
     quantiles = missing
     order = pack(values, .not. is_missing(values))
     cases = size(order)
     if (cases == 0) return
-    call sort(order)
-    do q = 1, size(quantiles)
-      place = 1 + quantile_levels(q)*(cases - 1)
-      below = min(int(place), cases)
-      quantiles(q) = order(below) + (place - below)*(order(min(below + 1, cases)) - order(below))
-    end do
+    places = 1 + quantile_levels*(cases - 1)
+    below = min(int(places), cases)
+    above = min(below + 1, cases)
+    call place_ranks(order, 1, cases, [below, above])
+    quantiles = order(below) + (places - below)*(order(above) - order(below))
   end subroutine find_quantiles
 
 end module bw_over_cases

@@ -127,7 +127,7 @@ contains
   end subroutine grow
 
   subroutine refuse_row(names, fields, messages)
-    !! Say of each cell of a row that could not be read what is wrong with it.
+    !! Say of each cell of a row that could not be read what is wrong with it. A column without a name is refused for that.
     type(string), intent(in) :: names(:), fields(:)
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: problem
@@ -138,6 +138,7 @@ contains
       return
     end if
     do i = 1, size(fields)
+      if (names(i)%text == '') cycle
       problem = cell_problem(fields(i)%text)
       if (problem /= '') call messages%add(messages%table_line, names(i)%text, problem// &
                                            '; accepted: a finite number as 2.5 or -1e-3')

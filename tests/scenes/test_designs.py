@@ -118,6 +118,7 @@ BAD = {
     "a text": ("rotation%plane\n1\n", [(":1", "not one number")]),
     "one name twice": ("impact%mass_ratio,impact%mass_ratio\n0.1,0.2\n", [(":1", "two columns")]),
     "a column without a name": (",impact%mass_ratio\n0,0.2\n", [(":1", "column 1")]),
+    "a comma behind every line": ("impact%mass_ratio,\n0.2,\n0.3,\n", [(":1", "column 2")]),
     "a blank cell": (HEAD + ROW + "0.3,\n", [(":3", "rotation%angular_velocity: the number is missing")]),
     "a text in a cell": (HEAD + "heavy,1\n", [(":2", "impact%mass_ratio: 'heavy' is no number")]),
     "nan": (HEAD + "nan,1\n", [(":2", "no finite number")]),
@@ -214,6 +215,15 @@ def test_the_report_and_check_name_the_table(here):
     for command in ["check", "run"]:
         said = here.beamwave(command, "a.nml").stdout
         assert "6 cases: the rows of table.csv with impact%mass_ratio (0.1 to 1), rotation%angular_velocity (0 to 100)" in said
+
+
+def test_of_many_columns_some_are_listed_and_the_others_counted(here):
+    pieces = 12
+    beam = {"length": [0.1] * pieces, "diameter": 0.037, "density": 7870.0, "youngs_modulus": 2e11}
+    design(here, {"beam": beam, "modes": {"before": 2}}, [f"beam%length({i + 1})" for i in range(pieces)], [[0.1] * pieces])
+    said = here.beamwave("check", "a.nml").stdout
+    assert "1 case: the rows of table.csv" in said
+    assert "beam%length(8) (0.1 to 0.1), and 4 more\n" in said
 
 
 def test_a_study_takes_the_first_row(here):

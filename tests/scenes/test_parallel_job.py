@@ -1,4 +1,5 @@
-"""jobs/parallel.sh shares a sweep out by GNU parallel: the bits of one run, its worst status, and an order to stop that saves."""
+"""Job scripts without Slurm. jobs/parallel.sh shares a sweep out by GNU parallel: the bits of one run, its worst status, and an order to
+stop that saves. Those for arrays say that they are no task of one."""
 
 import os
 import shutil
@@ -42,6 +43,14 @@ def test_the_result_is_that_of_one_run_whatever_the_names(here, start):
     shared = results.read(here.directory / "two words" / f"{name}.nc")
     assert np.array_equal(shared["angular_frequency"], whole["angular_frequency"]), said
     assert not (here.directory / "x").exists()
+
+
+@pytest.mark.parametrize("name", ["array", "parts"])
+def test_scripts_for_arrays_say_so_outside_of_one(here, name):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("SLURM_")}
+    ended = subprocess.run([PROJECT / f"jobs/{name}.sh", "a.nml"], cwd=here.directory, env=environment, text=True, capture_output=True)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith(f"{name}.sh: this is no task of an array; submit it by sbatch --array=1-20")
 
 
 def test_the_status_is_the_highest_of_a_part(here, start):

@@ -86,8 +86,15 @@ def test_check_says_what_the_machine_has_not_the_room_for(here):
     assert ended.returncode == 0, ended.stderr
     assert re.search(r"memory: a run takes 80\d0 GB, and this machine has \d\S* .B free", ended.stderr)
     assert re.search(r"disk: a run takes 4000000 GB, and here \d\S* .B are free", ended.stderr)
-    assert "tried      20 modes and 1000 samples" in ended.stdout
+    assert "tried      at most 20 modes and 1000 samples;" in ended.stdout
     assert warnings_of(here.beamwave("check", "b.nml")) == []
+
+
+def test_check_speaks_of_no_samples_where_no_history_is_asked_for(here):
+    long = {"first": 5.0, "last": 1000.0, "count": 20_000, "points": [0.2, 0.4, 1.0]}
+    here.scene("a", {"beam": STRUCK["beam"], "damping": {"ratio": 0.01}, "frequency_response": long, "modes": {"before": 12}})
+    said = here.beamwave("check", "a.nml").stdout
+    assert "tried      at most 20 modes\n" in said, said
 
 
 def test_a_scene_without_its_ending_is_pointed_out(here):
