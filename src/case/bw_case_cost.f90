@@ -63,6 +63,7 @@ module bw_case_cost
   integer, parameter :: most_loaded = 1024           !! modes that a default tolerance takes where accelerations are asked for
   real(dp), parameter :: gauss_stages = 8.0_dp       !! places in a half wave
   real(dp), parameter :: changing_passes = 80.0_dp   !! of pairs before and after a change, of which a part is integrated: seven runs
+  real(dp), parameter :: loaded_passes = 44.0_dp     !! the same of a run under loads, which hands on four times as many
   real(dp), parameter :: changing_sums = 4.4_dp      !! of the modes of these runs over those of the whole
   real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: three runs of some contacts
 
@@ -147,7 +148,11 @@ contains
       counts(error_estimates) = moving*points
       if (is_loaded(scene)) then
         followed = 2.0_dp*moving                      ! as many more as are summed tell the error
-        if (planning) followed = times_over*merge(2*most_loaded, 4*first_modes, response%acceleration)
+        if (planning) followed = merge(2*most_loaded, 4*first_modes, response%acceleration .or. &
+                                       (changes_in_time(scene) .and. (response%velocity .or. response%bending_moment)))
+        if (changes_in_time(scene)) counts(capture_pairs) = counts(capture_pairs) &
+          + loaded_passes*(most_events(scene, 0) - count([allocated(scene%impact), allocated(scene%capture)]))*followed**2
+        if (planning) followed = times_over*followed
         counts(loaded_steps) = followed*response%samples*(4.0_dp + points*count([.true., response%velocity, response%acceleration, &
                                                                                response%bending_moment, response%shear_force]))
         if (response%shear_force .or. allocated(scene%bases)) call add_integrals(followed)

@@ -67,7 +67,10 @@ contains
       time = to_dd(steps(i)%seconds)/motion%units%time
       if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
       call advance(time, motion, now)
-      if (present(loaded)) call add_loaded(loaded(i - first + 1), now)
+      if (present(loaded)) then
+        if (i - first + 1 > size(loaded)) exit       ! a mode under loads has grown out of the range of numbers
+        call add_loaded(loaded(i - first + 1), now)
+      end if
       call take_step(scene, steps(i), eighths, limit, motion, now, monitor, present(loaded))
       if (monitor%stop_requested()) return
       call add_segment(time, handing, motion, now)

@@ -312,13 +312,21 @@ contains
     real(dp), intent(in) :: drive(:, :)            !! that of `find_drive`
     real(dp), intent(in) :: place                  !! ξ
     real(dp) :: residual(2, size(acting%course))
+    integer, parameter :: few = 64                 ! beyond which a static solution takes less time than it does beyond all of them
     real(dp), dimension(size(drive, 2), 1, turning) :: beyond, terms
     real(dp) :: flexibility(1 + size(acting%place)), weights(modes%count, 1, turning)
+    real(dp), allocatable :: soft(:)
+    integer :: l, n
+    n = min(few, modes%count)
     weights = 0.0_dp
     weights(:, 1, [deflection, turning]) = modes%motion_at(place)
-    call find_residuals(given, modes, modes%count, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
+    call find_residuals(given, modes, n, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
                         beyond, terms, flexibility)
     residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
+    soft = 1.0_dp/(modes%modal_mass(n + 1:)*modes%beta_squared(n + 1:)%hi)
+    do l = 1, size(acting%course)                  ! of which those after the first few are none
+      residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:, acting%kind(l)), weights(n + 1:, 1, [deflection, turning]))
+    end do
   end function residual_at
 
   pure real(dp) function largest_of(run, quantity) result(peak)
