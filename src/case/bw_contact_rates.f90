@@ -43,7 +43,7 @@ contains
     integer :: c, n, struck
     if (.not. (scene%response%acceleration .or. scene%response%shear_force)) return
     call whole_beam(scene, motion%units, given, struck)
-    loads = placed_loads([course_of(motion%timeline%segments)], [scene%impact%position], kind=[1])
+    loads = placed_loads([course_of(motion%timeline%segments)], [scene%impact%position], [.false.], kind=[1])
     call list_columns(scene%response, [.false., .false., scene%response%acceleration, .false., scene%response%shear_force], &
                       quantity, point)
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
