@@ -63,7 +63,7 @@ module bw_case_cost
   integer, parameter :: most_loaded = 1024           !! modes that a default tolerance takes where accelerations are asked for
   real(dp), parameter :: gauss_stages = 8.0_dp       !! places in a half wave
   real(dp), parameter :: changing_passes = 80.0_dp   !! of pairs before and after a change, of which a part is integrated: seven runs
-  real(dp), parameter :: loaded_passes = 44.0_dp     !! the same of a run under loads, which hands on four times as many
+  real(dp), parameter :: loaded_passes = 4.0_dp*changing_passes/7.0_dp   !! of one run, under loads, which hands on four times as many
   real(dp), parameter :: changing_sums = 4.4_dp      !! of the modes of these runs over those of the whole
   real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: three runs of some contacts
 

@@ -58,8 +58,10 @@ contains
       call take_step(scene, steps(first), eighths, limit, motion, now, monitor)
       if (monitor%stop_requested()) return
     end do
-    now%total = now%state
-    now%stretched = now%bodies
+    if (present(loaded)) then
+      now%total = now%state
+      now%stretched = now%bodies
+    end if
     motion%initial%modal_velocity = now%state%rate
     motion%initial%events = motion%timeline%events
     call add_segment(to_dd(0.0_dp), handing, motion, now)

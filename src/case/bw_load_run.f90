@@ -60,7 +60,8 @@ contains
     type(varying_beam) :: given
     type(body_type), allocatable :: bodies(:)
     real(dp), allocatable :: q(:), v(:), doubt(:, :), flexibility(:)
-    real(dp) :: ends, factor, metre, of_states(size(scene%response%points), 3)
+    real(dp) :: ends, factor, metre
+    real(dp) :: of_states(size(scene%response%points), 3)   ! errors of displacement, velocity and curvature
     type(dd) :: start, until, whole
     integer :: c, configuration, i, next, samples(2)
     associate (response => scene%response)
