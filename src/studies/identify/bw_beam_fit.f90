@@ -39,9 +39,10 @@ contains
       if (i == searched .or. all(fits(:n - 1)%penalty > fits(n)%penalty)) call choose_fit(problem, fits, fit)
       if (.not. (is_doubtful(fit) .and. thorough)) exit
     end do
+    problem%scatter = fit%scatter
+    problem%amplitude_error = fit%amplitude_error
     call find_others(problem, fits, fit, as_good, others)
     call place(problem, fit)
-    problem%scatter = fit%scatter
   end subroutine fit_beam
 
   pure logical function is_doubtful(fit)
@@ -63,7 +64,7 @@ contains
   end subroutine refit_from
 
   subroutine find_others(problem, fits, fit, as_good, others)
-    !! Places apart from the fit that are about as probable: by the sum of squares where lines are taken for the same modes, and
+    !! Places apart from the fit that are about as probable, with its τ: by the sum of squares where lines are taken for the same modes, and
     !! τ is that of the fit, else by their penalty.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:), fit
@@ -77,7 +78,6 @@ contains
       if (is_near(other, fit)) cycle
       if (all(other%mode_of == fit%mode_of)) then
         call place(problem, other)
-        problem%scatter = fit%scatter
         call problem%minimise(other%residuals, .false.)
         other%v = problem%v
         other%sum = sum(other%residuals**2)

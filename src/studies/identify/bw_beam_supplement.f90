@@ -2,14 +2,13 @@ module bw_beam_supplement
   !! The beam of a scene held against the lines of its record, and its unknowns found from them: what the result of a record has
   !! beside its lines.
   use bw_corrected_models, only: find_corrections, corrected_model
-  use bw_beam_fit, only: fit_beam
   use bw_beam_state, only: beam_state, state_of
   use bw_calibration, only: calibration_text, factor_type, find_factors, knows_blows
   use bw_classic_head, only: classic_head
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
-  use bw_fit_problem, only: fit_problem, is_at_end, problem_of
-  use bw_fit_search, only: fit_type, misfit_type, unlikely
+  use bw_fit_problem, only: is_at_end
+  use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification, identify
   use bw_identified_scene, only: identified_attribute, identified_path, identified_room, identified_text
   use bw_identified_waves, only: put_identified_waves
@@ -284,7 +283,6 @@ contains
     type(corrected_model), allocatable :: corrections(:)
     type(identification) :: found
     type(text_builder) :: compared
-    logical :: mended
     integer :: c, i
     call states_of(set%measured, set%states)
     do c = 1, size(set%states)
@@ -318,51 +316,26 @@ contains
     do i = 1, size(found%loose)
       notes = notes//'not fixed: '//loose_text(found, i)//nl
     end do
-    call check_calibration(set, found, lines, notes, mended)
-    if (.not. (found%explained .or. mended)) then
+    call check_calibration(set, found, lines, notes)
+    if (.not. found%explained) then
       call find_corrections(set%measured, found, corrections)
       call report_corrections(corrections, found%fit%scatter, lines)
     end if
     findings%found = found
   end subroutine identify_beam
 
-  subroutine check_calibration(set, found, lines, notes, mended)
-    !! Say which sensors seem to be reversed or of another scale. Where the model does not explain the lines it is fitted again to
-    !! frequencies alone, which such a fault does not touch.
+  subroutine check_calibration(set, found, lines, notes)
+    !! Say which sensors seem to be reversed or of another scale.
     type(record_set), intent(inout) :: set
     type(identification), intent(in) :: found
     type(text_builder), intent(inout) :: lines
     character(:), allocatable, intent(inout) :: notes
-    logical, intent(out) :: mended               !! but for such a fault it explains them
-    type(beam_state), allocatable :: states(:)
-    type(fit_problem) :: problem
-    type(fit_type) :: fit
-    type(fit_type), allocatable :: others(:)
     type(factor_type), allocatable :: factors(:)
     character(:), allocatable :: text
-    integer :: i
-    mended = .false.
     if (.not. knows_blows(set%states(:set%own))) return
-    states = set%states
-    if (found%explained) then
-      call find_factors(states(:set%own), found%values, factors)
-    else
-      do i = 1, size(states)
-        if (allocated(states(i)%lines%points)) deallocate (states(i)%lines%points)
-      end do
-      problem = problem_of(states, found%unknowns)
-      call fit_beam(problem, 0.0_dp, .true., fit, others)
-      mended = .not. fit%tail < unlikely
-      states = set%states
-      do i = 1, size(states)
-        states(i)%mode_of = problem%states(i)%mode_of
-      end do
-      call find_factors(states(:set%own), problem%values(), factors)
-    end if
-    text = calibration_text(factors, set%sensors, found%explained .or. mended)
-    mended = mended .and. text /= ''
+    call find_factors(set%states(:set%own), found%values, factors)
+    text = calibration_text(factors, set%sensors, found%explained)
     if (text == '') return
-    if (mended) text = text//'; then the model explains the lines'
     call lines%append_line('  '//text)
     notes = notes//text//nl
   end subroutine check_calibration

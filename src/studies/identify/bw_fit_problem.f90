@@ -5,12 +5,13 @@ module bw_fit_problem
   !! (f_line − f)/√(s² + τ²f_line²): s its standard deviation, τ what the model is off by besides. Decays have residuals
   !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
   !! whose own complex amplitude is the one that fits them best; over a measured blow they are modal constants, which have none.
+  !! Amplitudes err by a share of the largest one beside their noise, as frequencies do by τ.
   use bw_beam_state, only: beam_state, state_modes, vague
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
   use bw_line_assignment, only: frequency_band, best_scatter, pairing
-  use bw_sensor_factors, only: amplitude_weights
+  use bw_sensor_factors, only: amplitude_weights, sensor_error
   implicit none (type, external)
   private
   public :: problem_of, position_in, value_at, is_at_end
@@ -23,6 +24,7 @@ module bw_fit_problem
     type(identify_par), allocatable :: unknowns(:)
     type(beam_state), allocatable :: states(:)
     real(dp) :: scatter = 0.0_dp                 !! τ
+    real(dp) :: amplitude_error = sensor_error   !! beside their noise, of the largest amplitude of a line
     logical :: fits_decay = .false.
     logical, private :: roughly = .false.        !! modes need fewer digits than they have at most
     real(dp), allocatable :: v(:)                !! of all unknowns, (unknowns)
@@ -33,6 +35,7 @@ module bw_fit_problem
     procedure :: find_residuals
     procedure :: count => count_residuals
     procedure :: count_tested
+    procedure :: amplitude_freedom
     procedure :: pairs
     procedure :: match
     procedure :: minimise
@@ -124,6 +127,18 @@ contains
     end do
   end function count_tested
 
+  pure integer function amplitude_freedom(self) result(freedom)
+    !! Residuals of amplitudes, less the complex amplitude of each line whose blow is not known.
+    class(fit_problem), intent(in) :: self
+    integer :: i
+    freedom = self%count() - self%count_tested()
+    do i = 1, size(self%states)
+      associate (state => self%states(i))
+        if (allocated(state%lines%points) .and. .not. state%lines%over_blow) freedom = freedom - 2*counted(state%mode_of)
+      end associate
+    end do
+  end function amplitude_freedom
+
   pure integer function counted(mode_of)
     !! Lines that are modes.
     integer, intent(in) :: mode_of(:)
@@ -159,7 +174,7 @@ contains
         if (allocated(lines%points)) then
           do k = 1, size(line)
             if (modes%found) call put_amplitudes(lines%amplitude(:, line(k)), lines%amplitude_deviation(:, line(k)), &
-              modes%shape(k, :), lines%over_blow, residuals(m + 1:m + 2*size(lines%points)))
+              modes%shape(k, :), lines%over_blow, self%amplitude_error, residuals(m + 1:m + 2*size(lines%points)))
             m = m + 2*size(lines%points)
           end do
         end if
@@ -194,18 +209,19 @@ contains
     call self%states(leader)%modes_at(values, number, modes, self%roughly)
   end subroutine modes_of_twin
 
-  pure subroutine put_amplitudes(amplitude, deviation, shape, over_blow, residuals)
+  pure subroutine put_amplitudes(amplitude, deviation, shape, over_blow, error, residuals)
     !! Residuals of the amplitudes of one line, real and imaginary parts. Its own complex amplitude is the one that fits best, unless
     !! the blow is known.
     complex(dp), intent(in) :: amplitude(:)      !! (sensors)
     real(dp), intent(in) :: deviation(:), shape(:)
     logical, intent(in) :: over_blow             !! amplitudes are modal constants
+    real(dp), intent(in) :: error                !! beside the deviation, of the largest amplitude
     real(dp), intent(out) :: residuals(:)        !! (2 sensors)
     complex(dp) :: scale, left(size(amplitude))
     real(dp) :: weight(size(amplitude))
     integer :: s
     s = size(amplitude)
-    weight = amplitude_weights(amplitude, deviation)
+    weight = amplitude_weights(amplitude, deviation, error)
     scale = sum(weight*shape*amplitude)/max(sum(weight*shape**2), tiny(1.0_dp))
     if (over_blow) scale = 1
     left = sqrt(weight)*(amplitude - scale*shape)

@@ -4,16 +4,19 @@ module bw_fit_search
   !! Lines are assigned, unknowns fitted, and lines assigned anew until nothing changes, with a scatter τ of the model that is
   !! large at first. In the end τ is 0 if the noise of the lines explains what is left of them; else it is as large as to explain
   !! it (Mandel & Paule: the sum of squares is its number of degrees of freedom), so that lines that were measured to many more
-  !! digits than the model has do not outweigh all others.
+  !! digits than the model has do not outweigh all others. The error of amplitudes is set likewise, and is that of sensors at least:
+  !! a model whose shapes or a hammer whose scale is wrong does not draw unknowns away from what frequencies say.
   use bw_chi_squared, only: chi_squared_tail
   use bw_fit_problem, only: fit_problem, is_at_end
   use bw_kinds, only: dp
+  use bw_sensor_factors, only: sensor_error
   implicit none (type, external)
   private
   public :: add_fit, explain, is_near, misfit_of, place, polish, search, choose_fit
 
   real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
   real(dp), parameter, public :: first_scatter = 0.05_dp !! τ is not below, where a search begins
+  integer, parameter :: halvings = 40            !! of a logarithm
   real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are one
 
   type, public :: misfit_type
@@ -22,6 +25,7 @@ module bw_fit_search
     integer :: freedom = 0                       !! degrees of freedom of that
     real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone
     real(dp) :: scatter = 0.0_dp                 !! τ
+    real(dp) :: amplitude_error = sensor_error   !! of the largest amplitude of a line
     integer :: aside = 0                         !! lines that are taken for no modes and may well be some
   end type misfit_type
 
@@ -48,6 +52,7 @@ contains
     integer :: round
     do round = 1, size(finer)
       call problem%match(finer(round), penalty, changed)
+      call explain_amplitudes(problem)
       call problem%minimise(residuals, .true.)
     end do
     call polish(problem, fits)
@@ -65,6 +70,7 @@ contains
     do round = 1, most_rounds
       call problem%match(0.0_dp, fit%penalty, changed)
       if (round > 1 .and. .not. changed) exit
+      call explain_amplitudes(problem)
       call problem%minimise(residuals, .true.)
     end do
     call place_at(problem, fit)
@@ -78,7 +84,7 @@ contains
     type(fit_type), intent(inout) :: fit
     integer, parameter :: most_rounds = 8
     real(dp), parameter :: same = 1.0e-3_dp
-    real(dp) :: before
+    real(dp) :: before(2)
     integer :: round
     fit = fits(minloc(fits%penalty, dim=1))
     call place(problem, fit)
@@ -86,15 +92,14 @@ contains
     call take_least(problem, fits, fit)
     fit%misfit_type = misfit_of(problem, fit%residuals)
     fit%spare = problem%count_tested() - size(problem%free)
-    if (fit%tail < unlikely) then
-      do round = 1, most_rounds
-        before = problem%scatter
-        call explain(problem)
-        call problem%minimise(fit%residuals, .false.)
-        if (round == 1) call take_least(problem, fits, fit)
-        if (abs(problem%scatter - before) <= same*before) exit
-      end do
-    end if
+    do round = 1, most_rounds
+      before = [problem%scatter, problem%amplitude_error]
+      call explain_amplitudes(problem)
+      if (fit%tail < unlikely) call explain(problem)
+      if (all(abs([problem%scatter, problem%amplitude_error] - before) <= same*before)) exit
+      if (round == 1) call take_least(problem, fits, fit)
+      if (round > 1) call problem%minimise(fit%residuals, .false.)
+    end do
     call place_at(problem, fit)
     fit%sum = sum(fit%residuals**2)
   end subroutine choose_fit
@@ -139,19 +144,37 @@ contains
   subroutine explain(problem)
     !! Set τ so that the sum of squares of what is tested, where the unknowns are, is its number of degrees of freedom.
     type(fit_problem), intent(inout) :: problem
-    integer, parameter :: halvings = 40
-    real(dp) :: low, high, ignored(problem%count())
+    real(dp) :: low, high, residuals(problem%count())
     integer :: i, freedom
     freedom = max(1, problem%count_tested() - count(.not. is_at_end(problem%v(problem%free))))
     low = log(1.0e-12_dp)
     high = 0
     do i = 1, halvings
       problem%scatter = exp(0.5_dp*(low + high))
-      call problem%find_residuals(problem%v(problem%free), ignored)
-      if (sum(ignored(:problem%count_tested())**2) > freedom) low = log(problem%scatter)
-      if (sum(ignored(:problem%count_tested())**2) <= freedom) high = log(problem%scatter)
+      call problem%find_residuals(problem%v(problem%free), residuals)
+      if (sum(residuals(:problem%count_tested())**2) > freedom) low = log(problem%scatter)
+      if (sum(residuals(:problem%count_tested())**2) <= freedom) high = log(problem%scatter)
     end do
   end subroutine explain
+
+  subroutine explain_amplitudes(problem)
+    !! Set the error of amplitudes likewise; it is not below that of sensors.
+    type(fit_problem), intent(inout) :: problem
+    real(dp) :: low, high, residuals(problem%count())
+    integer :: i, freedom, tested
+    problem%amplitude_error = sensor_error
+    freedom = problem%amplitude_freedom()
+    tested = problem%count_tested()
+    low = log(sensor_error)
+    high = -low                                  ! a scale may be wrong a hundredfold
+    do i = 1, halvings
+      call problem%find_residuals(problem%v(problem%free), residuals)
+      if (i == 1 .and. sum(residuals(tested + 1:)**2) <= freedom) return
+      if (sum(residuals(tested + 1:)**2) > freedom) low = log(problem%amplitude_error)
+      if (sum(residuals(tested + 1:)**2) <= freedom) high = log(problem%amplitude_error)
+      problem%amplitude_error = exp(0.5_dp*(low + high))
+    end do
+  end subroutine explain_amplitudes
 
   subroutine place(problem, fit)
     !! Bring the problem to a fit: its unknowns and its assignment.
@@ -176,6 +199,7 @@ contains
     fit%v = problem%v
     fit%mode_of = [(problem%states(i)%mode_of, i=1, size(problem%states))]
     fit%scatter = problem%scatter
+    fit%amplitude_error = problem%amplitude_error
   end subroutine place_at
 
   pure logical function is_near(one, other)

@@ -9,11 +9,11 @@ module bw_model_report
   use bw_missing, only: is_missing
   use bw_model_comparison, only: compared_lines
   use bw_result_lines, only: result_lines
+  use bw_sensor_factors, only: sensor_error
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: explained_text, loose_text, report_comparison, report_identified, report_corrections
-
 
 contains
 
@@ -73,6 +73,8 @@ contains
     else
       text = 'the model explains the lines: '//text
     end if
+    if (misfit%amplitude_error > sensor_error) text = text//'. Amplitudes along the beam are off by '// &
+      shortest(100*misfit%amplitude_error, 2)//' % of the largest'
   end function explained_text
 
   pure function freedom_text(freedom) result(text)

@@ -7,16 +7,17 @@ module bw_sensor_factors
   public :: amplitude_weights, best_factors
 
   real(dp), parameter, public :: sensor_error = 0.01_dp
-    !! of the largest amplitude: sensors are seldom calibrated or placed better
+    !! chosen: of the largest amplitude: sensors are seldom calibrated or placed better
 
 contains
 
-  pure function amplitude_weights(amplitude, deviation) result(weight)
+  pure function amplitude_weights(amplitude, deviation, error) result(weight)
     !! Inverse variances of the amplitudes of one line, (sensors).
     complex(dp), intent(in) :: amplitude(:)
     real(dp), intent(in) :: deviation(:)
+    real(dp), intent(in) :: error                !! beside the deviation, of the largest amplitude
     real(dp) :: weight(size(amplitude))
-    weight = 1/(deviation**2 + (sensor_error*maxval(abs(amplitude)))**2)
+    weight = 1/(deviation**2 + (error*maxval(abs(amplitude)))**2)
   end function amplitude_weights
 
   pure subroutine best_factors(amplitude, deviation, shape, factor, error)
@@ -28,7 +29,7 @@ contains
     real(dp) :: weight(size(amplitude, 1), size(amplitude, 2)), known, misfit
     integer :: k, s
     do k = 1, size(amplitude, 2)
-      weight(:, k) = amplitude_weights(amplitude(:, k), deviation(:, k))
+      weight(:, k) = amplitude_weights(amplitude(:, k), deviation(:, k), sensor_error)
     end do
     do s = 1, size(factor)
       known = max(sum(weight(s, :)*shape(:, s)**2), tiny(1.0_dp))
