@@ -39,11 +39,35 @@ contains
       if (i == searched .or. all(fits(:n - 1)%penalty > fits(n)%penalty)) call choose_fit(problem, fits, fit)
       if (.not. (is_doubtful(fit) .and. thorough)) exit
     end do
+    if (is_doubtful(fit) .and. thorough) call leave_out_each(problem, fits, fit)
     problem%scatter = fit%scatter
     problem%amplitude_error = fit%amplitude_error
     call find_others(problem, fits, fit, as_good, others)
     call place(problem, fit)
   end subroutine fit_beam
+
+  subroutine leave_out_each(problem, fits, fit)
+    !! Look for a better fit from this one without one of its lines: one that is no mode, where a mode has no line, draws unknowns
+    !! to where it fits as one.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), allocatable, intent(inout) :: fits(:)
+    type(fit_type), intent(inout) :: fit
+    type(fit_type) :: without
+    real(dp), allocatable :: residuals(:)
+    real(dp) :: least
+    integer :: i
+    least = minval(fits%penalty)
+    do i = 1, size(fit%mode_of)
+      if (fit%mode_of(i) == 0) cycle
+      without = fit
+      without%mode_of(i) = 0
+      call place(problem, without)
+      problem%scatter = fit%scatter
+      call problem%minimise(residuals, .true.)
+      call polish(problem, fits)
+    end do
+    if (minval(fits%penalty) < least) call choose_fit(problem, fits, fit)
+  end subroutine leave_out_each
 
   pure logical function is_doubtful(fit)
     !! Noise does not explain it, or it explains no more lines than it has unknowns, and leaves others out.
