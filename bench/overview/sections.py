@@ -13,7 +13,7 @@ from .what_matters import what_matters
 
 BENCH = Path(__file__).parents[1]
 DOCUMENT = BENCH.parent / "docs/numbers.md"
-NAMES = ("peers", "growth", "throughput", "price", "effects", "sum", "records", "large_records")
+NAMES = ("peers", "contact", "growth", "throughput", "price", "effects", "sum", "records", "large_records")
 FIRST = "<!-- what matters: every bench writes from here -->"
 LAST = "<!-- machines: every bench writes from here -->"
 

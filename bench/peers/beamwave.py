@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .peer import Answer, Peer
+from .peer import Answer, Peer, Setting
 from .problem import Problem
 
 PROGRAM = Path(__file__).parents[2] / "build/bin/beamwave"
@@ -29,13 +29,13 @@ SCENE = """\
 """
 
 
-def run(problem: Problem, tolerance: float) -> tuple[np.ndarray, float, float, float]:
+def run(scene: str, problem: Problem, tolerance: float) -> tuple[np.ndarray, float, float, float]:
     """Displacement, CPU and wall seconds of the process, and wall seconds of its stages without writing."""
     with tempfile.TemporaryDirectory() as directory:
-        scene = Path(directory) / "peer.nml"
+        path = Path(directory) / "peer.nml"
         points = ", ".join(map(repr, problem.points))
-        scene.write_text(SCENE.format(p=problem, tolerance=tolerance, points=points))
-        words = [os.environ.get("BEAMWAVE", str(PROGRAM)), "run", str(scene), "--output", directory, "--quiet"]
+        path.write_text(scene.format(p=problem, tolerance=tolerance, points=points))
+        words = [os.environ.get("BEAMWAVE", str(PROGRAM)), "run", str(path), "--output", directory, "--quiet"]
         start = time.perf_counter()
         process = subprocess.Popen(words)
         _, status, usage = os.wait4(process.pid, 0)
@@ -57,34 +57,23 @@ def read(path: Path) -> tuple[np.ndarray, float]:
         return np.asarray(result["displacement"][:]), sum(seconds.values())
 
 
-def solve_process(problem: Problem, tolerance: float) -> Answer:
-    """Time the whole process."""
-    displacement, processor, wall, _ = run(problem, tolerance)
-    return Answer(displacement, processor, wall)
+def peers_of(scene: str, settings: tuple[Setting, ...], small: tuple[Setting, ...]) -> tuple[Peer, Peer]:
+    """The stages alone, and the whole process; in `scene` stand the problem p, points and tolerance."""
+
+    def process(problem: Problem, tolerance: float) -> Answer:
+        displacement, processor, wall, _ = run(scene, problem, tolerance)
+        return Answer(displacement, processor, wall)
+
+    def stages(problem: Problem, tolerance: float) -> Answer:
+        """Their part of the process's wall time is their part of its CPU time."""
+        displacement, processor, wall, seconds = run(scene, problem, tolerance)
+        return Answer(displacement, processor * seconds / wall, seconds)
+
+    what = "its stages from the scene to the histories", "the same with start-up, reading the scene and writing the file"
+    return (
+        Peer("beamwave", what[0], stages, settings, small, packages=("netCDF4",)),
+        Peer("beamwave, whole process", what[1], process, settings, small, packages=("netCDF4",)),
+    )
 
 
-def solve_stages(problem: Problem, tolerance: float) -> Answer:
-    """Time the stages; their part of the process's wall time is their part of its CPU time."""
-    displacement, processor, wall, stages = run(problem, tolerance)
-    return Answer(displacement, processor * stages / wall, stages)
-
-
-SETTINGS = tuple({"tolerance": 10.0**-power} for power in range(2, 12))
-SMALL = ({"tolerance": 1e-3}, {"tolerance": 1e-6})
-
-STAGES = Peer(
-    "beamwave",
-    "its stages from the scene to the histories",
-    solve_stages,
-    SETTINGS,
-    SMALL,
-    packages=("netCDF4",),
-)
-PROCESS = Peer(
-    "beamwave, whole process",
-    "the same with start-up, reading the scene and writing the file",
-    solve_process,
-    SETTINGS,
-    SMALL,
-    packages=("netCDF4",),
-)
+STAGES, PROCESS = peers_of(SCENE, tuple({"tolerance": 10.0**-power} for power in range(2, 12)), ({"tolerance": 1e-3}, {"tolerance": 1e-6}))

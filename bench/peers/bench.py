@@ -10,7 +10,7 @@ from common.command import Bench, Measured
 from common.machine import describe
 
 from . import picture, table
-from .measure import measure
+from .measure import PEERS, measure
 from .problem import Problem
 from .reference import MODES, check_digits, reference
 
@@ -31,7 +31,7 @@ def measured(program: Path, small: bool) -> Measured:
         "problem": {"samples": problem.samples, "duration": problem.duration},
         "reference": f"a sum of {modes} modes in extended precision (half as many differ by {half:.0e}{checked})",
         "machine": describe(program, PACKAGES),
-        "rows": measure(problem, exact, small),
+        "rows": measure(PEERS, problem, exact, small),
     }
 
 

@@ -39,11 +39,11 @@ FEWER = ((0.3, 5), (1.0, 3), (5.0, 1))  # what takes longer than this, s, is run
 Job = tuple[Peer, Setting]
 
 
-def measure(problem: Problem, exact: np.ndarray, small: bool) -> list[dict[str, Any]]:
+def measure(peers: tuple[Peer, ...], problem: Problem, exact: np.ndarray, small: bool) -> list[dict[str, Any]]:
     """One row for each peer and size; a peer whose packages are missing has one row that says so."""
     jobs: list[Job] = []
     rows: list[dict[str, Any]] = []
-    for peer in PEERS:
+    for peer in peers:
         if lacking := peer.missing():
             rows.append({"peer": peer.name, "not_measured": f"no {', '.join(lacking)}"})
         else:

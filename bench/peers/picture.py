@@ -40,18 +40,23 @@ BEHIND_WORDS = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor":
 
 def draw(measured: dict[str, Any]) -> Figure:
     """Error over peak against CPU seconds."""
+    return diagram(measured["rows"], [peer.name for peer in PEERS], LOOKS, LABELS, title(measured["problem"]))
+
+
+def diagram(rows: list[dict[str, Any]], names: list[str], looks: dict[str, tuple], labels: dict[str, tuple], words: str) -> Figure:
+    """The curve of each name, with its look and label, under a title."""
     with mpl.rc_context({**RC, "font.size": 10.0}):
         figure = Figure(figsize=(8.6, 5.8), layout="constrained")
         axes = figure.subplots()
         axes.set(xscale="log", yscale="log")
-        for peer in PEERS:
-            curve(axes, peer.name, [row for row in measured["rows"] if row["peer"] == peer.name])
+        for name in names:
+            curve(axes, [row for row in rows if row["peer"] == name], looks[name], labels[name])
         axes.set_xlabel("CPU time of one thread (s)")
         axes.set_ylabel("Largest error of the displacement over its peak")
         left, right = axes.get_xlim()
         axes.set_xlim(left / ROOM_FOR_WORDS, right)
         axes.set_ylim(bottom=axes.get_ylim()[0] / 3)
-        axes.set_title(title(measured["problem"]), loc="left", fontsize=10)
+        axes.set_title(words, loc="left", fontsize=10)
     return figure
 
 
@@ -63,15 +68,15 @@ def title(problem: dict[str, Any]) -> str:
     )
 
 
-def curve(axes: Axes, name: str, rows: list[dict[str, Any]]) -> None:
+def curve(axes: Axes, rows: list[dict[str, Any]], look: tuple, label: tuple) -> None:
     """One peer with its label; sizes without a number are left out."""
     known = [row for row in rows if row.get("error")]
     if not known:
         return
-    colour, dash, marker = LOOKS[name]
+    colour, dash, marker = look
     seconds, errors = [row["cpu_seconds"] for row in known], [row["error"] for row in known]
     axes.plot(seconds, errors, color=colour, linestyle=dash, marker=marker, markerfacecolor="white", linewidth=1.6)
-    words, size, offset, aligned = LABELS[name]
+    words, size, offset, aligned = label
     size = max(-len(known), min(size, len(known) - 1))  # a small run has fewer
     axes.annotate(words, (seconds[size], errors[size]), xytext=offset, textcoords="offset points", ha=aligned,
                   va="center", color=colour, fontsize=9, bbox=BEHIND_WORDS)  # fmt: skip
@@ -79,5 +84,9 @@ def curve(axes: Axes, name: str, rows: list[dict[str, Any]]) -> None:
 
 def save(measured: dict[str, Any], path: Path) -> None:
     """Write the PNG."""
+    save_figure(draw(measured), path)
+
+
+def save_figure(figure: Figure, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    draw(measured).savefig(path, dpi=150, metadata={"Software": None})
+    figure.savefig(path, dpi=150, metadata={"Software": None})

@@ -7,6 +7,7 @@ from typing import Any
 from common.document import measured_with, table
 
 from .measure import PEERS
+from .peer import Peer
 from .summary import seconds_to_reach, text_of_seconds
 
 FIRST = "<!-- peers: bench/peers.sh writes from here -->"
@@ -32,22 +33,22 @@ def section(measured: dict[str, Any], picture: str) -> str:
     rounds = max(row.get("runs", 1) for row in measured["rows"])
     words = WORDS.format(**measured["problem"], reference=measured["reference"], rounds=rounds, picture=picture)
     about, rows = measured_with(measured["machine"]), measured["rows"]
-    return "\n\n".join([words.strip(), about, summary(rows), "Every size that was run:", details(rows)])
+    return "\n\n".join([words.strip(), about, summary(rows, PEERS, LEVELS), "Every size that was run:", details(rows)])
 
 
-def summary(rows: list[dict[str, Any]]) -> str:
+def summary(rows: list[dict[str, Any]], peers: tuple[Peer, ...], levels: tuple[float, ...]) -> str:
     """Seconds that each peer takes to an error, between its sizes by a power law."""
-    body = [["peer", "how", *(f"s to {level:.0e}".replace("e-0", "e-") for level in LEVELS), "smallest error"]]
-    for peer in PEERS:
+    body = [["peer", "how", *(f"s to {level:.0e}".replace("e-0", "e-") for level in levels), "smallest error"]]
+    for peer in peers:
         own = [row for row in rows if row["peer"] == peer.name]
         if not own:
             continue
         if "not_measured" in own[0]:
-            body.append([peer.name, peer.what, *("not measured" for _ in LEVELS), own[0]["not_measured"]])
+            body.append([peer.name, peer.what, *("not measured" for _ in levels), own[0]["not_measured"]])
             continue
         known = [row for row in own if row["error"] is not None]
         smallest = f"{min(row['error'] for row in known):.1e}" if known else "none"
-        times = [text_of_seconds(seconds_to_reach(known, level)) for level in LEVELS]
+        times = [text_of_seconds(seconds_to_reach(known, level)) for level in levels]
         body.append([peer.name, peer.what, *times, smallest])
     return table(body)
 

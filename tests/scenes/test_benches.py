@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-BENCHES = ("peers", "growth", "effects", "price", "records", "large_records")
+BENCHES = ("peers", "contact", "growth", "effects", "price", "records", "large_records")
 sys.path.insert(0, str(PROJECT / "bench"))
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+import contact_scenes
 import numpy as np
 import pytest
 import xarray as xr
@@ -95,6 +96,14 @@ def test_many_modes_and_few_differ_by_no_more_than_the_error_that_is_given(here)
             assert (error <= few[f"{name}_error"] + many[f"{name}_error"]).all(), (count, name)
         peak = float(many["contact_force"][0].max())
         assert float(np.abs(few["contact_force"][0] - many["contact_force"][0]).max()) <= float(few["contact_force_error"][0]) + 1e-9 * peak
+
+
+@pytest.mark.parametrize("number", [8, 11, 22])
+def test_random_contacts_are_those_of_an_integration_of_the_same_modes(here, number):
+    """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
+    scene = contact_scenes.draw(np.random.default_rng([1, number]))
+    for j in contact_scenes.judge(lambda scene: run(here, f"random{number}", scene), scene):
+        assert j.part <= 1e-9 and j.estimate >= 1 and j.contacts <= contact_scenes.FEW, j
 
 
 def test_accelerations_and_shear_forces_are_those_of_the_motion(here):

@@ -1,0 +1,101 @@
+"""Exudyn: matrices of Hermite elements as its linear object, and its connector with limit stops between tip and mass.
+
+Its own beams follow large motions, which differ from the linear theory by 1e-5 here. Two of its solvers are tried: generalised
+alpha without numerical damping, which is Newmark's method with average acceleration, and DOPRI5 with a tolerance.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from peers import hermite
+from peers.hermite_newmark import at_samples
+from peers.peer import Peer, timed
+
+from .problem import Problem
+
+OPEN = 1e3  # m: where the other side of the stop lies
+
+
+def system_of(problem: Problem, elements: int) -> Any:
+    """Beam, mass and stop; the sensors of the points."""
+    import exudyn as exu
+    from exudyn import itemInterface as item
+
+    whole = exu.SystemContainer()
+    system = whole.AddSystem()
+    stiffness, mass = hermite.matrices(problem, elements)
+    heavy = problem.density * problem.area * problem.length
+    count = len(mass)
+    start = {"referenceCoordinates": [0.0] * count, "initialCoordinates": [0.0] * count, "initialCoordinates_t": [0.0] * count}
+    beam = system.AddNode(item.NodeGenericODE2(numberOfODE2Coordinates=count, **start))
+    system.AddObject(item.ObjectGenericODE2(nodeNumbers=[beam], massMatrix=heavy * mass, stiffnessMatrix=heavy * stiffness))
+    body = system.AddNode(item.Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[1.0]))
+    system.AddObject(item.Mass1D(nodeNumber=body, physicsMass=problem.mass))
+    ends = [system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=place)) for node, place in ((beam, count - 2), (body, 0))]
+    touching = system.AddNode(item.NodeGenericData(numberOfDataCoordinates=3, initialCoordinates=[0.0, 0.0, 0.0]))
+    system.AddObject(item.ObjectConnectorCoordinateSpringDamperExt(
+        markerNumbers=ends, nodeNumber=touching, useLimitStops=True, limitStopsUpper=0.0, limitStopsLower=-OPEN, limitStopsStiffness=problem.stiffness))  # fmt: skip
+    sensor = system.AddSensor(item.SensorNode(nodeNumber=beam, storeInternal=True, outputVariableType=exu.OutputVariableType.Coordinates))
+    system.Assemble()
+    return exu, whole, system, sensor
+
+
+def settings_of(exu: Any, problem: Problem, steps: int) -> Any:
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.endTime = problem.duration
+    settings.timeIntegration.numberOfSteps = steps
+    settings.timeIntegration.verboseMode = 0
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.solutionSettings.sensorsWritePeriod = problem.duration / steps
+    settings.parallel.numberOfThreads = 1
+    return settings
+
+
+def recorded(problem: Problem, elements: int, system: Any, sensor: int, steps: int) -> np.ndarray:
+    record = system.GetSensorStoredData(sensor)[:steps, 1:][:, hermite.rows_of_points(problem, elements)]
+    return at_samples(record.T, problem)
+
+
+@timed
+def newmark(problem: Problem, elements: int, steps: int) -> np.ndarray:
+    """Histories of a mesh of `elements` in `steps` steps."""
+    exu, _whole, system, sensor = system_of(problem, elements)
+    settings = settings_of(exu, problem, steps)
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 1.0
+    settings.timeIntegration.newton.useModifiedNewton = True
+    system.SolveDynamic(settings)
+    return recorded(problem, elements, system, sensor, steps)
+
+
+@timed
+def dopri(problem: Problem, elements: int, tolerance: float) -> np.ndarray:
+    """Histories of a mesh of `elements`, in steps that keep a tolerance and end at the samples."""
+    exu, _whole, system, sensor = system_of(problem, elements)
+    settings = settings_of(exu, problem, problem.samples)
+    settings.timeIntegration.automaticStepSize = True
+    settings.timeIntegration.relativeTolerance = settings.timeIntegration.absoluteTolerance = tolerance
+    system.SolveDynamic(settings, solverType=exu.DynamicSolverType.DOPRI5)
+    return recorded(problem, elements, system, sensor, problem.samples)
+
+
+STEPS = ((4, 500), (8, 2000), (16, 8000), (32, 32_000), (64, 128_000))
+TOLERANCES = ((4, 1e-6), (8, 1e-6), (16, 1e-6), (32, 1e-6))
+
+NEWMARK = Peer(
+    "Exudyn, Newmark",
+    "Hermite elements, a connector with a limit stop, generalised alpha without damping",
+    newmark,
+    settings=tuple({"elements": elements, "steps": steps} for elements, steps in STEPS),
+    small=({"elements": 4, "steps": 1000}, {"elements": 8, "steps": 4000}),
+    packages=("exudyn", "scipy"),
+)
+DOPRI = Peer(
+    "Exudyn, DOPRI5",
+    "the same elements and stop, Runge and Kutta's method of order 5 with a tolerance",
+    dopri,
+    settings=tuple({"elements": elements, "tolerance": tolerance} for elements, tolerance in TOLERANCES),
+    small=({"elements": 4, "tolerance": 1e-6},),
+    packages=("exudyn", "scipy"),
+)

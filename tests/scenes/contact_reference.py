@@ -1,0 +1,353 @@
+"""The motion of a clamped beam and a mass that touches it for some time, by an integration of its own.
+
+The model is that of `&contact` with a count of modes n: v(x) = sum of n modes + R(x) F, with the residual flexibility R of all others, and
+F = K d^p (1 + c d') for the indentation d = y - v(x0) > 0. In contact scipy's DOP853 (with damping, where F is stiff, Radau) integrates
+modes and mass; between contacts every oscillator moves exactly, and the gap is sampled 40 times in a period of the highest mode.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.integrate import DOP853, Radau
+from scipy.optimize import brentq, minimize_scalar
+
+BEYOND = 400  # modes, whose residual flexibility differs from that of a beam that does not rotate
+FINE = 0.15  # of a radian of the highest mode between samples of the gap
+CHUNK = 4096  # samples of it
+MOST_STEPS = 100_000  # of an integration
+
+
+class TooLongError(Exception):
+    """The integration takes too many steps."""
+
+
+def roots(count: int) -> np.ndarray:
+    """alpha of 1 + cos(alpha) cosh(alpha) = 0."""
+    from_left = [brentq(lambda a: 1 / np.cosh(a) + np.cos(a), (k - 1) * np.pi + 0.3, k * np.pi - 0.3 if k > 1 else 2.5, xtol=1e-15)
+                 for k in range(1, min(count, 200) + 1)]  # fmt: skip
+    return np.array([*from_left, *((k - 0.5) * np.pi for k in range(len(from_left) + 1, count + 1))])
+
+
+def shapes(alpha: np.ndarray, xi: float, order: int = 0) -> np.ndarray:
+    """Modes with a mean square of 1 and their curvatures (`order` 2, times the length squared), without cancelling hyperbolic functions."""
+    down, up = np.exp(-alpha * xi), np.exp(alpha * (xi - 1))
+    grows = (np.sin(alpha) - np.cos(alpha) - np.exp(-alpha)) / (0.5 - 0.5 * np.exp(-2 * alpha) + np.sin(alpha) * np.exp(-alpha))
+    ratio = 1 - grows * np.exp(-alpha)  # sigma
+    steady = np.cos(alpha * xi) - ratio * np.sin(alpha * xi)
+    hyperbolic = 0.5 * grows * up + 0.5 * (1 + ratio) * down
+    return hyperbolic - steady if order == 0 else alpha**2 * (hyperbolic + steady)
+
+
+@dataclass
+class Blow:
+    """A scene in SI units."""
+
+    length: float
+    mass_per_length: float
+    bending_stiffness: float
+    modes: int
+    mass: float
+    position: float
+    speed: float  # > 0
+    stiffness: float
+    exponent: float
+    contact_damping: float
+    ratio: float  # modal damping
+    omega: float
+    in_plane: bool
+    points: list[float]
+    times: np.ndarray  # of the histories
+    duration: float
+    most_contacts: int
+
+
+@dataclass
+class Motion:
+    """Contacts and histories (points, times), which end where more contacts begin than were asked for."""
+
+    start: list[float] = field(default_factory=list)
+    end: list[float] = field(default_factory=list)
+    impulse: list[float] = field(default_factory=list)
+    largest: list[float] = field(default_factory=list)
+    displacement: list[np.ndarray] = field(default_factory=list)
+    velocity: list[np.ndarray] = field(default_factory=list)
+    bending_moment: list[np.ndarray] = field(default_factory=list)
+    steps: int = 0
+
+
+class Bodies:
+    """Modes and mass as oscillators u'' + c u' + b u = w F; the indentation is that of `weight` times u, less R F."""
+
+    def __init__(self, blow: Blow) -> None:
+        length, ei, rho = blow.length, blow.bending_stiffness, blow.mass_per_length
+        alpha = roots(BEYOND)
+        elastic = ei / rho * (alpha / length) ** 4
+        turning = blow.omega**2 if blow.in_plane else 0.0
+        n = blow.modes
+        here = shapes(alpha, blow.position)
+        heavy = rho * length
+        self.blow, self.n = blow, n
+        self.square = np.append(elastic[:n] - turning, -turning)
+        self.damping = np.append(2 * blow.ratio * np.sqrt(elastic[:n]), 0.0)
+        self.weight = np.append(-here[:n], 1.0)
+        self.drive = np.append(here[:n] / heavy, -1 / blow.mass)
+
+        def residual(xi: float, order: int) -> float:
+            there = shapes(alpha, xi, order)
+            a, unit = blow.position, length**3 / ei
+            if order == 0:
+                low, high = min(a, xi), max(a, xi)
+                rest = unit * low**2 * (3 * high - low) / 6
+            else:
+                rest = unit * max(0.0, a - xi)
+            parts = there * here / heavy
+            return rest - np.sum(parts[:n] / elastic[:n]) + np.sum((parts * turning / (elastic * (elastic - turning)))[n:])
+
+        self.residual = residual(blow.position, 0)
+        self.seen = np.array([shapes(alpha[:n], xi) for xi in blow.points])
+        self.curved = np.array([shapes(alpha[:n], xi, 2) for xi in blow.points]) * ei / length**2
+        self.seen_residual = np.array([residual(xi, 0) for xi in blow.points])
+        self.curved_residual = np.array([residual(xi, 2) for xi in blow.points]) * ei / length**2
+        self.root = np.sqrt(self.damping.astype(complex) ** 2 / 4 - self.square)
+
+    def free(self, u: np.ndarray, v: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements and velocities of all oscillators after times without a force, (oscillators, times)."""
+        half, s = self.damping[:, None] / 2, self.root[:, None]
+        small = np.abs(s) < 1e-300
+        s = np.where(small, 1e-300, s)
+        decay = np.exp(-half * times)
+        c, d = np.cosh(s * times), np.sinh(s * times) / s
+        d = np.where(small, times, d)
+        first, second = u[:, None], v[:, None]
+        moved = decay * (c * first + d * (second + half * first))
+        rate = decay * (c * second - d * (half * second + self.square[:, None] * first))
+        return moved.real, rate.real
+
+
+class Contact:
+    """An undamped contact, state (u, v, impulse)."""
+
+    def __init__(self, bodies: Bodies) -> None:
+        self.bodies, self.blow, self.m = bodies, bodies.blow, bodies.n + 1
+        slowness = 1 / np.sqrt(np.max(np.abs(bodies.square)))
+        speed = np.full(self.m, self.blow.speed)
+        self.scale = np.concatenate([speed * slowness, speed, [self.blow.mass * self.blow.speed]])
+
+    def begin(self, t: float, state: np.ndarray) -> tuple[float, np.ndarray]:
+        return t, state
+
+    def solver(self, t: float, state: np.ndarray, bound: float, step: float | None) -> DOP853 | Radau:
+        first = None if step is None else min(step, bound - t)
+        return DOP853(self.slope, t, state, bound, first_step=first, rtol=1e-13, atol=1e-16 * self.scale)
+
+    def presses(self, state: np.ndarray) -> float:
+        """Positive while the contact lasts."""
+        return float(self.bodies.weight @ state[: self.m])
+
+    def force(self, state: np.ndarray) -> float:
+        """F = K (approach - R F)^p by Newton's method for the depth."""
+        approach = self.presses(state)
+        if approach <= 0:
+            return 0.0
+        p, flexible = self.blow.exponent, self.bodies.residual * self.blow.stiffness
+        depth = min(approach, (approach / flexible) ** (1 / p))
+        for _ in range(60):
+            change = (depth + flexible * depth**p - approach) / (1 + flexible * p * depth ** (p - 1))
+            depth -= change
+            if abs(change) <= 4e-16 * depth:
+                break
+        return float(self.blow.stiffness * depth**p)
+
+    def force_rate(self, state: np.ndarray) -> float:
+        force = self.force(state)
+        if force <= 0:
+            return 0.0
+        slope = self.blow.exponent * force / (self.presses(state) - self.bodies.residual * force)
+        return float(slope * (self.bodies.weight @ state[self.m : 2 * self.m]) / (1 + slope * self.bodies.residual))
+
+    def slope(self, _: float, state: np.ndarray) -> np.ndarray:
+        return self.slope_of(state, self.force(state))
+
+    def slope_of(self, state: np.ndarray, force: float) -> np.ndarray:
+        u, v = state[: self.m], state[self.m : 2 * self.m]
+        return np.concatenate([v, self.bodies.drive * force - self.bodies.damping * v - self.bodies.square * u, [force]])
+
+    def remaining(self, _: np.ndarray) -> float:
+        """Time from the last state to the end."""
+        return 0.0
+
+
+class DampedContact(Contact):
+    """A damped one, state (u, v, impulse, F): the law of the contact gives the rate of the depth d = approach - R F, and with it that of F."""
+
+
+    def __init__(self, bodies: Bodies) -> None:
+        super().__init__(bodies)
+        self.scale = np.append(self.scale, self.blow.stiffness * self.deep(self.blow.speed) ** self.blow.exponent)
+
+    def deep(self, speed: float) -> float:
+        """The largest depth of an undamped contact with a wall."""
+        b = self.blow
+        return float(((b.exponent + 1) / 2 * b.mass * speed**2 / b.stiffness) ** (1 / (b.exponent + 1)))
+
+    def begin(self, t: float, state: np.ndarray) -> tuple[float, np.ndarray]:
+        """A little way in, with the force K (wt)^p (1 + c w) of a constant rate of approach w."""
+        w = float(self.bodies.weight @ state[self.m : 2 * self.m])
+        self.shallow = 1e-12 ** (1 / (self.blow.exponent + 1)) * self.deep(w)  # 1e-12 of the impulse is further out
+        ahead = 2 * self.shallow / w
+        moved, rates = self.bodies.free(state[: self.m], state[self.m : 2 * self.m], np.array([ahead]))
+        force = self.blow.stiffness * (w * ahead) ** self.blow.exponent * (1 + self.blow.contact_damping * w)
+        return t + ahead, np.concatenate([moved[:, 0], rates[:, 0], [0.0, force]])
+
+    def solver(self, t: float, state: np.ndarray, bound: float, step: float | None) -> DOP853 | Radau:
+        first = None if step is None else min(step, bound - t)
+        return Radau(self.slope, t, state, bound, first_step=first, rtol=1e-10, atol=1e-13 * self.scale, jac=self.jacobian)
+
+    def depth(self, state: np.ndarray) -> float:
+        return float(self.bodies.weight @ state[: self.m] - self.bodies.residual * state[-1])
+
+    def presses(self, state: np.ndarray) -> float:
+        return self.depth(state) - self.shallow
+
+    def force(self, state: np.ndarray) -> float:
+        return float(state[-1])
+
+    def force_rate(self, state: np.ndarray) -> float:
+        return float(self.slope(0.0, state)[-1])
+
+    def flexible(self, state: np.ndarray) -> float:
+        """c R K d^p, which is kept above 0 in trial steps."""
+        depth = max(self.depth(state), 0.1 * self.shallow)
+        return self.blow.contact_damping * self.bodies.residual * self.blow.stiffness * depth**self.blow.exponent
+
+    def slope(self, _: float, state: np.ndarray) -> np.ndarray:
+        rate = self.bodies.weight @ state[self.m : 2 * self.m] + 1 / self.blow.contact_damping
+        return np.append(self.slope_of(state, state[-1]), rate / self.bodies.residual - state[-1] / self.flexible(state))
+
+    def jacobian(self, _: float, state: np.ndarray) -> np.ndarray:
+        m, by_depth = self.m, self.blow.exponent * state[-1] / self.flexible(state) / max(self.depth(state), 0.1 * self.shallow)
+        matrix = np.zeros((2 * m + 2, 2 * m + 2))
+        matrix[:m, m : 2 * m] = np.eye(m)
+        matrix[m : 2 * m, :m] = -np.diag(self.bodies.square)
+        matrix[m : 2 * m, m : 2 * m] = -np.diag(self.bodies.damping)
+        matrix[m : 2 * m, -1] = self.bodies.drive
+        matrix[2 * m, -1] = 1.0
+        matrix[-1, :m] = by_depth * self.bodies.weight
+        matrix[-1, m : 2 * m] = self.bodies.weight / self.bodies.residual
+        matrix[-1, -1] = -1 / self.flexible(state) - by_depth * self.bodies.residual
+        return matrix
+
+    def remaining(self, state: np.ndarray) -> float:
+        """Without the force, which is as good as gone."""
+        weight = self.bodies.weight
+        return float(max(0.0, -(weight @ state[: self.m]) / (weight @ state[self.m : 2 * self.m])))
+
+
+def follow(blow: Blow) -> Motion:
+    """All contacts of the record and the histories."""
+    bodies, motion = Bodies(blow), Motion()
+    m = bodies.n + 1
+    u, v = np.zeros(m), np.zeros(m)
+    v[-1] = blow.speed
+    t, last = 0.0, blow.duration
+    while True:
+        motion.start.append(t)
+        t, u, v = press(bodies, motion, t, u, v)
+        if t >= last:
+            return motion
+        ahead = next_contact(bodies, u, v, last - t)
+        until = last if ahead is None else t + ahead
+        seen = len(motion.displacement)
+        inside = blow.times[seen:][blow.times[seen:] <= until] - t
+        if inside.size:
+            moved, rates = bodies.free(u, v, inside)
+            for column in range(inside.size):
+                see(bodies, motion, moved[:, column], rates[:, column], 0.0, 0.0)
+        if ahead is None or len(motion.start) == blow.most_contacts:
+            return motion
+        moved, rates = bodies.free(u, v, np.array([ahead]))
+        t, u, v = until, moved[:, 0], rates[:, 0]
+
+
+def see(bodies: Bodies, motion: Motion, u: np.ndarray, v: np.ndarray, force: float, force_rate: float) -> None:
+    n = bodies.n
+    motion.displacement.append(bodies.seen @ u[:n] + bodies.seen_residual * force)
+    motion.velocity.append(bodies.seen @ v[:n] + bodies.seen_residual * force_rate)
+    motion.bending_moment.append(bodies.curved @ u[:n] + bodies.curved_residual * force)
+
+
+def next_contact(bodies: Bodies, u: np.ndarray, v: np.ndarray, left: float) -> float | None:
+    """When the approach is positive again, in time from now; the bodies have just parted."""
+
+    def approach(times: np.ndarray) -> np.ndarray:
+        return bodies.weight @ bodies.free(u, v, times)[0]
+
+    step = FINE / np.sqrt(np.max(np.abs(bodies.square)))
+    from_there = 0.0
+    while from_there < left:
+        times = from_there + step * np.arange(CHUNK + 1)
+        if from_there == 0:
+            times = np.concatenate([step * 0.5 ** np.arange(20, 0, -1), times[1:]])
+        times = np.append(times[times < left], min(left, times[-1]))
+        values = approach(times)
+        if from_there == 0:  # what is left of the contact by rounding
+            parted = int(np.argmax(values < 0))
+            times, values = times[parted:], values[parted:]
+        i = int(np.argmax(values > 0)) if (values > 0).any() else len(times)
+        middle = values[1:-1]
+        bend = 2 * middle - values[:-2] - values[2:]
+        for j in np.flatnonzero((bend > 0) & (middle >= values[:-2]) & (middle >= values[2:]) & (middle > -0.5 * bend)) + 1:
+            if j >= i:
+                break
+            top = minimize_scalar(lambda x: -approach(np.array([x]))[0], bounds=(times[j - 1], times[j + 1]), method="bounded", options={"xatol": 1e-16})
+            if top.fun < 0:
+                return float(brentq(lambda x: approach(np.array([x]))[0], times[j - 1], top.x, xtol=1e-20, rtol=1e-15))
+        if i < len(times):
+            before = times[i - 1] if i > 0 else 0.0
+            return float(brentq(lambda x: approach(np.array([x]))[0], before, times[i], xtol=1e-20, rtol=1e-15)) if i > 0 else 0.0
+        from_there = times[-1]
+    return None
+
+
+def press(bodies: Bodies, motion: Motion, t: float, u: np.ndarray, v: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """One contact, to its end or to the last sample."""
+    blow, m = bodies.blow, bodies.n + 1
+    contact = (DampedContact if blow.contact_damping > 0 else Contact)(bodies)
+    state = np.concatenate([u, v, [0.0]])
+    t, state = contact.begin(t, state)
+    while len(motion.displacement) < len(blow.times) and blow.times[len(motion.displacement)] < t:
+        see(bodies, motion, np.nan * u, np.nan * v, 0.0, 0.0)  # in the beginning that is left out
+    largest, step, ended = 0.0, None, False
+    while not ended and t < blow.duration:
+        seen = len(motion.displacement)
+        bound = float(blow.times[seen]) if seen < len(blow.times) else blow.duration
+        solver = contact.solver(t, state, bound, step) if t < bound else None
+        while solver and solver.status == "running" and not ended:
+            solver.step()
+            motion.steps += 1
+            if motion.steps > MOST_STEPS:
+                raise TooLongError
+            if solver.status == "failed":
+                raise RuntimeError("the reference did not converge")
+            step = solver.h_abs
+            largest = max(largest, contact.force(solver.y))
+            if contact.force_rate(state) > 0 >= contact.force_rate(solver.y):
+                path, words = solver.dense_output(), {"bounds": (t, solver.t), "method": "bounded", "options": {"xatol": 1e-16}}
+                largest = max(largest, -minimize_scalar(lambda x: -contact.force(path(x)), **words).fun)
+            ended = contact.presses(state) > 0 >= contact.presses(solver.y)
+            if ended:
+                path = solver.dense_output()
+                end = float(brentq(lambda x: contact.presses(path(x)), t, solver.t, xtol=1e-20, rtol=1e-15))
+                solver = contact.solver(t, state, end, step)
+                while solver.status == "running":
+                    solver.step()
+            t, state = solver.t, solver.y
+        if not ended and seen < len(blow.times):
+            see(bodies, motion, state[:m], state[m : 2 * m], contact.force(state), contact.force_rate(state))
+    motion.end.append(t + contact.remaining(state) if ended else t)
+    motion.impulse.append(float(state[2 * m]))
+    motion.largest.append(largest)
+    moved, rates = bodies.free(state[:m], state[m : 2 * m], np.array([motion.end[-1] - t]))
+    return motion.end[-1], moved[:, 0], rates[:, 0]

@@ -1,0 +1,125 @@
+"""Random scenes of contacts of a finite duration, and how their errors compare with what is said of them."""
+
+from __future__ import annotations
+
+from typing import Iterator, NamedTuple
+
+import contact_reference
+import numpy as np
+from workplace import PAPER_BEAM
+
+HISTORIES = ("displacement", "velocity", "bending_moment")
+TIMES = ("event_time", "event_end")
+SAMPLES = 200
+MOST_CONTACTS = 50
+FEW = 5  # contacts, which hardly amplify an error
+NOISE = 1e-13  # of a peak; errors below it are those of rounding
+TOLD = 0.1  # of a peak; errors above it are no errors that an estimate is made for
+
+
+class Judged(NamedTuple):
+    """What a run gives beside what is true."""
+
+    quantity: str
+    contacts: int  # up to there
+    part: float  # error over the peak; of times over that of the first contact
+    estimate: float  # given, over the error
+
+
+def float_in(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number that a namelist takes."""
+    return float(rng.uniform(low, high))
+
+
+def draw(rng: np.random.Generator) -> dict:
+    """A scene with a count of modes; one in eight has a contact that damps, and few modes, since its force is stiff."""
+    beam = dict(PAPER_BEAM)
+    heavy = beam["density"] * np.pi * beam["diameter"] ** 2 / 4 * beam["length"]
+    ratio = 10 ** float_in(rng, -1.5, 0.7)
+    speed = float(rng.choice([-1, 1])) * 10 ** float_in(rng, -1, 1)
+    exponent = float(rng.choice([1.0, 1.5, round(float_in(rng, 1, 3), 3)]))
+    time = 10 ** float_in(rng, -4.7, -2.7)  # that a contact with a wall takes, s, or nearly
+    deep = abs(speed) * time / 3
+    contact = {"stiffness": float((exponent + 1) / 2 * ratio * heavy * speed**2 / deep ** (exponent + 1)), "exponent": exponent}
+    damped = rng.random() < 0.125
+    if damped:
+        contact["damping"] = 10 ** float_in(rng, -1.5, -0.3) / abs(speed)
+    contact["max_contacts"] = MOST_CONTACTS
+    scene = {
+        "beam": beam,
+        "impact": {"mass_ratio": ratio, "approach_velocity": speed, "position": 1.0 if rng.random() < 0.5 else round(float_in(rng, 0.3, 0.95), 4)},
+        "contact": contact,
+        "modes": {"before": int(rng.integers(6, 13) if damped else rng.integers(16, 61))},
+    }
+    if rng.random() < 0.5:
+        scene["rotation"] = {"angular_velocity": float_in(rng, 10, 250), "plane": str(rng.choice(["in", "out"]))}
+    if rng.random() < 0.3:
+        scene["damping"] = {"ratio": 10 ** float_in(rng, -3, -1)}
+    duration = min(0.03, time * 10 ** float_in(rng, 0.2, 0.8 if damped else 2.5))
+    scene["response"] = {"duration": duration, "samples": SAMPLES, "points": [0.0, 0.4, 1.0], "velocity": True, "bending_moment": True}
+    return scene
+
+
+def blow_of(scene: dict) -> contact_reference.Blow:
+    """The same scene for the reference, from positive sides."""
+    beam, impact, contact, response = scene["beam"], scene["impact"], scene["contact"], scene["response"]
+    rotation = scene.get("rotation", {"angular_velocity": 0.0, "plane": "in"})
+    rho = beam["density"] * np.pi * beam["diameter"] ** 2 / 4
+    return contact_reference.Blow(
+        length=beam["length"],
+        mass_per_length=rho,
+        bending_stiffness=beam["youngs_modulus"] * np.pi * beam["diameter"] ** 4 / 64,
+        modes=scene["modes"]["before"],
+        mass=impact["mass_ratio"] * rho * beam["length"],
+        position=impact["position"],
+        speed=abs(impact["approach_velocity"]),
+        stiffness=contact["stiffness"],
+        exponent=contact["exponent"],
+        contact_damping=contact.get("damping", 0.0),
+        ratio=scene.get("damping", {"ratio": 0.0})["ratio"],
+        omega=rotation["angular_velocity"],
+        in_plane=rotation["plane"] == "in",
+        points=response["points"],
+        times=np.arange(response["samples"]) * (response["duration"] / response["samples"]),
+        duration=response["duration"],
+        most_contacts=contact["max_contacts"],
+    )
+
+
+def judge(run, scene: dict) -> Iterator[Judged]:
+    """Compare a run with the reference of as many modes; `run` makes a dataset of a scene."""
+    found, true = run(scene), contact_reference.follow(blow_of(scene))
+    sign = np.sign(scene["impact"]["approach_velocity"])
+    events = found.isel(event=(found["event_kind"] > 0).values)
+    count, both = events.sizes["event"], min(events.sizes["event"], len(true.start))
+    yield Judged("contacts", both, abs(len(true.start) - count), np.inf)
+    unit, strongest, blow = true.end[0], max(true.largest), max(true.impulse)
+    for i in range(both):
+        for name, value in (("event_time", true.start[i]), ("event_end", true.end[i])):
+            yield judged(name, i + 1, abs(float(events[name][i]) - value), float(events[f"{name}_error"][i]), unit)
+        error = abs(float(events["event_force"][i]) * sign - true.largest[i])
+        yield judged("event_force", i + 1, error, float(events["contact_force_error"][i]), strongest)
+        yield Judged("event_impulse", i + 1, abs(float(events["event_impulse"][i]) * sign - true.impulse[i]) / blow, np.inf)
+    for name in HISTORIES:
+        known = np.array(getattr(true, name)).T * sign
+        history = found[name].values[:, : known.shape[1]]
+        there = np.isfinite(history + known).all(axis=0)
+        there[0] = False  # at the first instant the force may jump to a slope
+        for p, row in enumerate(np.abs(history - known)[:, there]):
+            yield judged(name, len(true.start), row.max(), float(found[f"{name}_error"][p]), np.nanmax(np.abs(known)))
+
+
+def judge_estimates(run, scene: dict) -> Iterator[Judged]:
+    """Compare the histories of a run with those of eight times as many modes, which are near enough to the truth where they say so."""
+    few, many = run(scene), run({**scene, "modes": {"before": 8 * scene["modes"]["before"]}})
+    contacts = int((many["event_kind"] > 0).sum())
+    for name in HISTORIES:
+        peak = float(np.abs(many[name]).max())
+        for p, error in enumerate(np.abs(few[name] - many[name]).max("time").values):
+            if NOISE * peak < error < TOLD * peak and float(many[f"{name}_error"][p]) <= 0.3 * error:
+                yield judged(name, contacts, error, float(few[f"{name}_error"][p]), peak)
+
+
+def judged(name: str, contacts: int, error: float, given: float, peak: float) -> Judged:
+    """An error that is not given, of a contact that half of the modes do not show, promises nothing."""
+    return Judged(name, contacts, error / peak, given / error if error > NOISE * peak and np.isfinite(given) else np.inf)
