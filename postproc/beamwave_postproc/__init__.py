@@ -1,5 +1,6 @@
 """Pictures of what a beamwave result holds, and the program itself, from Python."""
 
+from . import _loading
 from .compare import compare
 from .draw.campbell import campbell, crossings
 from .draw.contact_force import contact_force
@@ -105,3 +106,5 @@ __all__ = [
     "wavenumber_spectrum",
     "work_precision",
 ]
+
+_loading.done()

@@ -15,8 +15,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from .head import Head, add_head, head_of
+from .layout import Layout
 
 SIZE: ContextVar[tuple[float, float] | None] = ContextVar("SIZE", default=None)  # of new figures, inches
 COMPRESSION = 3  # of PNG: a tenth larger than by default, and written in half the time
@@ -92,7 +95,7 @@ def mosaic_for(ax: Given, layout: list[str], ratios: list[float], *, width: floa
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure apart from pyplot: no display is needed. In `of_size` it has that size."""
-    fig = Figure(figsize=SIZE.get() or (width, height), layout="constrained")
+    fig = Figure(figsize=SIZE.get() or (width, height), layout=Layout())
     FigureCanvasAgg(fig)  # whose renderer stays while words are measured; another canvas makes one for each word
     return fig
 
@@ -100,7 +103,13 @@ def new_figure(width: float, height: float) -> Figure:
 def write_png(fig: Figure, target: Path | io.BytesIO, dpi: float, metadata: dict[str, str] | None = None) -> None:
     """Write a figure as PNG. It is drawn once: `savefig` draws twice, the first time for its layout alone."""
     fig.set_dpi(dpi)
-    FigureCanvasAgg(fig).print_png(target, metadata=metadata, pil_kwargs={"compress_level": COMPRESSION})
+    canvas = FigureCanvasAgg(fig)
+    canvas.draw()
+    told = PngInfo()
+    for name, text in (metadata or {}).items():
+        told.add_text(name, text)
+    image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")  # no figure here is transparent
+    image.save(target, "PNG", compress_level=COMPRESSION, dpi=(dpi, dpi), pnginfo=told)
 
 
 @contextmanager
