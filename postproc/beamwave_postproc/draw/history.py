@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..parts.bands import draw_bands, is_scattered
 from ..parts.curves import Curve, Panel, panels_of
 from ..parts.envelope import draw_envelope, is_dense
-from ..parts.events import ROW, mark_events
+from ..parts.events import ROW, lanes_note, mark_events
 from ..parts.growth import end_note, grows, growth_note, samples_held, scale_for_growth
 from ..parts.labels import axis_label
 from ..parts.points import (
@@ -85,7 +85,8 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
     for column, panel in zip(sheet.grid.T, drawn.panels):
         _mark_time(list(column), ds, panel, name)
     ends = (growth_note(cases, name), end_note(cases, name))
-    told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes)
+    lanes = [lanes_note([curve.data for curve in panel.curves]) for panel in drawn.panels]
+    told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes, *lanes)
     return sheet.finish(ds, dict.fromkeys(told), warning=error_warning(cases, name, points))
 
 
@@ -208,12 +209,13 @@ def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:
 def _mark_time(column: list[Axes], ds: xr.Dataset, panel: Panel, name: str, *, alike: bool = False) -> None:
     """Time axis of one column up to its last number, its events, of which with `alike` those that all cases share, and its title."""
     factor, cases = _time_factor(ds), [curve.data for curve in panel.curves]
+    colours = [] if alike else [curve.style["color"] for curve in panel.curves]
     held = max(samples_held(case, name) for case in cases)
     time = ds["time"].values[:held] * factor
     for axes in column:
         end = 2 * time[-1] - time[-2] if time.size > 1 else float(ds.get("response_duration", 1.0)) * factor
         axes.set_xlim(time[0], end)
-        rows = mark_events(axes, cases, factor, words=axes is column[0], alike=alike)
+        rows = mark_events(axes, cases, factor, words=axes is column[0], alike=alike, colours=colours)
         if axes is column[0]:
             axes.set_title(panel.title, pad=6.0 + ROW * rows)
     column[-1].set_xlabel(axis_label(ds["time"], si_prefix(ds["time"].values, units_of(ds["time"]))[0]))

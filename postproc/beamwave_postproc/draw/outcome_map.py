@@ -10,10 +10,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..parts.labels import input_label
+from ..parts.labels import in_units, input_label
 from ..parts.outcome import LARGEST, Outcome, outcomes_of, ranking_of, strength, varied_inputs
 from ..parts.sheet import Given, sheet_for
-from ..parts.units import si_prefix, unit_text, units_of
+from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, swept_inputs
 from ..style import logarithmic, styled
 
@@ -37,7 +37,6 @@ def outcome_map(ds: xr.Dataset, *, inputs: Sequence[str] | None = None, ax: Give
     sheet = sheet_for(ax, -(-len(outcomes) // columns), columns, width=5.0 * columns, height=3.7)
     for axes, outcome in zip(sheet.axes, outcomes):
         _draw(axes, ds, outcome, names)
-        axes.set_title(outcome.words)
     for axes in sheet.axes[len(outcomes) :]:
         axes.set_visible(False)
     others = len(swept_inputs(ds)) - 2
@@ -97,5 +96,5 @@ def _draw(axes: Axes, ds: xr.Dataset, outcome: Outcome, names: list[str]) -> Non
             linewidths=0.0,
             rasterized=values.size > 2000,
         )
-    axes.figure.colorbar(drawn, ax=axes, label=unit_text(prefix + units_of(outcome.variable)))
+    axes.figure.colorbar(drawn, ax=axes, label=outcome.words + in_units(outcome.variable, prefix))
     axes.grid(visible=False)

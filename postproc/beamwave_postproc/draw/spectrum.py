@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -18,7 +20,8 @@ from ..parts.tail import spectrum_after_events
 from ..result import NothingToDraw, require
 from ..style import COLOURS, logarithmic, say_zero, styled, write_in_middle
 
-DEPTH = 1e-9  # what lies further below the highest line is rounding, and not shown
+DEPTH = 1e-9  # what lies further below the highest line is rounding, and not marked
+BELOW = 3.0  # times that depth, to which the axis reaches so that no marker is cut
 FOLDED = {"color": COLOURS[2], "markersize": 5.0, "markeredgewidth": 1.1}  # of lines that are aliased
 COLUMNS = 3  # panels of cases beside each other
 Tail = tuple[np.ndarray, np.ndarray, str]  # frequencies, amplitudes (point, frequency), what they are of
@@ -57,7 +60,9 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
     peaks = "markers: measured peaks" if measured else ""
     folding = folding_note([case.assign_attrs(ds.attrs) for case in cases], "×")
     warning = error_warning(cases, "displacement", shown)
-    return sheet.finish(ds, (*drawn.notes, *dict.fromkeys(words for _, _, words in tails.values()), left, growing, peaks, folding), warning=warning)
+    parts = list(dict.fromkeys(words for _, _, words in tails.values()))
+    part = parts[0] if len(parts) == 1 else "of the samples after the last event of each case"
+    return sheet.finish(ds, (*drawn.notes, part, left, growing, peaks, folding), warning=warning)
 
 
 def _bounded(panels: list[Panel]) -> tuple[list[Panel], str]:
@@ -83,17 +88,17 @@ def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int, 
             axes.set_yticks([])
             write_in_middle(axes, "all grow")
         elif highest > 0.0:
-            logarithmic(axes, "y", DEPTH * highest, 5.0 * highest)
+            logarithmic(axes, "y", DEPTH / BELOW * highest, 5.0 * highest)
         else:
             say_zero(axes)
         for curve in panel.curves:
             frequency, amplitude, _ = tails[id(curve)]
-            _draw_spectrum(axes, curve, frequency, amplitude[point])
+            _draw_spectrum(axes, curve, frequency, amplitude[point], DEPTH * highest)
     row[0].set_ylabel(point_label(ds, "amplitude", point))
 
 
-def _draw_spectrum(axes: Axes, curve: Curve, frequency: np.ndarray, row: np.ndarray) -> None:
-    """One spectrum, and a marker on it at each measured frequency of its case."""
+def _draw_spectrum(axes: Axes, curve: Curve, frequency: np.ndarray, row: np.ndarray, least: float) -> None:
+    """One spectrum, and a marker on it at each measured frequency of its case where it is not below `least`."""
     shown = frequency > 0.0
     peaks = "measured_angular_frequency" in curve.data
     axes.plot(frequency[shown], row[shown], **{**curve.style, "marker": "", "linewidth": 0.9})
@@ -101,12 +106,18 @@ def _draw_spectrum(axes: Axes, curve: Curve, frequency: np.ndarray, row: np.ndar
     folded = folded_frequencies(curve.data)
     if not row.any():
         return
-    axes.plot(folded, _highest_near(frequency, row, folded), linestyle="", marker="x", **FOLDED)
+    _mark(axes, folded, _highest_near(frequency, row, folded), least, marker="x", **FOLDED)
     if peaks:
         measured = curve.data["measured_angular_frequency"].values.ravel() / (2.0 * np.pi)
         measured = measured[np.isfinite(measured)]
         nearest = np.searchsorted(0.5 * (frequency[1:] + frequency[:-1]), measured)
-        axes.plot(measured, row[nearest], **{**curve.style, "linestyle": ""})
+        _mark(axes, measured, row[nearest], least, **curve.style)
+
+
+def _mark(axes: Axes, frequency: np.ndarray, height: np.ndarray, least: float, **style: Any) -> None:
+    """Markers alone, at what is not below `least`."""
+    seen = height >= least
+    axes.plot(frequency[seen], height[seen], **{**style, "linestyle": ""})
 
 
 def _highest_near(frequency: np.ndarray, row: np.ndarray, places: np.ndarray) -> np.ndarray:

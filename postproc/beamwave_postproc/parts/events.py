@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import ScaledTranslation
 
 from ..style import GREY
 from .labels import flag_words
@@ -19,6 +21,7 @@ GAP = 4.0  # between words of one row, points
 LASTING: dict[str, Any] = {"color": "0.88", "zorder": 0}  # look of a span of time
 ABOVE: dict[str, Any] = {"color": "0.55", "clip_on": False}
 STRIP = 0.018  # of the height of an image, over which spans stand, so that it is seen
+LANE, BAR = 4.0, 2.6  # of the events of one of several cases above the axes: from one to the next, and height, points
 
 
 class Event(NamedTuple):
@@ -45,25 +48,45 @@ def events_of(case: xr.Dataset) -> list[Event]:
     ]
 
 
-def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool, alike: bool = False) -> int:
+def mark_events(
+    axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool, alike: bool = False, colours: Sequence[str] = ()
+) -> float:
     """Draw each event of `cases` (s, times `factor`) as a line, or as a span where it lasts.
 
-    With `alike` only those that all cases share, as lines. With `words` each kind is named once above the axes, where it first happens; of a single case with how many there
-    are. Returns how many rows of words stand there.
+    With `alike` only those that all cases share are drawn, as lines. Events that differ between cases with `colours` stand
+    above the axes with `words`, each case in a lane of its own. With `words` each kind is named once above all that, where
+    it first happens; of a single case with how many there are. Returns the height of what stands there, in rows of words.
     """
     first, last = axes.get_xlim()
-    marked: list[Event] = []
-    for event in sorted(_common(cases) if alike else _all(cases), key=lambda event: event.time):
+    owners = {event: range(len(cases)) for event in _common(cases)} if alike else _owners(cases)
+    shown = [event for event in sorted(owners, key=lambda event: event.time) if first <= event.time * factor <= last]
+    own = [event for event in shown if colours and len(owners[event]) < len(cases)]
+    for event in shown:
         start, end = event.time * factor, min(event.end * factor, last)
-        if first <= start <= last:
+        if event not in own:
             _draw(axes, start, end)
-            marked.append(event)
-    return _write(axes, _names(marked, factor, counted=len(cases) == 1)) if words else 0
+        elif words:
+            _draw_in_lanes(axes, start, end, {len(cases) - 1 - case: colours[case] for case in owners[event]})
+    if not words:
+        return 0.0
+    lanes = LANE * len(cases) if own else 0.0
+    return _write(axes, _names(shown, factor, counted=len(cases) == 1), RISE + lanes) + lanes / ROW
 
 
-def _all(cases: list[xr.Dataset]) -> list[Event]:
-    """The events of all cases, each once."""
-    return list(dict.fromkeys(event for case in cases for event in events_of(case)))
+def lanes_note(cases: list[xr.Dataset]) -> str:
+    """What the lanes of `mark_events` are, where there are any."""
+    differ = [event for event, owners in _owners(cases).items() if len(owners) < len(cases)]
+    kinds = " and ".join(sorted({f"{event.kind}s" for event in differ}))
+    return f"{kinds} of each case above the axes" if kinds else ""
+
+
+def _owners(cases: list[xr.Dataset]) -> dict[Event, list[int]]:
+    """The events of all cases, each once, with the numbers of the cases that have it, whatever its impulse there."""
+    found: dict[Event, list[int]] = {}
+    for number, case in enumerate(cases):
+        for event in dict.fromkeys(one._replace(impulse=0.0) for one in events_of(case)):
+            found.setdefault(event, []).append(number)
+    return found
 
 
 def _common(cases: list[xr.Dataset]) -> list[Event]:
@@ -84,6 +107,15 @@ def _draw(axes: Axes, start: float, end: float) -> None:
     axes.add_artist(line)
 
 
+def _draw_in_lanes(axes: Axes, start: float, end: float, colours: dict[int, str]) -> None:
+    """The same as a bar above the axes, of no length where it is a moment, in lanes of these numbers and colours."""
+    for lane, colour in colours.items():
+        up = ScaledTranslation(0.0, LANE * (lane + 0.75) / 72.0, axes.figure.dpi_scale_trans)
+        look = {"color": colour, "clip_on": False, "transform": axes.get_xaxis_transform() + up}
+        axes.add_artist(Line2D([start, end], [1.0, 1.0], linewidth=BAR, solid_capstyle="butt", **look))
+        axes.add_artist(Line2D([start], [1.0], marker="|", markersize=BAR, **look))  # of a short one, too
+
+
 def _names(events: list[Event], factor: float, *, counted: bool) -> dict[float, str]:
     """Kinds of `events`, with their numbers where `counted`, by the place at which each first happens."""
     kinds: dict[str, list[Event]] = {}
@@ -100,15 +132,15 @@ def _names(events: list[Event], factor: float, *, counted: bool) -> dict[float, 
     return found
 
 
-def _write(axes: Axes, names: dict[float, str]) -> int:
-    """Names above the axes, in the lowest row in which each has room; how many rows that takes."""
+def _write(axes: Axes, names: dict[float, str], rise: float) -> int:
+    """Names `rise` points above the axes, in the lowest row in which each has room; how many rows that takes."""
     free: list[float] = []  # where the last word of each row ends, in pixels
     for time, name in sorted(names.items()):
         word = axes.annotate(
             name,
             (time, 1.0),
             xycoords=axes.get_xaxis_transform(),
-            xytext=(0.0, RISE),
+            xytext=(0.0, rise),
             textcoords="offset points",
             ha="left",
             va="bottom",
@@ -119,5 +151,5 @@ def _write(axes: Axes, names: dict[float, str]) -> int:
         start = float(axes.get_xaxis_transform().transform((time, 1.0))[0])
         row = next((i for i, end in enumerate(free) if start > end), len(free))
         free[row : row + 1] = [start + box.width + GAP * axes.figure.dpi / 72.0]
-        word.set_position((0.0, RISE + ROW * row))
+        word.set_position((0.0, rise + ROW * row))
     return len(free)

@@ -49,6 +49,24 @@ def test_a_marker_stands_on_each_measured_peak(full_result):
     assert row.get_xdata()[0] > 0.0
 
 
+def test_a_marker_is_drawn_whole_or_where_it_would_be_of_rounding_not_at_all(full_result):
+    with open_result(full_result) as ds:
+        ds.load()
+    frequency = ds["frequency"].values
+    measured = ds["measured_angular_frequency"].values / (2 * np.pi)
+    first, second, third = (int(np.abs(frequency - one).argmin()) for one in np.sort(measured)[:3])
+    ds["amplitude"][..., :] = 1e-14
+    for place, height in ((first, 1.0), (second, 1e-9), (third, 0.9e-9)):
+        ds["amplitude"][..., place] = height
+    fig = spectrum(ds.drop_vars(["angular_frequency"]))
+    fig.draw_without_rendering()
+    (peaks,) = (line for line in drawn_lines(fig) if line.get_marker() == "o")
+    assert list(peaks.get_ydata()) == [1.0, 1e-9]
+    axes = fig.axes[0]
+    lowest = axes.transData.transform((peaks.get_xdata()[1], 1e-9))[1] - axes.get_window_extent().y0
+    assert lowest > 0.5 * (peaks.get_markersize() + peaks.get_markeredgewidth()) * fig.dpi / 72.0
+
+
 def test_a_spectrum_without_peaks_is_drawn_alone(full_result):
     with open_result(full_result) as ds:
         fig = spectrum(ds.drop_vars("measured_angular_frequency"))

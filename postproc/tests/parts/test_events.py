@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from beamwave_postproc import displacement, open_result
+from beamwave_postproc.parts.events import lanes_note, mark_events
 
 IMPACT, CAPTURE, CONTACT = 1.0, 2.0, 4.0
 
@@ -67,3 +71,24 @@ def test_a_result_without_events_has_a_history_without_marks(full_result):
     with open_result(full_result) as ds:
         axes = displacement(ds.drop_vars(["event_time", "event_kind"])).axes[0]
     assert marks(axes) == ([], []) and not axes.texts
+
+
+def test_contacts_that_differ_between_cases_have_the_colours_of_their_cases():
+    kinds = {"flag_values": [1, 4], "flag_meanings": "impact contact"}
+
+    def case(begin, end):
+        times = {"event_time": ("event", [0.0, begin]), "event_end": ("event", [0.0, end])}
+        return xr.Dataset({**times, "event_kind": ("event", [1.0, 4.0], kinds)})
+
+    cases = [case(0.1, 0.3), case(0.2, 0.4), case(0.5, 0.5)]
+    top, below = Figure().subplots(2)
+    for axes in (top, below):
+        mark_events(axes, cases, 1.0, words=axes is top, colours=("red", "green", "blue"))
+    assert marks(top) == ([0.0], []) and marks(below) == ([0.0], [])  # the impact, which all share
+    bars = [line for line in top.lines if list(line.get_ydata()) == [1.0, 1.0]]
+    assert [list(bar.get_xdata()) for bar in bars] == [[0.1, 0.3], [0.2, 0.4], [0.5, 0.5]]
+    assert [to_rgb(bar.get_color()) for bar in bars] == [to_rgb(colour) for colour in ("red", "green", "blue")]
+    heights = [bar.get_window_extent().y0 for bar in bars]
+    assert heights[0] > heights[1] > heights[2] > top.get_window_extent().y1  # the order of the legend
+    assert len(below.lines) == 1
+    assert lanes_note(cases) == "contacts of each case above the axes" and not lanes_note(cases[:1])
