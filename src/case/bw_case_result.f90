@@ -142,6 +142,8 @@ module bw_case_result
       !! what all other modes add under a force of 1 N: deflection, moment and shear force, (forces, points, 3)
     real(dp), allocatable :: base_residual(:, :)    !! the same under an acceleration of the base by 1 m/s², (points, 3)
     real(dp) :: mass = missing                      !! of all that moves, kg
+    real(dp), allocatable :: initial_displacement(:)   !! q after all that happens at t = 0, m, (modes)
+    real(dp), allocatable :: initial_velocity(:)    !! q̇ then, m/s, (modes)
   end type modal_model
 
   type, public :: case_result
@@ -158,6 +160,7 @@ module bw_case_result
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
     real(dp) :: lever = 0.0_dp                        !! from the axis of a hub that is free to where the mass strikes, m
+    real(dp), allocatable :: modal_displacement(:)    !! at t = 0, in V times the unit of time; unallocated: 0, (modes)
     real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
     type(event_type), allocatable :: events(:)        !! in the order of time

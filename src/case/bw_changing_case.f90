@@ -289,6 +289,7 @@ contains
       end if
     end if
     call compose_modes(scene, motion, result)
+    call move_alloc(motion%initial%modal_displacement, result%modal_displacement)
     call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
   end subroutine compose
 

@@ -62,6 +62,7 @@ contains
       now%total = now%state
       now%stretched = now%bodies
     end if
+    motion%initial%modal_displacement = now%state%q
     motion%initial%modal_velocity = now%state%rate
     motion%initial%events = motion%timeline%events
     call add_segment(to_dd(0.0_dp), handing, motion, now)

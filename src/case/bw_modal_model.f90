@@ -7,7 +7,7 @@ module bw_modal_model
   !! F_f forces, a the acceleration of the base, P_k = ∫ρAΦ_k dx + Σ m_bΦ_k(ξ_b), R the residual flexibility.
   use bw_beam_units, only: beam_units
   use bw_case_moments, only: scale_of_moments
-  use bw_case_result, only: modal_model
+  use bw_case_result, only: case_result, modal_model
   use bw_kinds, only: dp
   use bw_load_columns, only: find_drive
   use bw_load_modes, only: find_residuals, total_mass
@@ -23,27 +23,32 @@ module bw_modal_model
 
 contains
 
-  subroutine find_modal_model(scene, units, modes, room, monitor, model)
+  subroutine find_modal_model(scene, room, monitor, result)
     !! Find the model of the modes that a result holds.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    class(mode_set), intent(in) :: modes           !! after all that happens at t = 0, or the first of them
-    integer, intent(in) :: room                    !! how many of them a result holds at most; 0: nothing is known of them
+    integer, intent(in) :: room                    !! how many modes it holds at most; 0: nothing is known of them
     class(monitor_type), intent(inout) :: monitor  !! the model means nothing where it asks to stop
-    type(modal_model), allocatable, intent(out) :: model
+    type(case_result), intent(inout) :: result
     type(varying_beam) :: given
     real(dp), allocatable :: points(:)
-    allocate (model)
+    if (allocated(result%model)) deallocate (result%model)
+    allocate (result%model)
     if (room == 0) return
-    given = varying_of(scene, units, pieces_of(scene, units, allocated(scene%capture)))
+    given = varying_of(scene, result%units, pieces_of(scene, result%units, allocated(scene%capture)))
     if (allocated(scene%response)) then
       points = scene%response%points
     else
       points = scene%frequency_response%points
     end if
-    call find_modes(units, modes, points, model)
-    call find_shapes(scene, units, given, modes, min(room, modes%count), points, monitor, model)
-    model%mass = moving_mass(given)*units%mass
+    associate (model => result%model, units => result%units, modes => result%modes)
+      call find_modes(units, modes, points, model)
+      call find_shapes(scene, units, given, modes, min(room, modes%count), points, monitor, model)
+      model%mass = moving_mass(given)*units%mass
+      allocate (model%initial_displacement(modes%count), model%initial_velocity(modes%count), source=0.0_dp)
+      if (allocated(result%modal_displacement)) &
+        model%initial_displacement = result%modal_displacement(:modes%count)*result%approach_velocity*units%time%hi
+      if (allocated(result%modal_velocity)) model%initial_velocity = result%modal_velocity(:modes%count)*result%approach_velocity
+    end associate
   end subroutine find_modal_model
 
   pure real(dp) function moving_mass(given) result(mass)

@@ -90,8 +90,7 @@ contains
     if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, layout, watch, monitor, cache, result, &
                                                                             whole)
     if (whole .and. scene%modes%modal_model .and. .not. allocated(result%error)) then
-      call find_modal_model(scene, result%units, result%modes, merge(layout%modes, 0, result%mode_count > 0), &
-                            monitor, result%model)
+      call find_modal_model(scene, merge(layout%modes, 0, result%mode_count > 0), monitor, result)
       whole = .not. monitor%stop_requested()
       call watch%lap(stage_modes)
     end if

@@ -20,6 +20,7 @@ module bw_initial_state
     !! What impact and capture leave.
     type(impact_type) :: impact
     real(dp), allocatable :: modal_velocity(:)    !! after the last event, (modes)
+    real(dp), allocatable :: modal_displacement(:)   !! of a beam that is let go, over the unit of time; else unallocated, (modes)
     real(dp), allocatable :: velocity_jump(:)     !! at the impact along the beam, Fig. 3, (profile)
     type(event_type), allocatable :: events(:)
   end type initial_state

@@ -43,6 +43,10 @@ contains
       call table%put(by_base(model, 2))
     if (table%real_row('residual_shear_of_base', 'point', 'kg', rest//'shear force'//of_base, needs=needs)) &
       call table%put(by_base(model, 3))
+    if (table%real_row('initial_modal_displacement', 'mode', 'm', 'modal displacement after all that happens at t = 0', &
+                       needs=needs)) call table%put(model%initial_displacement)
+    if (table%real_row('initial_modal_velocity', 'mode', 'm s-1', 'modal velocity after all that happens at t = 0', &
+                       needs=needs)) call table%put(model%initial_velocity)
     if (table%real_row('moving_mass', '', 'kg', 'mass of the beam and of what it carries', needs=needs)) &
       call table%put([model%mass])
   end subroutine model_rows

@@ -15,6 +15,7 @@ NEEDED = (
     *("shape_at_points", "slope_at_points", "moment_at_points", "shear_at_points"),
     *("residual_flexibility", "residual_moment", "residual_shear"),
     *("residual_of_base", "residual_moment_of_base", "residual_shear_of_base"),
+    *("initial_modal_displacement", "initial_modal_velocity"),
 )
 ABSENT = "the result holds no modal model; accepted: one of a scene with &modes modal_model = .true."
 
@@ -41,7 +42,8 @@ class ModalModel:
     residual: dict[str, np.ndarray]  # what all other modes add under a force of 1 N, by quantity
     base_residual: dict[str, np.ndarray]  # and under an acceleration of the base by 1 m/s²
     moving_mass: float  # of beam and bodies, kg
-    initial_velocity: np.ndarray  # q̇ just after the last event at t = 0, m/s; NaN with `&initial` and bodies that come or leave
+    initial_displacement: np.ndarray  # q after all that happens at t = 0, m
+    initial_velocity: np.ndarray  # and q̇, m/s
 
     @property
     def angular_frequency(self) -> np.ndarray:
@@ -80,7 +82,6 @@ def modal_model(ds: xr.Dataset, case: int | None = None) -> ModalModel:
         raise NothingToDraw("no modes were found of this case; its notes say why")
     one = one.isel(mode=slice(count))
     position = one.point_position.values
-    velocity = one.modal_velocity.values if "modal_velocity" in one else np.zeros(count)
     by_force = ("residual_flexibility", "residual_moment", "residual_shear")
     by_base = ("residual_of_base", "residual_moment_of_base", "residual_shear_of_base")
     quantities = ("displacement", "bending_moment", "shear_force")
@@ -99,7 +100,8 @@ def modal_model(ds: xr.Dataset, case: int | None = None) -> ModalModel:
         residual={what: one[name].transpose("point", "point_too").values for what, name in zip(quantities, by_force)},
         base_residual={what: one[name].values for what, name in zip(quantities, by_base)},
         moving_mass=float(one.moving_mass),
-        initial_velocity=np.full(count, np.nan) if "configuration" in ds.dims else np.where(np.isfinite(velocity), velocity, 0.0),
+        initial_displacement=one.initial_modal_displacement.values,
+        initial_velocity=one.initial_modal_velocity.values,
     )
 
 

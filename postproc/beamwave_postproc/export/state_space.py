@@ -64,7 +64,7 @@ def state_space(model: ModalModel) -> StateSpace:
         d=np.vstack(d),
         inputs=[*(f"force_{number}" for number in numbers), BASE],
         outputs=[f"{quantity}_{number}" for quantity in QUANTITIES for number in numbers],
-        initial_state=np.concatenate([np.zeros(count), model.initial_velocity]),
+        initial_state=np.concatenate([model.initial_displacement, model.initial_velocity]),
     )
 
 

@@ -21,7 +21,6 @@ RESPONSE = {
     "bending_moment": True,
     "shear_force": True,
 }
-pytestmark = pytest.mark.filterwarnings("ignore::beamwave_postproc.ProgramWarning")
 MODES = {"before": 12, "modal_model": True}
 TOLERANCE = 1e-11  # of the peak; 7e-14 was found, and an exponential of a matrix may lose more elsewhere
 ALPHA = 1.8751040687119611664  # of the first mode of a clamped beam, and σ
@@ -46,8 +45,7 @@ BEAMS = {
     "pinned at its tip": {"tip_support": {"rotational_stiffness": 0.0}},
 }
 
-
-pytestmark = pytest.mark.usefixtures("beamwave")
+pytestmark = [pytest.mark.usefixtures("beamwave"), pytest.mark.filterwarnings("ignore::beamwave_postproc.ProgramWarning")]
 
 
 def triangle(time, load):
@@ -108,11 +106,21 @@ def test_a_blow_is_its_initial_state(more):
         agree(ds, histories, quantity)
 
 
-def test_a_motion_that_begins_otherwise_has_no_initial_state():
-    scene = {"beam": BEAM, "modes": {"before": 8, "modal_model": True}, "response": {"duration": 0.1, "samples": 64}}
-    for begins in ({"initial": {"force": 100.0}}, {"body": {"position": 1.0, "mass": 1.0, "from": 0.0, "velocity": 1.0}}):
-        space = state_space(modal_model(run({**scene, **begins})))
-        assert np.isnan(space.initial_state[space.initial_state.size // 2 :]).all() and np.isfinite(space.a).all()
+@pytest.mark.parametrize(
+    "begins",
+    [
+        {"initial": {"force": 100.0, "position": 0.7}, "damping": {"ratio": 0.01}},
+        {"initial": {"force": 100.0}, "force": FORCE, "damping": {"ratio": 0.01}},
+        {"initial": {"angular_velocity": 2.0}, "support": {"rotational_stiffness": 0.0}},
+        {"body": {"position": 1.0, "mass": 1.0, "from": 0.0, "velocity": 1.0}},
+    ],
+)
+def test_a_motion_that_begins_otherwise_begins_so_too(begins):
+    response = {key: value for key, value in RESPONSE.items() if key != "shear_force"}
+    ds = run({"beam": BEAM, **begins, "response": response, "modes": {"before": 12, "modal_model": True}})
+    histories = simulated(ds, {"force_2": FORCE} if "force" in begins else {})
+    for quantity in ("displacement",) if "force" in begins else ("displacement", "velocity", "bending_moment"):
+        agree(ds, histories, quantity)
 
 
 def test_a_case_of_a_sweep_is_itself():
