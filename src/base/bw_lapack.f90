@@ -5,7 +5,7 @@ module bw_lapack
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: ddot, dgbsvx, dgemm, dgesv, dtrsm
+  public :: ddot, dgbsvx, dgemm, dgesv, dgetrf, dgetrs, dtrsm
   public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dlasrt, dsyev, dsygv, dsterf, zgbsv, zgeev, &
     & zgesv, zgesvd
 
@@ -95,6 +95,26 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotri
+
+    pure subroutine dgetrf(m, n, a, lda, ipiv, info)
+      !! The factors of A by elimination; info > 0: A is singular.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: m, n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine dgetrf
+
+    pure subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
+      !! The solution of A X = B with the factors of dgetrf.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: trans
+      integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
+      real(dp), intent(in) :: a(lda, *)
+      real(dp), intent(inout) :: b(ldb, *)
+      integer, intent(out) :: info
+    end subroutine dgetrs
 
     pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
       !! The solution of A X = B by elimination; info > 0: A is singular.

@@ -1,6 +1,6 @@
 module bw_case_contacts
   !! One way to follow the motion of a case whose impact lasts, to its histories.
-  use bw_case_histories, only: sum_histories
+  use bw_case_histories, only: find_loaded_segments, sum_histories
   use bw_case_modes, only: whole_beam
   use bw_case_moments, only: find_moments
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
@@ -70,6 +70,8 @@ contains
     if (contacts%captured) call keep_mass(scene, motion, demand%modes, contacts, monitor)
     if (monitor%stop_requested()) return
     run%timeline = motion%timeline
+    call find_loaded_segments(scene, motion, monitor)
+    if (monitor%stop_requested()) return
     call sum_histories(scene, motion, deflections, monitor, workspace, histories)
     if (monitor%stop_requested()) return
     if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)

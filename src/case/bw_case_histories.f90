@@ -8,8 +8,8 @@ module bw_case_histories
   use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_loaded_sum, only: add_loaded_motion
-  use bw_mode_set, only: configuration_type, deflections, first_failure, values_at
+  use bw_loaded_sum, only: find_loaded_motion
+  use bw_mode_set, only: configuration_type, curvatures, deflections, first_failure, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
@@ -22,7 +22,7 @@ module bw_case_histories
   use bw_truncation_error, only: block_ends, fewest
   implicit none (type, external)
   private
-  public :: sum_histories, sums_of_segment
+  public :: find_loaded_segments, sum_histories, sums_of_segment
 
   integer, parameter :: long = 2**14        !! tuned: samples up to which parts cost hardly more than their sum at once
   integer, parameter :: looked_at = 1024    !! samples of a long record, and as many after its first, at which octaves are summed apart
@@ -42,11 +42,7 @@ contains
     logical :: known
     if (.not. motion%modes%resolved) histories%status = case_not_converged
     if (.not. allocated(scene%response)) return
-    sampling%points = scene%response%points
-    sampling%grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-    sampling%unit_time = motion%units%time%hi
-    sampling%velocity = scene%response%velocity .and. quantity == deflections
-    sampling%quantity = quantity
+    sampling = sampling_of(scene, motion, quantity)
     allocate (histories%response)
     known = motion%modes%resolved
     if (known .and. .not. motion%plan%within) then
@@ -71,6 +67,39 @@ contains
     histories%response%finite_samples = 0
     call fill_unknown(histories%response)
   end subroutine sum_histories
+
+  type(sampling_type) function sampling_of(scene, motion, quantity) result(sampling)
+    !! Of the whole record.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: quantity
+    sampling%points = scene%response%points
+    sampling%grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    sampling%unit_time = motion%units%time%hi
+    sampling%velocity = scene%response%velocity .and. quantity == deflections
+    sampling%quantity = quantity
+  end function sampling_of
+
+  subroutine find_loaded_segments(scene, motion, monitor)
+    !! What is seen of the segments that have a load, for all quantities; before their histories are summed.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    class(monitor_type), intent(inout) :: monitor         !! what is found means nothing where it asks to stop
+    type(sampling_type) :: sampling
+    integer :: i, samples(2)
+    sampling = sampling_of(scene, motion, deflections)
+    do i = 1, size(motion%timeline%segments)
+      associate (segment => motion%timeline%segments(i))
+        if (.not. allocated(segment%load)) cycle
+        samples = samples_of_segment(motion, i, sampling%grid)
+        samples(2) = min(samples(2), samples_before(motion%timeline%known_until, sampling%grid))
+        if (samples(1) > samples(2)) cycle
+        call find_loaded_motion(motion%modes%configuration(segment%configuration)%set, motion%ladder, sampling, samples, &
+                                scene%response%bending_moment, monitor, segment)
+        if (monitor%stop_requested()) return
+      end associate
+    end do
+  end subroutine find_loaded_segments
 
   subroutine note_overflow(scene, histories)
     type(scene_type), intent(in) :: scene
@@ -140,8 +169,14 @@ contains
     own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
     call start_histories(own, part)
     if (allocated(segment%load)) then
-      call add_loaded_motion(configuration%set, segment, motion%ladder, sampling%grid, samples(1), &
-                             unit_velocity(scene)*motion%units%time%hi, monitor, part)
+      associate (unit => unit_velocity(scene)*motion%units%time%hi)
+        if (own%quantity == curvatures) then
+          part%displacement = unit*segment%load%curvature
+        else
+          part%displacement = unit*segment%load%displacement
+          if (own%velocity) part%velocity = unit*segment%load%velocity
+        end if
+      end associate
       call finish_histories(part)
       return
     end if

@@ -135,7 +135,7 @@ contains
       if (monitor%stop_requested()) return
       call watch%lap(stage_events)
       errors = history_errors()
-      call find_history_errors(run, half, quarter, errors)
+      call find_history_errors(run, half, quarter, resolves_contacts(motion, run), errors)
       call watch%lap(stage_response)
       if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
       motion%plan%reached = part_of_peak(run%response, errors)
@@ -147,7 +147,7 @@ contains
       doubled = 2*counted%modes%before <= most
       counted%modes%before = min(most, 2*counted%modes%before)
     end do
-    call find_force_errors(run, half, quarter)
+    call find_force_errors(run, half, quarter, resolves_contacts(motion, run))
     motion%timeline = run%timeline
     motion%initial = run%initial
     motion%ending = run%ending

@@ -19,37 +19,42 @@ module bw_contact_errors
 
 contains
 
-  pure subroutine find_history_errors(run, half, quarter, errors)
+  pure subroutine find_history_errors(run, half, quarter, resolved, errors)
     !! Of histories.
     type(run_type), intent(in) :: run, half, quarter
+    logical, intent(in) :: resolved                  !! the modes move through some periods within the first contact
     type(history_errors), intent(inout) :: errors
     associate (response => run%response, beside => half%response, further => quarter%response, &
-               left => in_histories*run%step_tolerance)
-      errors%displacement = error_of(response%displacement, beside%displacement, further%displacement, left)
-      if (allocated(response%velocity)) errors%velocity = error_of(response%velocity, beside%velocity, further%velocity, left)
+               left => in_histories*run%step_tolerance, least => least_ratio(run, half, quarter, resolved))
+      errors%displacement = error_of(response%displacement, beside%displacement, further%displacement, left, least)
+      if (allocated(response%velocity)) errors%velocity = &
+        error_of(response%velocity, beside%velocity, further%velocity, left, least)
       if (allocated(response%bending_moment)) errors%bending_moment = &
-        error_of(response%bending_moment, beside%bending_moment, further%bending_moment, left)
+        error_of(response%bending_moment, beside%bending_moment, further%bending_moment, left, least)
       if (allocated(response%acceleration)) errors%acceleration = &
-        error_of(response%acceleration, beside%acceleration, further%acceleration, left)
+        error_of(response%acceleration, beside%acceleration, further%acceleration, left, least)
       if (allocated(response%shear_force)) errors%shear_force = &
-        error_of(response%shear_force, beside%shear_force, further%shear_force, left)
+        error_of(response%shear_force, beside%shear_force, further%shear_force, left, least)
     end associate
   end subroutine find_history_errors
 
-  pure subroutine find_force_errors(run, half, quarter)
+  pure subroutine find_force_errors(run, half, quarter, resolved)
     !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half, quarter
+    logical, intent(in) :: resolved                  !! as that of `find_history_errors`
+    real(dp) :: least
     integer :: i, known
+    least = least_ratio(run, half, quarter, resolved)
     associate (events => run%timeline%events, kept => run%result, all => size(run%result%force_error))
       known = min(all, size(half%result%force_error))
       kept%force_error = missing
       kept%force_error(:known) = error_of(kept%force(:, :known), half%result%force, quarter%result%force, &
-                                           in_forces*run%step_tolerance)
+                                           in_forces*run%step_tolerance, least)
       events(:known)%time_error = error_of(one_row(events%time), one_row(half%timeline%events%time), &
-                                           one_row(quarter%timeline%events%time), 0.0_dp)
+                                           one_row(quarter%timeline%events%time), 0.0_dp, least)
       events(:known)%end_error = error_of(one_row(events%end_time), one_row(half%timeline%events%end_time), &
-                                          one_row(quarter%timeline%events%end_time), 0.0_dp)
+                                          one_row(quarter%timeline%events%end_time), 0.0_dp, least)
       do i = known + 1, all
         events(i)%time_error = events(i)%time
         events(i)%end_error = events(i)%end_time
@@ -68,12 +73,24 @@ contains
     end function one_row
   end subroutine find_force_errors
 
-  pure function error_of(values, beside, further, left) result(error)
+  pure real(dp) function least_ratio(run, half, quarter, resolved) result(least)
+    !! Of what the last two steps change, as far as it is believed. How errors fall says little where modes hardly move within a contact,
+    !! or where one of the motions has contacts that another has not.
+    type(run_type), intent(in) :: run, half, quarter
+    logical, intent(in) :: resolved
+    real(dp), parameter :: usual = 0.1_dp, doubtful = 0.5_dp   ! tuned
+    least = usual
+    if (.not. resolved .or. size(run%timeline%events) /= size(half%timeline%events) .or. &
+        size(half%timeline%events) /= size(quarter%timeline%events)) least = doubtful
+  end function least_ratio
+
+  pure function error_of(values, beside, further, left, least) result(error)
     !! Of the columns of a table. The coarser ones may have fewer or more of them.
     real(dp), intent(in) :: values(:, :), beside(:, :), further(:, :)
     real(dp), intent(in) :: left                     !! by steps, of the largest value
+    real(dp), intent(in) :: least                    !! ratio of the last two steps
     real(dp) :: error(size(values, 2))
-    real(dp), parameter :: least = 0.07_dp, most = 0.9_dp   ! tuned
+    real(dp), parameter :: most = 0.9_dp             ! tuned
     real(dp), parameter :: times = 3.0_dp            ! tuned
     real(dp), parameter :: shared = 0.01_dp          ! tuned: of the largest error of any column, that every column may have
     real(dp), allocatable :: before(:)

@@ -9,7 +9,7 @@ module bw_contact_law
   use bw_force_response, only: force_degree
   use bw_force_step, only: force_step, node_slopes
   use bw_kinds, only: dp
-  use bw_lapack, only: dgesv
+  use bw_lapack, only: dgetrf, dgetrs
   implicit none (type, external)
   private
   public :: contact_law_of, solve_contact, stored_energy, usual_contact
@@ -70,7 +70,8 @@ contains
   end subroutine find_force
 
   pure subroutine solve_contact(law, step, u, v, force, indentation, rate, converged)
-    !! The force at the points of a step and the indentation there, by Newton's iteration.
+    !! The force at the points of a step and the indentation there, by Newton's iteration, which keeps its matrix as long as changes fall fast.
+    !! In a short step the force hardly changes the motion, and the matrix is the unit matrix.
     type(contact_law), intent(in) :: law
     type(force_step), intent(in) :: step
     real(dp), intent(in) :: u(:), v(:)             !! of all oscillators, at the start of the step
@@ -78,10 +79,12 @@ contains
     real(dp), intent(out) :: indentation(force_degree), rate(force_degree)
     logical, intent(out) :: converged
     integer, parameter :: most = 60
-    real(dp), parameter :: enough = 1.0e-11_dp     ! of the largest force: the error falls with the square of that
+    real(dp), parameter :: enough = 1.0e-11_dp     ! of the largest force: the error is then smaller by `fast`, or by the square
+    real(dp), parameter :: fast = 1.0e-2_dp        ! from one change to the next
     real(dp), dimension(force_degree) :: free, free_rate, law_force, by_indentation, by_rate
     real(dp), dimension(force_degree, 0:force_degree) :: compliance, rate_compliance
-    real(dp) :: system(force_degree, force_degree), change(force_degree, 1)
+    real(dp) :: system(force_degree, force_degree), change(force_degree, 1), changed, before
+    logical :: is_unit                             ! the matrix, as good as
     integer :: i, info, iteration, pivot(force_degree)
     call step%approach(u, v, free, free_rate)
     compliance = step%compliance
@@ -90,20 +93,35 @@ contains
       compliance(i, i) = compliance(i, i) + law%residual
     end do
     converged = .false.
+    before = huge(before)
+    info = -1                                      ! there is no matrix yet
+    is_unit = .false.
     do iteration = 1, most
       indentation = free - matmul(compliance, force)
       rate = free_rate - matmul(rate_compliance, force)
       if (converged) exit
       call find_force(law, indentation, rate, law_force, by_indentation, by_rate)
-      do i = 1, force_degree
-        system(i, :) = by_indentation(i)*compliance(i, 1:) + by_rate(i)*rate_compliance(i, 1:)
-        system(i, i) = system(i, i) + 1.0_dp
-      end do
+      if (info /= 0) then
+        do i = 1, force_degree
+          system(i, :) = by_indentation(i)*compliance(i, 1:) + by_rate(i)*rate_compliance(i, 1:)
+        end do
+        is_unit = maxval(sum(abs(system), dim=2)) <= fast
+        info = 0
+        if (.not. is_unit) then
+          do i = 1, force_degree
+            system(i, i) = system(i, i) + 1.0_dp
+          end do
+          call dgetrf(force_degree, force_degree, system, force_degree, pivot, info)
+          if (info /= 0) return
+        end if
+      end if
       change(:, 1) = force(1:) - law_force
-      call dgesv(force_degree, 1, system, force_degree, pivot, change, force_degree, info)
-      if (info /= 0) return
+      if (.not. is_unit) call dgetrs('N', force_degree, 1, system, force_degree, pivot, change, force_degree, info)
       force(1:) = force(1:) - change(:, 1)
-      converged = maxval(abs(change)) <= enough*maxval(abs(force)) + tiny(force)
+      changed = maxval(abs(change))
+      converged = changed <= enough*maxval(abs(force)) + tiny(force)
+      if (changed > fast*before) info = -1
+      before = changed
     end do
     force(1:) = max(0.0_dp, force(1:))
   end subroutine solve_contact

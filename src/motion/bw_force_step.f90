@@ -155,17 +155,19 @@ contains
     class(step_end), intent(in) :: self
     real(dp), intent(in) :: force(0:)              !! at the start and at the points
     real(dp), intent(inout) :: u(:), v(:)          !! of all oscillators, or of the first
-    real(dp) :: coefficients(0:force_degree), start, pushed(2)
+    real(dp) :: coefficients(0:force_degree), start, driven, driven_rate
     integer :: j, k
     coefficients = polynomial_of(force)
     do k = 1, size(u)
-      pushed = 0.0_dp
+      driven = 0.0_dp
+      driven_rate = 0.0_dp
       do j = 0, force_degree
-        pushed = pushed + self%pushed(k, j, :)*coefficients(j)
+        driven = driven + self%pushed(k, j, 1)*coefficients(j)
+        driven_rate = driven_rate + self%pushed(k, j, 2)*coefficients(j)
       end do
       start = u(k)
-      u(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k) + pushed(1)
-      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + pushed(2)
+      u(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k) + driven
+      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + driven_rate
     end do
   end subroutine advance
 

@@ -37,6 +37,8 @@ module bw_segment
     integer :: taking_part = 0               !! modes that it drives; the others are at rest
     real(dp), allocatable :: residual(:, :)
       !! what modes that are not summed add for a force of 1, at once, to displacements and curvatures where they are seen, (points, 2)
+    real(dp), allocatable :: displacement(:, :), velocity(:, :), curvature(:, :)
+      !! what is seen at the samples of the segment, of what is asked for: V l²/h, V, and V l²/h over l², (samples, points)
   end type load_type
 
   type, public :: shape_term

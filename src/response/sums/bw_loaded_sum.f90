@@ -3,50 +3,51 @@ module bw_loaded_sum
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_force_step, only: drive, force_in_step, polynomial_of, step_end
   use bw_kinds, only: dp
-  use bw_mode_set, only: curvatures, mode_set, values_at
+  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: oscillators, oscillators_of
-  use bw_response, only: response_type
+  use bw_response, only: sampling_type
   use bw_segment, only: segment_type
-  use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: add_loaded_motion
+  public :: find_loaded_motion
 
 contains
 
-  subroutine add_loaded_motion(modes, segment, ladder, grid, first, unit, monitor, response)
-    !! Add the motion of a segment with a load. Velocities are in m per unit of the grid's time until the histories are finished.
+  subroutine find_loaded_motion(modes, ladder, sampling, samples, curved, monitor, segment)
+    !! What is seen of a segment with a load at its samples: all of it at once, since the state at a sample costs more than its sums.
     class(mode_set), intent(in) :: modes
-    type(segment_type), intent(in) :: segment        !! with a load, whose residual is that of the points
     type(step_end), intent(in) :: ladder(0:)         !! of the steps of its load, by their level
-    type(time_grid), intent(in) :: grid              !! of the whole record
-    integer, intent(in) :: first                     !! sample of it that is the first of the histories, from 1
-    real(dp), intent(in) :: unit                     !! m of displacements in V l²/h
-    class(monitor_type), intent(inout) :: monitor
-    type(response_type), intent(inout) :: response   !! started, of the samples of the segment
+    type(sampling_type), intent(in) :: sampling      !! of the whole record, with velocities or without
+    integer, intent(in) :: samples(2)                !! the first and the last of the segment, from 1
+    logical, intent(in) :: curved                    !! curvatures, too
+    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    type(segment_type), intent(inout) :: segment     !! with a load, whose residual is that of the points
     type(oscillators) :: parts
     type(dd) :: after
     real(dp) :: start, length, left, force, slope, a(modes%count), c(modes%count)
     real(dp), dimension(modes%count) :: u, v, u_there, v_there
-    real(dp), allocatable :: shapes(:, :)
-    integer :: i, sample, samples
-    samples = response%sampling%grid%samples
+    real(dp), dimension(modes%count, size(sampling%points)) :: shapes, bends
+    integer :: i, sample
     a = modes%struck
     a(segment%load%taking_part + 1:) = 0.0_dp
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping
     parts = oscillators_of(modes%beta_squared, c)
-    shapes = values_at(modes, response%sampling%quantity, 1, modes%count, response%sampling%points)
+    shapes = values_at(modes, deflections, 1, modes%count, sampling%points)
+    if (curved) bends = values_at(modes, curvatures, 1, modes%count, sampling%points)
     u = segment%q
     v = segment%rate
     start = 0.0_dp
-    sample = 1
+    sample = samples(1)
     associate (load => segment%load)
+      allocate (load%displacement(samples(2) - samples(1) + 1, size(sampling%points)))
+      if (sampling%velocity) allocate (load%velocity, mold=load%displacement)
+      if (curved) allocate (load%curvature, mold=load%displacement)
       do i = 1, size(load%length)
         length = load%length(i)
-        do while (sample <= samples)
-          after = grid%step*real(first + sample - 2, dp) - segment%start
+        do while (sample <= samples(2))
+          after = sampling%grid%step*real(sample - 1, dp) - segment%start
           left = (after%hi - start) + after%lo
           if (left > length .and. i < size(load%length)) exit
           if (monitor%stop_requested()) return
@@ -57,24 +58,23 @@ contains
           if (left <= length) call force_in_step(polynomial_of(load%force(:, i)), max(0.0_dp, left/length), force, slope)
           if (left > 0.0_dp) call drive(parts, a, modes%modal_mass, length, min(1.0_dp, left/length), load%force(:, i), &
                                     u_there, v_there)
-          call put_sample()
+          call put_sample(sample - samples(1) + 1)
           sample = sample + 1
         end do
-        if (sample > samples) exit
+        if (sample > samples(2)) exit
         call ladder(load%level(i))%advance(load%force(:, i), u, v)
         start = start + length
       end do
     end associate
   contains
-    subroutine put_sample()
-      !! The histories at a sample.
-      integer :: column
-      column = merge(2, 1, response%sampling%quantity == curvatures)
-      associate (residual => segment%load%residual(:, column))
-        response%displacement(sample, :) = unit*(matmul(u_there, shapes) + residual*force)
-        if (allocated(response%velocity)) response%velocity(sample, :) = unit*(matmul(v_there, shapes) + residual*(slope/length))
+    subroutine put_sample(row)
+      integer, intent(in) :: row
+      associate (load => segment%load)
+        load%displacement(row, :) = matmul(u_there, shapes) + load%residual(:, 1)*force
+        if (sampling%velocity) load%velocity(row, :) = matmul(v_there, shapes) + load%residual(:, 1)*(slope/length)
+        if (curved) load%curvature(row, :) = matmul(u_there, bends) + load%residual(:, 2)*force
       end associate
     end subroutine put_sample
-  end subroutine add_loaded_motion
+  end subroutine find_loaded_motion
 
 end module bw_loaded_sum
