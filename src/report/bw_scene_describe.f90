@@ -27,7 +27,7 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
-    'The example of each group is a whole scene, but for a `&beam` that it does not show.', &
+    'Each example is a complete scene once a `&beam` is added where it shows none.', &
     '', &
     '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body`,', &
     '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and', &
@@ -39,7 +39,7 @@ module bw_scene_describe
     '- A real is written `7870`, `.5`, `2e11` or `2d11`; a whole number has only digits. `1/2`, `1.0-3`, NaN, Inf and', &
     '  what does not fit into double precision are errors. -0 is read as 0.', &
     '- Numbers out of proportion to the beam are errors: in units of its length l, its mass m and the time', &
-    '  sqrt(m l^3/(EI)) a number is 0 or between 1e-60 and 1e60. A stiffer spring is rigid.', &
+    '  sqrt(m l^3/(EI)) a number is 0 or between 1e-60 and 1e60. A stiffer spring is treated as rigid.', &
     '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
     '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
     '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &

@@ -32,7 +32,7 @@ module bw_modes_par
 
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., &
-    absent='20 modes; with `&response` as many as a tolerance of 1e-6 takes, or the finest that can be reached', &
+    absent='20 modes; with `&response` as many as a tolerance of 1e-6 requires, or the finest that can be reached', &
     physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose: it bounds '// &
     'the estimated error of the displacement at any point, relative to the largest displacement; with `&contact`, '// &
     '`&force`, `&base`, `&initial` and bodies that come or leave it bounds that of every history asked for. The result has '// &

@@ -13,7 +13,7 @@ module bw_recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
     'recontact', needs='impact response', excludes='capture', is_event=.true., absent='a rebounded mass never returns', &
-    physics='A mass that has rebounded from an instantaneous blow can meet the beam again, as often as it does. Each '// &
+    physics='A mass that has rebounded from an instantaneous blow can meet the beam again, any number of times. Each '// &
     'further contact is an instantaneous blow with the same restitution.', &
     example='&impact mass_ratio = 0.2, restitution = 0.5 /|&recontact max_contacts = 20 /|&modes before = 10 /|&response '// &
     'duration = 0.05, samples = 4096 /', &

@@ -23,7 +23,7 @@ module bw_spectrum_par
   type(input_group), parameter, public :: spectrum_group = input_group( &
     'spectrum', needs='response|record', absent='no spectral analysis', &
     physics='Finds the amplitude spectrum of a simulated response, and the frequencies, wave numbers and wave velocities '// &
-    'that two sensors would measure. In a `&record` it finds the spectral lines, each with frequency, decay rate and '// &
+    'that two sensors would measure. For a `&record` it finds the spectral lines, each with frequency, decay rate and '// &
     'amplitude and their confidence intervals.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 65536 /|&spectrum window = '// &
     '''blackman_harris'' /', &
@@ -33,7 +33,7 @@ module bw_spectrum_par
     '`model`: those of the scene''s own beam; the default where it has supports, bodies, a hub or pieces|'// &
     '`tip`: those of a clamped beam that may have a mass at its tip; the default elsewhere|'// &
     '`clamped`: those of a beam of which only the clamped root is known|'// &
-    '`any`: those of any part of a beam')
+    '`any`: a beam with any ends')
 
   type(input_name), parameter, public :: spectrum_names(*) = [ &
     input_name('spectrum', 'window', text_input, default="'hann'", &
