@@ -14,3 +14,6 @@ for file in share/beamwave/{input/paper/fig2.nml,jobs/single.sh} share/doc/beamw
 done
 "$prefix/bin/beamwave" --version
 "$prefix/bin/beamwave" check "$prefix/share/beamwave/input/paper"
+command -v pkg-config > /dev/null || exit 0
+export PKG_CONFIG_PATH="$prefix/share/pkgconfig"
+"$(pkg-config --variable=bindir beamwave)/beamwave" check "$(pkg-config --variable=input beamwave)/spectrum.nml"
