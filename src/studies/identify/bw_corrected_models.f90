@@ -136,12 +136,14 @@ contains
   end subroutine insert
 
   pure logical function is_better(one, other)
-    !! The one that leaves less: by τ, then by what it took of unknowns, then by χ².
+    !! The one that leaves less: by τ, then by what it took of unknowns, then by amplitudes, then by χ².
     type(corrected_model), intent(in) :: one, other
     is_better = one%fit%scatter < other%fit%scatter
     if (abs(one%fit%scatter - other%fit%scatter) > 0.0_dp) return
     is_better = size(one%values) < size(other%values)
     if (size(one%values) /= size(other%values)) return
+    is_better = one%fit%amplitude_error < other%fit%amplitude_error
+    if (abs(one%fit%amplitude_error - other%fit%amplitude_error) > 0.0_dp) return
     is_better = one%fit%chi_squared < other%fit%chi_squared
   end function is_better
 

@@ -212,11 +212,15 @@ contains
       call lines%append(right(shortest(100*corrections(i)%fit%scatter, 2), 10)//' %   '//corrections(i)%effect// &
                         sizes_text(corrections(i)))
       if (corrections(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
+      if (corrections(i)%fit%amplitude_error > sensor_error) call lines%append( &
+        '; amplitudes are off by '//shortest(100*corrections(i)%fit%amplitude_error, 2)//' %')
       call lines%append_line('')
     end do
     if (helping < size(corrections)) call lines%append_line('  '//useless_text(size(corrections), helping))
-    if (count(corrections%fit%scatter <= 0.0_dp) > 1) call lines%append_line( &
-      '  Several of them explain the lines: these alone do not tell which it is')
+    associate (explaining => corrections%fit%scatter <= 0.0_dp)
+      if (count(explaining) > 1 .and. count(explaining .and. corrections%fit%amplitude_error <= sensor_error) /= 1) &
+        call lines%append_line('  Several of them explain the lines: these alone do not tell which it is')
+    end associate
   end subroutine report_corrections
 
   pure function useless_text(tried, helping) result(text)
