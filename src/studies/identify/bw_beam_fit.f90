@@ -88,8 +88,8 @@ contains
   end subroutine refit_from
 
   subroutine find_others(problem, fits, fit, as_good, others)
-    !! Places apart from the fit that are about as probable, with its τ: by the sum of squares where lines are taken for the same modes, and
-    !! τ is that of the fit, else by their penalty.
+    !! Places apart from the fit that are about as probable: by the sum of squares with its τ where lines are taken for the same
+    !! modes, else by their penalty.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:), fit
     real(dp), intent(in) :: as_good
