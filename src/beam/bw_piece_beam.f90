@@ -8,7 +8,7 @@ module bw_piece_beam
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: attach, cut_at, cut_all, holds_tip, is_held, joint_position, junctions_of, &
+  public :: arm_of, attach, cut_at, cut_all, holds_tip, is_held, joint_position, junctions_of, &
     modes_at_rest, root_power, side_of_tip, operator(==)
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
@@ -197,6 +197,14 @@ contains
     tip = holds_tip(beam)
     is_held = (xi == 0.0_dp .and. beam%root%holds_deflection) .or. (xi == 1.0_dp .and. tip(1))
   end function is_held
+
+  pure real(dp) function arm_of(beam, xi) result(arm)
+    !! By how much a place moves where a hub that is free turns by 1: its distance from the axis; 0 without such a hub.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: xi
+    arm = 0.0_dp
+    if (beam%root%on_hub) arm = beam%root%hub_radius%hi + xi
+  end function arm_of
 
   pure real(dp) function side_of_tip(beam, motion, moment) result(side)
     !! A number of the sign that a deflection has at the tip, or, where the tip is held, next to it.

@@ -8,7 +8,7 @@ module bw_varying_beam
   use bw_piece_beam, only: beam_joint, joint_position, piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: softest, stepped, tension_in_pieces, turning_inertia, under_tension, value_of, without_tension
+  public :: pull_at, softest, stepped, tension_in_pieces, turning_inertia, under_tension, value_of, without_tension
 
   integer, parameter, public :: soft_parts = 32   !! uniform ones that each piece of `softest` and `stepped` is cut into
 
@@ -105,8 +105,9 @@ contains
       pull(k + 1) = pull(k + 1) + mass*length*law%mass(k + 1)*inner/(k + 1)
       pull(k + 2) = pull(k + 2) + mass*length*law%mass(k + 1)*length/(k + 2)
     end do
+    law%tension = real([0.0_qp, -pull(1:)], dp)
+    law%tension(1) = real(beyond, dp) - sum(value_of(law%tension, [1.0_dp]))   ! so that it is exactly 0 at a free tip
     beyond = beyond + sum(pull)
-    law%tension = real([beyond, -pull(1:)], dp)
   end subroutine pull_piece
 
   pure logical function tapers(self)
@@ -161,6 +162,15 @@ contains
       end associate
     end do
   end function turning_inertia
+
+  pure real(dp) function pull_at(self, i, x) result(pull)
+    !! The tension at a place of a piece; 0 where there is none.
+    class(varying_beam), intent(in) :: self
+    integer, intent(in) :: i                       !! the piece
+    real(dp), intent(in) :: x                      !! from 0 to 1 over it
+    pull = 0.0_dp
+    if (self%is_pulled) pull = self%beam%spin_squared%hi*(sum(value_of(self%law(i)%tension, [x])) + self%law(i)%pull)
+  end function pull_at
 
   pure function value_of(polynomial, x) result(value)
     !! Of a law, at places from 0 to 1 over a piece.

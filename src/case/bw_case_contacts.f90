@@ -1,6 +1,6 @@
 module bw_case_contacts
   !! One way to follow the motion of a case whose impact lasts, to its histories.
-  use bw_case_histories, only: find_loaded_segments, sum_histories
+  use bw_case_histories, only: add_hub_angle, find_loaded_segments, sum_histories
   use bw_case_modes, only: whole_beam
   use bw_case_moments, only: find_moments
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
@@ -13,9 +13,10 @@ module bw_case_contacts
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, follow_lasting_contacts, force_at, lasting_contacts
-  use bw_mode_set, only: deflections, first_numbers, first_struck, mode_set
+  use bw_mode_set, only: deflections, first_numbers, first_struck, mean_rate, mode_set, turns
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_piece_beam, only: arm_of
   use bw_response, only: response_type
   use bw_result_layout, only: contact_samples
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
@@ -76,6 +77,8 @@ contains
     if (monitor%stop_requested()) return
     if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)
     if (monitor%stop_requested()) return
+    call add_hub_angle(scene, motion, monitor, workspace, histories%response)
+    if (monitor%stop_requested()) return
     run%status = max(histories%status, none%status)
     call move_alloc(histories%response, run%response)
     call move_alloc(histories%notes, run%notes)
@@ -91,7 +94,7 @@ contains
     type(lasting_contacts), intent(out) :: contacts
     type(varying_beam) :: given
     type(contact_law) :: law
-    real(dp) :: residual(size(scene%response%points), 2), here(1, 2)
+    real(dp) :: residual(size(scene%response%points), 3), here(1, 3)
     integer :: i, struck
     associate (free => motion%modes%configuration(alone)%set, response => scene%response, &
                speed => abs(scene%impact%approach_velocity))
@@ -105,7 +108,7 @@ contains
       call find_residual(given, struck, free, demand%modes, [scene%impact%position], here)
       call find_residual(given, struck, free, demand%modes, response%points, residual)
       law = contact_law_of(scene%contact, motion%units, speed)
-      law%residual = max(0.0_dp, here(1, 1))
+      law%residual = max(0.0_dp, here(1, deflections) + arm_of(given%beam, scene%impact%position)*here(1, turns))
       call follow_lasting_contacts(free, scene%impact%mass_ratio, law, full_speed_in_plane(scene%rotation, motion%units), &
                                    demand, contacts, monitor)
       if (monitor%stop_requested()) return
@@ -117,8 +120,9 @@ contains
 
   subroutine keep_mass(scene, motion, taking_part, contacts, monitor)
     !! The mass stays: the motion goes over to the modes of beam and mass, with displacements as they are, and with those of the modes that
-    !! were not summed, which gave way to the force at once. The body keeps its indentation; in the plane of rotation the
-    !! centrifugal force on that much moves the equilibrium. It brings no spin, as one that
+    !! were not summed, which gave way to the force at once. The body keeps its indentation δ; in the plane of rotation the
+    !! centrifugal force on that much, m_jω²δ, moves the equilibrium, and with tension in the beam the body's pull m_jω²(R + ξ₀), which acts
+    !! δ beside the axis. It brings no spin, as one that
     !! strikes at an instant. What the contact and those modes have stored is lost.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion       !! up to the capture
@@ -130,7 +134,7 @@ contains
     type(event_type) :: event
     class(mode_set), allocatable :: before
     real(dp), allocatable :: q(:), rate(:)
-    real(dp) :: speed, turned
+    real(dp) :: arm, speed, turned
     real(dp) :: held(2)                              ! of the mass: its displacement and velocity at the beam
     integer :: first, mass
     event%kind = capture_event
@@ -142,8 +146,7 @@ contains
     associate (free => motion%modes%configuration(alone), loaded => motion%modes%configuration(together)%set, n => taking_part)
       call free%source%find(first_numbers(min(free%source%highest, times_as_many*free%set%count)), before, monitor=monitor)
       if (monitor%stop_requested()) return
-      q = contacts%force*before%struck/(before%modal_mass*before%beta_squared%hi)
-      q(:n) = contacts%state%u(:n)
+      q = [contacts%state%u(:n), contacts%force*before%struck(n + 1:)/(before%modal_mass(n + 1:)*before%beta_squared(n + 1:)%hi)]
       rate = 0.0_dp*q
       rate(:n) = contacts%state%v(:n)
       next%configuration = together
@@ -158,8 +161,13 @@ contains
       first = first_struck(loaded)
       event%momentum_before = loaded%modal_mass(first)*next%rate(first)/loaded%struck(first)
       event%momentum_after = event%momentum_before
+      event%hub_rate_change = mean_rate(loaded, next%rate) - mean_rate(free%set, contacts%state%v)
       if (speed > 0.0_dp) then
-        next%rest = scene%impact%mass_ratio*speed**2*contacts%indentation*loaded%struck/(loaded%modal_mass*loaded%beta_squared%hi)
+        arm = 0.0_dp
+        if (allocated(scene%stiffening)) arm = scene%stiffening%hub_radius/motion%units%length + scene%impact%position
+        next%rest = 0.0_dp*next%q                       ! nothing turns a hub that is free
+        where (loaded%beta_squared%hi /= 0.0_dp) next%rest = scene%impact%mass_ratio*speed**2*contacts%indentation &
+          *(loaded%struck - arm*loaded%turnings())/(loaded%modal_mass*loaded%beta_squared%hi)
         next%rest(n + 1:) = 0.0_dp
         next%q = next%q - next%rest
       end if

@@ -9,7 +9,8 @@ module bw_case_histories
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_loaded_sum, only: find_loaded_motion
-  use bw_mode_set, only: configuration_type, curvatures, deflections, first_failure, values_at
+  use bw_missing, only: scaled
+  use bw_mode_set, only: configuration_type, curvatures, deflections, first_failure, turns, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
@@ -22,7 +23,7 @@ module bw_case_histories
   use bw_truncation_error, only: block_ends, fewest
   implicit none (type, external)
   private
-  public :: find_loaded_segments, sum_histories, sums_of_segment
+  public :: add_hub_angle, find_loaded_segments, sum_histories, sums_of_segment
 
   integer, parameter :: long = 2**14        !! tuned: samples up to which parts cost hardly more than their sum at once
   integer, parameter :: looked_at = 1024    !! samples of a long record, and as many after its first, at which octaves are summed apart
@@ -34,7 +35,7 @@ contains
     !! Fill where the modes mean nothing, or one was not found, or the tolerance is out of reach, and from the first overflow on.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    integer, intent(in) :: quantity                      !! deflections or curvatures (bw_mode_set)
+    integer, intent(in) :: quantity                      !! deflections, curvatures or turns (bw_mode_set)
     class(monitor_type), intent(inout), target :: monitor   !! the histories mean nothing where it asks to stop
     type(nonuniform_sum), intent(inout) :: workspace(:)  !! any `sums_of_segment`, also those that another case has used
     type(case_histories), intent(out) :: histories
@@ -79,6 +80,20 @@ contains
     sampling%velocity = scene%response%velocity .and. quantity == deflections
     sampling%quantity = quantity
   end function sampling_of
+
+  subroutine add_hub_angle(scene, motion, monitor, workspace, response)
+    !! Add the turn of a hub that is free to histories: the same sum over the same modes.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    class(monitor_type), intent(inout), target :: monitor   !! the turn means nothing where it asks to stop
+    type(nonuniform_sum), intent(inout) :: workspace(:)
+    type(response_type), intent(inout) :: response
+    type(case_histories) :: found
+    if (.not. allocated(scene%hub)) return
+    call sum_histories(scene, motion, turns, monitor, workspace, found)
+    if (monitor%stop_requested()) return
+    response%hub_angle = scaled(found%response%displacement(:, 1), 1.0_dp/motion%units%length)
+  end subroutine add_hub_angle
 
   subroutine find_loaded_segments(scene, motion, monitor)
     !! What is seen of the segments that have a load, for all quantities; before their histories are summed.
@@ -170,12 +185,15 @@ contains
     call start_histories(own, part)
     if (allocated(segment%load)) then
       associate (unit => unit_velocity(scene)*motion%units%time%hi)
-        if (own%quantity == curvatures) then
+        select case (own%quantity)
+        case (turns)
+          part%displacement = spread(unit*segment%load%hub_turn, 2, size(own%points))
+        case (curvatures)
           part%displacement = unit*segment%load%curvature
-        else
+        case default
           part%displacement = unit*segment%load%displacement
           if (own%velocity) part%velocity = unit*segment%load%velocity
-        end if
+        end select
       end associate
       call finish_histories(part)
       return

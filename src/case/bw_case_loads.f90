@@ -193,6 +193,10 @@ contains
       if (allocated(response%acceleration)) call add(3, response%acceleration, errors%acceleration)
       if (allocated(response%bending_moment)) call add(4, response%bending_moment, errors%bending_moment)
       if (allocated(response%shear_force)) call add(5, response%shear_force, errors%shear_force)
+      if (allocated(response%hub_angle)) then
+        response%hub_angle(:n) = response%hub_angle(:n) + run%history(:n, findloc(run%quantity, quantities, dim=1))
+        response%hub_angle(n + 1:) = missing
+      end if
       if (alone_there) errors%displacement_bound = 0.0_dp*run%bound
       if (allocated(errors%displacement_bound)) then
         where (.not. is_missing(errors%displacement_bound)) errors%displacement_bound = errors%displacement_bound + run%bound

@@ -5,7 +5,7 @@ module bw_changing_case
   !! lets their number grow until that is small enough. The motion under loads is added, as all changes are linear (bw_case_loads).
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: in_joules, units_of
-  use bw_case_histories, only: sum_histories
+  use bw_case_histories, only: add_hub_angle, sum_histories
   use bw_case_loads, only: add_loads
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_moments, only: find_moments
@@ -20,8 +20,8 @@ module bw_changing_case
     rounding_of_turn
   use bw_contact_errors, only: add_rounding, part_of_peak
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, missing, scaled
-  use bw_mode_set, only: attend, deflections, first_numbers, mode_set, search_failure, turns
+  use bw_missing, only: is_missing, missing
+  use bw_mode_set, only: attend, deflections, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
@@ -230,7 +230,6 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(out) :: found
-    type(case_histories) :: angle
     type(history_errors) :: none
     call follow_changes(scene, eighths, handing, limit, motion, monitor)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
@@ -242,10 +241,7 @@ contains
     if (monitor%stop_requested()) return
     found%status = max(found%status, none%status)
     call add_notes(found%notes, none%notes)
-    if (.not. allocated(scene%hub) .or. eighths < 8) return
-    call sum_histories(scene, motion, turns, monitor, workspace, angle)
-    if (monitor%stop_requested()) return
-    found%response%hub_angle = scaled(angle%response%displacement(:, 1), 1.0_dp/motion%units%length)
+    if (eighths == 8) call add_hub_angle(scene, motion, monitor, workspace, found%response)
   end subroutine run_eighths
 
   subroutine note_losses(motion)

@@ -216,6 +216,7 @@ contains
     call put_together(motion, run%response, errors, spectrum, result)
     if (.not. motion%modes%resolved) result%status = case_not_converged
     result%approach_velocity = scene%impact%approach_velocity
+    if (allocated(scene%hub)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
     moving = motion%modes%moving
     result%mode_count = merge(motion%modes%configuration(moving)%set%count, 0, motion%modes%resolved)
     if (by_tolerance(scene%modes)) then

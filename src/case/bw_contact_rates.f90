@@ -7,7 +7,7 @@ module bw_contact_rates
   use bw_force_response, only: force_degree
   use bw_force_step, only: polynomial_of
   use bw_kinds, only: dp
-  use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads
+  use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads, quantities
   use bw_load_course, only: load_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
   use bw_missing, only: missing
@@ -40,12 +40,14 @@ contains
     integer, allocatable :: quantity(:), point(:)
     real(dp), allocatable :: flexibility(:), history(:, :), rounding(:), q(:), v(:)
     real(dp) :: duration, metre
+    logical :: asked(quantities)
     integer :: c, n, struck
     if (.not. (scene%response%acceleration .or. scene%response%shear_force)) return
     call whole_beam(scene, motion%units, given, struck)
     loads = placed_loads([course_of(motion%timeline%segments)], [scene%impact%position], [.false.], kind=[1])
-    call list_columns(scene%response, [.false., .false., scene%response%acceleration, .false., scene%response%shear_force], &
-                      quantity, point)
+    asked = .false.
+    asked([acceleration, shear_force]) = [scene%response%acceleration, scene%response%shear_force]
+    call list_columns(scene%response, asked, quantity, point)
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     allocate (history(grid%samples, size(quantity)), source=0.0_dp)
     n = response%finite_samples

@@ -6,7 +6,7 @@ module bw_load_columns
   use bw_load_course, only: load_course
   use bw_load_modes, only: carried_mass, find_residuals, find_shears, total_mass
   use bw_load_sum, only: load_view
-  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_response_par, only: response_par
   use bw_scene, only: scene_type
@@ -15,8 +15,8 @@ module bw_load_columns
   private
   public :: factor_of_quantity, find_drive, list_columns, make_view
 
-  integer, parameter, public :: quantities = 5       !! displacement, velocity, acceleration, bending moment, shear force
-  integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3], order_of(quantities) = [0, 1, 2, 0, 0]
+  integer, parameter, public :: quantities = 6       !! displacement, velocity, acceleration, bending moment, shear force, turn of the hub
+  integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3, 4], order_of(quantities) = [0, 1, 2, 0, 0, 0]
 
   type, public :: placed_loads
     !! Loads, and where they act. Last come the forces and moments with which springs hold on to the position in which they came.
@@ -31,16 +31,17 @@ module bw_load_columns
 contains
 
   pure subroutine list_columns(response, asked, quantity, point)
-    !! Quantities at all points of the histories.
+    !! Quantities at all points of the histories, the last at one.
     type(response_par), intent(in) :: response
     logical, intent(in) :: asked(quantities)
     integer, allocatable, intent(out) :: quantity(:), point(:)   !! (columns)
-    integer :: p, q
+    integer :: p, points, q
     allocate (quantity(0), point(0))
     do q = 1, quantities
       if (.not. asked(q)) cycle
-      quantity = [quantity, spread(q, 1, size(response%points))]
-      point = [point, [(p, p=1, size(response%points))]]
+      points = merge(1, size(response%points), q == quantities)
+      quantity = [quantity, spread(q, 1, points)]
+      point = [point, [(p, p=1, points)]]
     end do
   end subroutine list_columns
 
@@ -50,8 +51,11 @@ contains
     type(beam_units), intent(in) :: units
     integer, intent(in) :: quantity
     factor = 1.0_dp/units%time%hi**order_of(quantity)
-    if (weight_of(quantity) > 1) factor = factor*scale_of_moments(scene)
-    if (weight_of(quantity) > 2) factor = factor/units%length
+    select case (weight_of(quantity))
+    case (2); factor = factor*scale_of_moments(scene)
+    case (3); factor = factor*scale_of_moments(scene)/units%length
+    case (4); factor = factor/units%length
+    end select
   end function factor_of_quantity
 
   subroutine make_view(given, modes, summed, loads, points, quantity, point, monitor, view, flexibility)
@@ -66,7 +70,7 @@ contains
     type(load_view), intent(out) :: view
     real(dp), allocatable, intent(out) :: flexibility(:) !! of what is missing: at the points, and as each load sees it, (points + loads)
     real(dp), allocatable :: drive(:, :), residual(:, :, :), terms(:, :, :), soft(:)
-    real(dp) :: weights(modes%count, size(points), 3)
+    real(dp) :: weights(modes%count, size(points), maxval(weight_of))
     integer :: c, l, sheared
     sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points whose shear forces are asked for
     weights = 0.0_dp
@@ -75,7 +79,8 @@ contains
     if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
-    allocate (residual(size(drive, 2), size(points), 3), soft(size(points) + size(loads%place)))
+    weights(:, :, 4) = values_at(modes, turns, 1, modes%count, points)
+    allocate (residual(size(drive, 2), size(points), size(weights, 3)), soft(size(points) + size(loads%place)))
     allocate (terms, mold=residual)
     view%summed = min(summed, modes%count)
     call find_residuals(given, modes, view%summed, loads%place, loads%turns, loads%accelerated, drive, weights, points, residual, &
@@ -103,12 +108,12 @@ contains
     end associate
   end subroutine make_view
 
-  subroutine find_drive(given, modes, places, turns, accelerated, monitor, drive, points, shear)
+  subroutine find_drive(given, modes, places, turned, accelerated, monitor, drive, points, shear)
     !! How each kind of load drives the modes: forces and moments at their places, and the acceleration of the frame by −1 behind them.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: places(:)                    !! of forces and moments
-    logical, intent(in) :: turns(:)                      !! a moment acts there
+    logical, intent(in) :: turned(:)                     !! a moment acts there
     logical, intent(in) :: accelerated                   !! the frame is
     class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
@@ -117,13 +122,12 @@ contains
     real(dp) :: participation(modes%count), motion(modes%count, 2)
     integer :: i
     if (accelerated .or. size(points) > 0) call find_shears(given, modes, points, shear, participation, monitor)
-    drive = modes%shapes(places)
+    allocate (drive(modes%count, size(places) + merge(1, 0, accelerated)))
     do i = 1, size(places)
-      if (.not. turns(i)) cycle
       motion = modes%motion_at(places(i))
-      drive(:, i) = motion(:, 2)
+      drive(:, i) = motion(:, merge(2, 1, turned(i)))
     end do
-    if (accelerated) drive = reshape([drive, participation], [modes%count, size(places) + 1])
+    if (accelerated) drive(:, size(places) + 1) = participation
   end subroutine find_drive
 
 end module bw_load_columns

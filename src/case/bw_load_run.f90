@@ -17,10 +17,11 @@ module bw_load_run
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: arm_of
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, varying_of
   use bw_segment, only: growth_ends
-  use bw_static_shape, only: deflection, turning
+  use bw_static_shape, only: columns, deflection, hub_turn, turning
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   use bw_timeline, only: carried_type, configurations_of, happens, number_of, step_type, steps_of
   use bw_unhanded, only: unhanded_motion
@@ -66,7 +67,7 @@ contains
     integer :: c, configuration, i, next, samples(2)
     associate (response => scene%response)
       call list_columns(response, [.true., response%velocity, response%acceleration, response%bending_moment, &
-                                   response%shear_force], run%quantity, run%point)
+                                   response%shear_force, allocated(scene%hub)], run%quantity, run%point)
     end associate
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     allocate (run%history(grid%samples, size(run%quantity)), source=0.0_dp)
@@ -314,19 +315,24 @@ contains
     real(dp), intent(in) :: place                  !! ξ
     real(dp) :: residual(2, size(acting%course))
     integer, parameter :: few = 64                 ! beyond which a static solution takes less time than it does beyond all of them
-    real(dp), dimension(size(drive, 2), 1, turning) :: beyond, terms
-    real(dp) :: flexibility(1 + size(acting%place)), weights(modes%count, 1, turning)
+    real(dp), dimension(size(drive, 2), 1, columns) :: beyond, terms
+    real(dp) :: arm, flexibility(1 + size(acting%place)), motion(modes%count, 2), weights(modes%count, 1, columns)
     real(dp), allocatable :: soft(:)
     integer :: l, n
     n = min(few, modes%count)
     weights = 0.0_dp
-    weights(:, 1, [deflection, turning]) = modes%motion_at(place)
+    arm = arm_of(given%beam, place)
+    motion = modes%motion_at(place)
+    weights(:, 1, turning) = motion(:, 2)
+    weights(:, 1, hub_turn) = modes%hub_turns()
+    weights(:, 1, deflection) = motion(:, 1) - arm*weights(:, 1, hub_turn)
     call find_residuals(given, modes, n, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
                         beyond, terms, flexibility)
+    beyond(:, 1, deflection) = beyond(:, 1, deflection) + arm*beyond(:, 1, hub_turn)
     residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
     soft = 1.0_dp/(modes%modal_mass(n + 1:)*modes%beta_squared(n + 1:)%hi)
     do l = 1, size(acting%course)                  ! of which those after the first few are none
-      residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:, acting%kind(l)), weights(n + 1:, 1, [deflection, turning]))
+      residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:, acting%kind(l)), motion(n + 1:, :))
     end do
   end function residual_at
 

@@ -6,7 +6,7 @@ module bw_one_case
   use bw_beam_units, only: units_of
   use bw_case_errors, only: drop_errors
   use bw_case_frequency, only: find_frequency_response
-  use bw_case_histories, only: sum_histories
+  use bw_case_histories, only: add_hub_angle, sum_histories
   use bw_case_loads, only: add_loads, without_tolerance
   use bw_case_modes, only: find_modes
   use bw_case_moments, only: find_moments
@@ -22,8 +22,8 @@ module bw_one_case
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
   use bw_modal_model, only: find_modal_model
-  use bw_mode_set, only: attend, search_failure, turns
-  use bw_missing, only: is_missing, scaled
+  use bw_mode_set, only: attend, search_failure
+  use bw_missing, only: is_missing
   use bw_modes_par, only: relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
@@ -165,7 +165,7 @@ contains
     if (allocated(histories%response)) then
       if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%motion%sums, histories, errors)
       if (monitor%stop_requested()) return
-      if (allocated(scene%hub)) call find_hub_angle(scene, motion, part, cache%motion%sums, histories)
+      call add_hub_angle(scene, motion, part, cache%motion%sums, histories%response)
       if (monitor%stop_requested()) return
       call drop_errors(motion, errors)
       if (present(loaded)) then
@@ -197,19 +197,6 @@ contains
     if (allocated(loads) .and. .not. allocated(scene%impact)) result%mode_count = loads%count
     call move_alloc(loads, result%loads)
   end subroutine simulate_case
-
-  subroutine find_hub_angle(scene, motion, monitor, workspace, histories)
-    !! Add the turn of a hub that is free to the histories of a case: the same sum over the same modes.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    class(monitor_type), intent(inout), target :: monitor   !! the turn means nothing where it asks to stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)
-    type(case_histories), intent(inout) :: histories
-    type(case_histories) :: found
-    call sum_histories(scene, motion, turns, monitor, workspace, found)
-    if (monitor%stop_requested()) return
-    histories%response%hub_angle = scaled(found%response%displacement(:, 1), 1.0_dp/motion%units%length)
-  end subroutine find_hub_angle
 
   subroutine compose(scene, foremost, motion, histories, errors, spectrum, result)
     !! The values of all stages in one; what is large is moved, not copied.

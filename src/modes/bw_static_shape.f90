@@ -6,19 +6,23 @@ module bw_static_shape
   !! The state z = (v, ψ, M, Q) obeys v' = (ψ + sQ)/(1 + sT), ψ' = M/B, M' = −Q + Tv' − Rψ, Q' = −mλv with
   !! λ = ω² − s² in the plane of rotation, else −s², and R likewise of rotary inertia. Pieces are cut into parts over which the state changes
   !! little; Gauss's collocation carries it across each, and one system of equations joins them. Without dimensions, as the beam.
+  !!
+  !! A hub that is free turns by θ under the loads: what the root asks of it with the hub held, over what it asks where the hub turns by 1,
+  !! D = T(0)v(0) − RQ(0) − M(0) + s²J, the stationary value of the energies. States are those in the frame that turns evenly, shapes those
+  !! from the hub's line.
   use bw_double_double, only: dd
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_lapack, only: dgbsvx, dgesv
-  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
-  use bw_piece_beam, only: is_held, joint_position
-  use bw_varying_beam, only: value_of, varying_beam
+  use bw_mode_set, only: deflections, mode_set, turns, values_at
+  use bw_piece_beam, only: arm_of, is_held, joint_position
+  use bw_varying_beam, only: pull_at, value_of, varying_beam
   implicit none (type, external)
   private
   public :: find_residual, gauss_places, static_shape, static_shapes
 
-  integer, parameter, public :: deflection = 1, moment = 2, shear = 3, turning = 4    !! columns of a shape
-  integer, parameter :: columns = 4
+  integer, parameter, public :: deflection = 1, moment = 2, shear = 3, hub_turn = 4, turning = 5   !! columns of a shape
+  integer, parameter, public :: columns = 5
   integer, parameter :: stages = 8                !! of Gauss's collocation, which is exact to the order of twice as many
   real(dp), parameter :: calm = 0.7_dp            !! how much the state may change over a part
   integer, parameter :: band = 7                  !! diagonals beside the main one
@@ -33,38 +37,42 @@ module bw_static_shape
 contains
 
   subroutine find_residual(given, struck, modes, summed, xi, residual)
-    !! What modes that are not summed add to deflection and curvature under a force of 1, at once: all modes less those that are.
+    !! What modes that are not summed add to deflection, curvature and the turn of a hub under a force of 1, at once: all modes less those
+    !! that are.
     !! Modes that grow, or that nothing holds, are taken out of both: shifted by s² and by 2s², from which s² = 0 follows.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: struck                 !! the joint at which the force acts
     class(mode_set), intent(in) :: modes          !! of this beam, struck there
     integer, intent(in) :: summed                 !! how many of them are
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    real(dp), intent(out) :: residual(:, :)       !! (points, 2)
+    real(dp), intent(out) :: residual(:, :)       !! as deflections, curvatures and turns of bw_mode_set, (points, 3)
     real(dp) :: shift
     integer :: i
     shift = 2.0_dp*given%beam%spin_squared%hi + 1.0_dp
     residual = 0.0_dp
     do i = 1, 2
       associate (whole => static_shape(given, struck, i*shift, xi))
-        residual = residual + (5 - 3*i)*(whole(:, :moment) - sums_of(modes, summed, i*shift, xi))
+        residual = residual + (5 - 3*i)*(whole(:, [deflection, moment, hub_turn]) - sums_of(modes, summed, i*shift, xi))
       end associate
     end do
   end subroutine find_residual
 
   pure function sums_of(modes, summed, shift, xi) result(sums)
-    !! ΣΦ_kΦ_k(ξ₀)/(M_k(β_k² + s²)), and the same with Φ_k'', (points, 2).
+    !! ΣΦ_kΦ_k(ξ₀)/(M_k(β_k² + s²)), and the same with Φ_k'' and with the turn of a hub, (points, 3).
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed
     real(dp), intent(in) :: shift, xi(:)
-    real(dp) :: sums(size(xi), 2), part(summed)
+    real(dp) :: sums(size(xi), 3), part(summed)
+    integer :: q
     part = modes%struck(:summed)/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + shift))
-    sums(:, deflection) = matmul(part, values_at(modes, deflections, 1, summed, xi))
-    sums(:, moment) = matmul(part, values_at(modes, curvatures, 1, summed, xi))
+    do q = deflections, turns
+      sums(:, q) = matmul(part, values_at(modes, q, 1, summed, xi))
+    end do
   end function sums_of
 
   function static_shape(given, struck, shift, xi) result(shape)
-    !! Deflection, moment, shear force and turning at points under a force of 1, of the inner side where something jumps, (points, 4).
+    !! Deflection, moment and shear force at points under a force of 1, of the inner side where something jumps, the turn of the hub, and
+    !! the turning of sections in the frame, (points, 5).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: struck                 !! the joint at which the force acts
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest
@@ -76,46 +84,96 @@ contains
     shape = shapes(:, :, 1)
   end function static_shape
 
-  function static_shapes(given, place, turns, accelerated, shift, xi) result(shape)
+  function static_shapes(given, place, turned, accelerated, shift, xi, from_line) result(shape)
     !! The same under a force or a moment of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked
     !! for, which loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly,
     !! and nothing but what holds the beam to it feels that: the deflection is that of displaced ends and springs, less c.
-    !! (points, 4, places)
+    !! (points, 5, places)
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: place(:)              !! ξ of forces and moments
-    logical, intent(in) :: turns(:)               !! a moment acts there
-    logical, intent(in) :: accelerated            !! the last column is that of the acceleration
+    logical, intent(in) :: turned(:)              !! a moment acts there
+    logical, intent(in) :: accelerated            !! the last column is that of the acceleration, of a hub whose motion is prescribed
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest; λ is not 0 where accelerated
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
+    logical, intent(in), optional :: from_line(:) !! the force stands on the line of a hub that is free, (places)
     real(dp) :: shape(size(xi), columns, size(place) + merge(1, 0, accelerated))
     type(beam_part), allocatable :: parts(:)
     integer :: end_of(size(xi) + size(place))     ! the part that ends at each point; 0: the root
     real(dp), allocatable :: matrix(:, :), right(:, :)
-    real(dp) :: lambda
+    real(dp) :: lambda, lever(size(shape, 3)), turn(size(shape, 3))   ! moments of the loads about the axis that are taken by the hub itself
     integer :: f, i, n, p
     call cut_parts(given, shift, [xi, place], parts, end_of)
     n = 8*size(parts)                             ! the states at the start and at the end of each part
-    allocate (matrix(2*band + 1, n), right(n, size(shape, 3)))
+    allocate (matrix(2*band + 1, n), right(n, size(shape, 3) + merge(1, 0, given%beam%root%on_hub)))
     lambda = inertia_of(given, shift)
     call join_parts(given, shift, parts, matrix)
     right = 0.0_dp
     do f = 1, size(place)
       associate (e => end_of(size(xi) + f), root => given%beam%root)
-        right(row_of_force(size(parts), e) - merge(1, 0, turns(f)), f) = merge(1.0_dp, -1.0_dp, e == size(parts))
-        if (e == 0 .and. merge(root%holds_turning, root%holds_deflection, turns(f))) right(:, f) = 0.0_dp
+        right(row_of_force(size(parts), e) - merge(1, 0, turned(f)), f) = merge(1.0_dp, -1.0_dp, e == size(parts))
+        if (e == 0 .and. merge(root%holds_turning, root%holds_deflection, turned(f))) right(:, f) = 0.0_dp
       end associate
     end do
     if (accelerated) call displace_ends(given, parts, 1.0_dp/lambda, right(:, size(shape, 3)))
+    if (given%beam%root%on_hub) call turn_root(given, right(:, size(right, 2)))
     call solve(matrix, right)
+    lever = 0.0_dp
+    do f = 1, size(place)
+      if (end_of(size(xi) + f) == 0) lever(f) = merge(1.0_dp, given%beam%root%hub_radius%hi, turned(f))
+      if (present(from_line)) lever(f) = lever(f) - merge(arm_of(given%beam, place(f)), 0.0_dp, from_line(f))
+    end do
+    turn = 0.0_dp
+    if (given%beam%root%on_hub) call let_hub_turn(given, shift, lever, right, turn)
     do p = 1, size(xi)
       i = max(0, 8*end_of(p) - 4)
-      shape(p, :, :) = right(i + [1, 3, 4, 2], :)
+      shape(p, [deflection, moment, shear, turning], :) = right(i + [1, 3, 4, 2], :size(turn))
+      shape(p, deflection, :) = shape(p, deflection, :) - arm_of(given%beam, xi(p))*turn
+      shape(p, shear, :) = shape(p, shear, :) - pull_inside(given, parts, end_of(p))*turn
+      shape(p, hub_turn, :) = turn
     end do
     if (accelerated) shape(:, deflection, size(shape, 3)) = shape(:, deflection, size(shape, 3)) - 1.0_dp/lambda
     do p = 1, size(xi)
       if (is_held(given%beam, xi(p))) shape(p, deflection, :) = 0.0_dp
     end do
   end function static_shapes
+
+  pure subroutine turn_root(given, right)
+    !! A hub turned by 1, and with it what it holds the root by.
+    type(varying_beam), intent(in) :: given
+    real(dp), intent(inout) :: right(:)
+    associate (root => given%beam%root)
+      right(1) = merge(1.0_dp, -root%turning_stiffness%hi, root%holds_turning)
+      right(2) = merge(root%hub_radius%hi, pull_at(given, 1, 0.0_dp) - root%stiffness%hi*root%hub_radius%hi, root%holds_deflection)
+    end associate
+  end subroutine turn_root
+
+  pure subroutine let_hub_turn(given, shift, lever, right, turn)
+    !! From states with the hub held, and one where it turns by 1, to those of a hub that is free.
+    type(varying_beam), intent(in) :: given
+    real(dp), intent(in) :: shift, lever(:)        !! what the loads turn the hub by beside the root's reactions, (loads)
+    real(dp), intent(inout) :: right(:, :)         !! the states, and behind them those of the turn
+    real(dp), intent(out) :: turn(:)               !! (loads)
+    real(dp) :: asked(size(right, 2))              ! of the hub
+    integer :: last
+    last = size(right, 2)
+    associate (root => given%beam%root)
+      asked = pull_at(given, 1, 0.0_dp)*right(1, :) - root%hub_radius%hi*right(4, :) - right(3, :)
+      turn = (lever - asked(:last - 1))/(asked(last) + shift*root%hub_inertia%hi)
+    end associate
+    right(:, :last - 1) = right(:, :last - 1) + spread(right(:, last), 2, last - 1)*spread(turn, 1, size(right, 1))
+  end subroutine let_hub_turn
+
+  pure real(dp) function pull_inside(given, parts, end) result(pull)
+    !! The tension at the end of a part, of the inner side where it jumps.
+    type(varying_beam), intent(in) :: given
+    type(beam_part), intent(in) :: parts(:)
+    integer, intent(in) :: end                    !! 0: the root
+    if (end == 0) then
+      pull = pull_at(given, 1, 0.0_dp)
+    else
+      pull = pull_at(given, parts(end)%piece, parts(end)%to)
+    end if
+  end function pull_inside
 
   pure subroutine solve(matrix, right)
     !! Solve the equations of all states, whose unknowns and rows are of very different sizes where s is large.

@@ -4,7 +4,7 @@ module bw_contact_bodies
   !! in the plane of rotation. The gap v(ξ₀) − y is the sum with Φ_k(ξ₀) and −1. Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_struck, mode_set
+  use bw_mode_set, only: first_struck, mean_rate, mode_set
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
   use bw_signal, only: signal_of, signal_type
@@ -17,12 +17,14 @@ module bw_contact_bodies
     real(dp), allocatable :: weight(:)            !! in the gap, 0 of a mode that takes no part, (modes + 1)
     real(dp), allocatable :: inertia(:)           !! M_k, and m_j
     integer :: first = 1                          !! mode that the mass strikes
+    real(dp) :: turn_of_hub = 0.0_dp              !! in the first mode, of a hub that is free
     type(moving_state) :: state
   contains
     procedure :: gap
     procedure :: separation
     procedure :: energy
     procedure :: momentum
+    procedure :: hub_rate
     procedure :: fly
   end type contact_bodies
 
@@ -42,6 +44,7 @@ contains
     struck = free%struck
     struck(taking_part + 1:) = 0.0_dp
     bodies%first = first_struck(free)
+    bodies%turn_of_hub = mean_rate(free, [1.0_dp])
     bodies%inertia = [free%modal_mass, mass_ratio]
     bodies%weight = [struck, -1.0_dp]
     bodies%parts = oscillators_of([free%beta_squared, -(omega*omega)], [damping, 0.0_dp])
@@ -74,6 +77,12 @@ contains
       momentum = self%inertia(k)*self%state%v(k)/self%weight(k) + self%inertia(mass)*self%state%v(mass)
     end associate
   end function momentum
+
+  pure real(dp) function hub_rate(self)
+    !! The mean angular velocity of a hub that is free.
+    class(contact_bodies), intent(in) :: self
+    hub_rate = self%turn_of_hub*self%state%v(1)
+  end function hub_rate
 
   subroutine fly(self, damping, last, found, monitor)
     !! Free motion until a force acts again, or to the end. Where damping has taken a contact's force away while the bodies are still

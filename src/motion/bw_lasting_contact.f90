@@ -145,6 +145,7 @@ contains
     event%time = run%bodies%state%time%hi
     event%energy_before = run%bodies%energy()
     event%momentum_before = run%bodies%momentum()
+    event%hub_rate_change = -run%bodies%hub_rate()
     allocate (segment%load)
     segment%load%taking_part = count_taking_part(run%bodies)
     call press(run, segment%load, monitor)
@@ -155,6 +156,7 @@ contains
     if (run%captured .or. .not. run%ended) event%energy_after = event%energy_after + stored_energy(run%law, run%last_indentation) &
       + 0.5_dp*run%law%residual*run%last_force**2            ! of modes that are not summed
     event%momentum_after = run%bodies%momentum()
+    event%hub_rate_change = event%hub_rate_change + run%bodies%hub_rate()
     call find_largest(segment%load, event%largest_force, event%largest_force_time)
     event%largest_force_time = event%largest_force_time + event%time
     if (size(contacts%events) == 0 .and. run%ended .and. .not. run%captured) contacts%restitution = run%bodies%separation()

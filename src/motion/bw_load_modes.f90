@@ -10,9 +10,9 @@ module bw_load_modes
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: holds_tip, joint_position
-  use bw_static_shape, only: deflection, gauss_places, static_shapes, turning
-  use bw_varying_beam, only: value_of, varying_beam
+  use bw_piece_beam, only: arm_of, holds_tip, joint_position
+  use bw_static_shape, only: deflection, gauss_places, hub_turn, static_shapes, turning
+  use bw_varying_beam, only: pull_at, value_of, varying_beam
   implicit none (type, external)
   private
   public :: carried_mass, find_residuals, find_shears, total_mass
@@ -23,7 +23,7 @@ contains
 
   subroutine find_shears(given, modes, xi, shear, participation, monitor)
     !! The shear force of each mode at points, of the inner side where a body is, positive where what lies beyond pulls as displacement
-    !! is positive; and the mass that each mode moves as the frame does, ∫ρAΦ dx + Σm_bΦ(ξ_b).
+    !! is positive, square to the line of a hub that is free; and the mass that each mode moves as the frame does, ∫ρAΦ dx + Σm_bΦ(ξ_b).
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: xi(:)                  !! (points)
@@ -53,7 +53,7 @@ contains
     beyond = 0.0_dp                                ! mass times shape there
     do i = n, 1, -1
       if (i < n .or. .not. held(1)) then
-        associate (joint => given%beam%joint(i), there => modes%some_shapes(1, modes%count, [ends(i)]))
+        associate (joint => given%beam%joint(i), there => motion_in_frame(given, modes, [ends(i)]))
           beyond = beyond + joint%mass%hi*there(:, 1)
           reaction = reaction + joint%stiffness%hi*there(:, 1)
         end associate
@@ -61,7 +61,8 @@ contains
       call find_edges(ends(i - 1), ends(i), xi, edges, many)
       do e = many, 1, -1
         do p = 1, size(xi)
-          if (xi(p) == edges(e)) shear(:, p) = inertia*beyond - reaction
+          if (xi(p) == edges(e)) shear(:, p) = inertia*beyond - reaction &
+            - modes%hub_turns()*pull_at(given, i, (edges(e) - ends(i - 1))/(ends(i) - ends(i - 1)))
         end do
         if (e > 1) beyond = beyond + mass_times_shape(given, modes, i, ends(i - 1:i), edges(e - 1:e), monitor)
       end do
@@ -103,10 +104,25 @@ contains
       last = min(first + at_once, halves) - 1
       place = [(part(1) + width*(j + rule), j=first, last)]
       associate (mass => given%beam%piece(i)%mass%hi*value_of(given%law(i)%mass, (place - ends(1))/(ends(2) - ends(1))))
-        integral = integral + matmul(modes%some_shapes(1, modes%count, place), mass*[(width*rule_weight, j=first, last)])
+        integral = integral + matmul(motion_in_frame(given, modes, place), mass*[(width*rule_weight, j=first, last)])
       end associate
     end do
   end function mass_times_shape
+
+  pure function motion_in_frame(given, modes, place) result(motion)
+    !! The deflection of each mode in the frame that turns evenly.
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: place(:)               !! ξ
+    real(dp) :: motion(modes%count, size(place)), turned(modes%count)
+    integer :: p
+    motion = modes%some_shapes(1, modes%count, place)
+    if (.not. given%beam%root%on_hub) return
+    turned = modes%hub_turns()
+    do p = 1, size(place)
+      motion(:, p) = motion(:, p) + arm_of(given%beam, place(p))*turned
+    end do
+  end function motion_in_frame
 
   pure real(dp) function wave_number(given, modes, i) result(largest)
     !! A bound of how fast the shape of the highest mode varies along a piece.
@@ -176,7 +192,7 @@ contains
     slope(0) = -sum(slope(1:))
   end function end_slopes
 
-  subroutine find_residuals(given, modes, summed, place, turns, accelerated, drive, weights, xi, residual, terms, flexibility)
+  subroutine find_residuals(given, modes, summed, place, turned, accelerated, drive, weights, xi, residual, terms, flexibility)
     !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
     !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²), or under a moment.
     !!
@@ -187,30 +203,33 @@ contains
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed                  !! how many of them are
     real(dp), intent(in) :: place(:)               !! ξ of forces and moments
-    logical, intent(in) :: turns(:)                !! a moment acts there
+    logical, intent(in) :: turned(:)               !! a moment acts there
     logical, intent(in) :: accelerated             !! the last load is an acceleration of the frame by −1
     real(dp), intent(in) :: drive(:, :)            !! Φ_k or Ψ_k at these places, and the participation, (modes, loads)
     real(dp), intent(in) :: weights(:, :, :)
-      !! deflection, curvature, shear force, turning of modes at points, or the first of these, (modes, points, quantities)
+      !! deflection, curvature, shear force, turn of the hub, turning of sections by modes at points, or the first of these,
+      !! (modes, points, quantities)
     real(dp), intent(in) :: xi(:)                  !! (points)
     real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, quantities)
     real(dp), intent(out) :: terms(:, :, :)        !! the size of what it is a difference of, (loads, points, quantities)
     real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + places)
     integer, parameter :: signs(4) = [4, -6, 4, -1]
     real(dp), parameter :: far_below = sqrt(sqrt(epsilon(1.0_dp)/24.0_dp))   ! (s/β)²
-    real(dp) :: shift, soft(summed), own(summed, size(xi) + size(place))
+    real(dp) :: gives, shift, soft(summed), own(summed, size(xi) + size(place)), arms(size(xi) + size(place))
     real(dp), allocatable :: whole(:, :, :), of_modes(:)
     integer :: f, i, l, p, q
     shift = 0.25_dp
     if (given%beam%in_plane) shift = 2.0_dp*given%beam%spin_squared%hi + 0.25_dp
     shift = max(shift, far_below*modes%beta_squared(summed)%hi)
+    arms = [(arm_of(given%beam, xi(p)), p=1, size(xi)), (arm_of(given%beam, place(p)), p=1, size(place))]
     own(:, :size(xi)) = modes%some_shapes(1, summed, xi)
     own(:, size(xi) + 1:) = drive(:summed, :size(place))
     residual = 0.0_dp
     terms = 0.0_dp
     flexibility = 0.0_dp
     do i = 1, size(signs)
-      whole = static_shapes(given, [place, xi], [turns, spread(.false., 1, size(xi))], accelerated, i*shift, [xi, place])
+      whole = static_shapes(given, [place, xi], [turned, spread(.false., 1, size(xi))], accelerated, i*shift, [xi, place], &
+                            [spread(.false., 1, size(place)), spread(.true., 1, size(xi))])
       soft = 1.0_dp/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + i*shift))
       do l = 1, size(drive, 2)
         f = l                                      ! its column
@@ -219,15 +238,19 @@ contains
           of_modes = matmul(soft*drive(:summed, l), weights(:summed, :, q))
           residual(l, :, q) = residual(l, :, q) + signs(i)*(whole(:size(xi), q, f) - of_modes)
           terms(l, :, q) = terms(l, :, q) + abs(signs(i))*(abs(whole(:size(xi), q, f)) + abs(of_modes))
+          if (q == deflection) terms(l, :, q) = terms(l, :, q) + abs(signs(i))*abs(arms(:size(xi))*whole(:size(xi), hub_turn, f))
           if (l > size(place)) terms(l, :, q) = terms(l, :, q) + abs(signs(i))*2.0_dp/(i*shift)   ! by which the frame is displaced
         end do
       end do
       do p = 1, size(flexibility)
         f = size(place) + p
         if (p > size(xi)) f = p - size(xi)
-        q = deflection
-        if (p > size(xi)) q = merge(turning, deflection, turns(p - size(xi)))
-        flexibility(p) = flexibility(p) + signs(i)*(whole(p, q, f) - sum(soft*own(:, p)**2))
+        gives = whole(p, deflection, f)
+        if (p > size(xi)) then
+          gives = gives + arms(p)*whole(p, hub_turn, f)
+          if (turned(p - size(xi))) gives = whole(p, turning, f)
+        end if
+        flexibility(p) = flexibility(p) + signs(i)*(gives - sum(soft*own(:, p)**2))
       end do
     end do
     flexibility = max(0.0_dp, flexibility)

@@ -36,9 +36,11 @@ module bw_segment
     real(dp), allocatable :: force(:, :)     !! m_iV h/l², (0:points, steps)
     integer :: taking_part = 0               !! modes that it drives; the others are at rest
     real(dp), allocatable :: residual(:, :)
-      !! what modes that are not summed add for a force of 1, at once, to displacements and curvatures where they are seen, (points, 2)
+      !! what modes that are not summed add for a force of 1, at once, to displacements, curvatures and the turn of the hub where they are
+      !! seen, (points, 3)
     real(dp), allocatable :: displacement(:, :), velocity(:, :), curvature(:, :)
       !! what is seen at the samples of the segment, of what is asked for: V l²/h, V, and V l²/h over l², (samples, points)
+    real(dp), allocatable :: hub_turn(:)     !! of a hub that is free: V l²/h over l, (samples)
   end type load_type
 
   type, public :: shape_term

@@ -5,11 +5,12 @@ import re
 import numpy as np
 import pytest
 from conftest import PROJECT
+from hub_reference import PER_LENGTH, STIFFNESS, HubBeam
 from results import FILL
+from scipy.integrate import solve_ivp
 from workplace import PAPER_BEAM, captured_beam
 
-MASS = 7870 * np.pi / 4 * 0.037**2
-STIFF = 2e11 * np.pi / 64 * 0.037**4
+MASS = PER_LENGTH  # of the beam, 1 m long
 HISTORY = {"duration": 0.05, "samples": 200, "points": [0.3, 0.5, 1.0]}
 
 
@@ -56,46 +57,157 @@ def test_frequencies_are_those_of_power_series(here):
         assert (result["mode_shape"][:, 0] == 0).all() or "support" in result.attributes["effects"]
 
 
-def ritz(inertia, radius, gamma, functions=18):
-    """Functions (value at x), mass and stiffness of the beam that does not rotate; the first function is the rigid turn by 1."""
-    point, weight = np.polynomial.legendre.leggauss(60)
-    x = (point + 1) / 2
-    basis = [np.polynomial.Polynomial([radius, 1.0])] + [
-        np.polynomial.Polynomial([0, 0, 1]) * np.polynomial.Legendre.basis(j, [0, 1]).convert(kind=np.polynomial.Polynomial)
-        for j in range(functions)
-    ]
-    value, bend = np.array([f(x) for f in basis]), np.array([f.deriv(2)(x) for f in basis])
-    tip = np.array([f(1.0) for f in basis])
-    mass = MASS * (value * weight / 2) @ value.T + gamma * MASS * np.outer(tip, tip)
-    mass[0, 0] += inertia
-    return basis, tip, mass, STIFF * (bend * weight / 2) @ bend.T
-
-
-def modes_of(mass, stiffness, count):
-    """Squares of the frequencies, and modes of mass 1."""
-    root = np.linalg.inv(np.linalg.cholesky(mass))
-    square, vector = np.linalg.eigh(root @ stiffness @ root.T)
-    return np.maximum(square[:count], 0), root.T @ vector[:, :count]
-
-
 def test_a_captured_blow_moves_beam_and_hub_as_a_model_of_its_own_does(here):
     inertia, radius, gamma, count = 0.7, 0.25, 0.2, 8
     here.scene("a", hubbed(inertia, radius))
     result = here.run("a")
-    basis, tip, mass, stiffness = ritz(inertia, radius, 0.0)
-    _, free = modes_of(mass, stiffness, count)
-    square, loaded = modes_of(ritz(inertia, radius, gamma)[2], stiffness, count)
+    before, after = HubBeam(inertia, radius), HubBeam(inertia, radius, bodies=((1.0, gamma * MASS),))
+    _, free = before.modes(count)
+    square, loaded = after.modes(count)
+    tip = before.motion(1.0)
     struck = tip @ free
     impulse = 1 / (1 / (gamma * MASS) + (struck**2).sum())
-    rate = loaded.T @ (mass @ free @ (struck * impulse) + tip * (gamma * MASS - impulse))
+    rate = loaded.T @ (before.mass @ free @ (struck * impulse) + tip * (gamma * MASS - impulse))
     time, beta = result["time"], np.sqrt(square[1:])
     q = np.vstack([rate[:1, None] * time, rate[1:, None] * np.sin(np.outer(beta, time)) / beta[:, None]])
     turn = loaded[0] @ q
-    # 18 functions, whose powers of x lose some eight digits
-    np.testing.assert_allclose(result["hub_angle"], turn, atol=1e-7 * np.abs(turn).max())
+    np.testing.assert_allclose(result["hub_angle"], turn, atol=1e-10 * np.abs(turn).max())
     for point, history in zip(HISTORY["points"], result["displacement"]):
-        own = np.array([f(point) for f in basis[1:]]) @ loaded[1:] @ q
-        np.testing.assert_allclose(history, own, atol=1e-6 * np.abs(own).max(), err_msg=str(point))
+        own = after.from_line(point) @ loaded @ q
+        np.testing.assert_allclose(history, own, atol=1e-10 * np.abs(own).max(), err_msg=str(point))
+
+
+PULSE = {"position": 0.7, "amplitude": 100.0, "duration": 1e-3}
+EVERYTHING = {"velocity": True, "acceleration": True, "bending_moment": True, "shear_force": True}
+
+
+def half_sine(square, time, amplitude, length):
+    """Displacement, velocity and acceleration of u'' + square u = f."""
+    w, beta = np.pi / length, np.sqrt(square)
+    during = time <= length
+    load = np.where(during, amplitude * np.sin(w * time), 0.0)
+
+    def forced(t):
+        if beta == 0:
+            return amplitude * (t / w - np.sin(w * t) / w**2), amplitude * (1 - np.cos(w * t)) / w
+        far = amplitude / (square - w**2)
+        return far * (np.sin(w * t) - w / beta * np.sin(beta * t)), far * w * (np.cos(w * t) - np.cos(beta * t))
+
+    (u, v), (end, rate), after = forced(time), forced(length), np.maximum(time - length, 0)
+    ring = np.sin(beta * after) / beta if beta else after
+    u = np.where(during, u, end * np.cos(beta * after) + rate * ring)
+    v = np.where(during, v, rate * np.cos(beta * after) - square * end * ring)
+    return u, v, load - square * u
+
+
+@pytest.mark.parametrize("bodies", [(), ((0.4, 3.0),)], ids=["bare", "loaded"])
+@pytest.mark.parametrize("omega", [0.0, 80.0])
+def test_a_force_moves_beam_and_hub_as_a_model_of_its_own_does(here, omega, bodies):
+    inertia, radius = 0.05, 0.1
+    turning = {"rotation": {"angular_velocity": omega}, "stiffening": {"hub_radius": radius}} if omega else {}
+    body = {"body": {"position": bodies[0][0], "mass": bodies[0][1]}} if bodies else {}
+    points = [0.0, 0.3, 0.7, 1.0]
+    here.scene("a", {"beam": PAPER_BEAM, **turning, "hub": {"rotary_inertia": inertia, "radius": radius}, **body, "force": PULSE,
+                     "modes": {"before": 40}, "response": {"duration": 0.05, "samples": 500, "points": points, **EVERYTHING}})
+    result = here.run("a")
+    beam = HubBeam(inertia, radius, omega, bodies, tuple(sorted({0.7, *(place for place, _ in bodies)})), degree=40)
+    square, mode = beam.modes(75)
+    time, driven = result["time"], beam.motion(0.7) @ mode
+    u, v, a = (np.array(rows) * driven[:, None] for rows in zip(*(half_sine(s, time, 100.0, 1e-3) for s in square), strict=True))
+    turn = mode[0] @ u
+    np.testing.assert_allclose(result["hub_angle"], turn, atol=1e-9 * np.abs(turn).max())
+    late = time > 1e-3  # without the force the modes that are left out here are at rest
+    rows = []
+    for point in points:
+        rows.append((beam.from_line(point) @ mode, STIFFNESS * beam.from_line(point, 2) @ mode, section(beam, point) @ mode))
+    for name, seen, history in (("displacement", 0, u), ("velocity", 0, v), ("acceleration", 0, a), ("bending_moment", 1, u)):
+        for p in range(len(points)):
+            off = np.abs(result[name][p] - (rows[p][seen] @ history if (name, points[p]) != ("bending_moment", 1.0) else 0.0))[late].max()
+            assert off <= 2 * result[f"{name}_error"][p] + 1e-12 * np.abs(result[name]).max(), (name, points[p], off)
+    for p in range(len(points)):  # square to the hub's line: what lies beyond takes, less the pull on a line that turns
+        beyond = rows[p][2]
+        pull = omega**2 * (section(beam, points[p])[0])
+        own = omega**2 * beyond @ u - beyond @ a - pull * turn
+        off = np.abs(result["shear_force"][p] - own)[late].max()
+        assert off <= 2 * result["shear_force_error"][p] + 1e-12 * np.abs(result["shear_force"]).max(), (points[p], off)
+    # the moment about the axis is what the force brings
+    brought = 100.0 * 2e-3 / np.pi * (radius + 0.7)
+    inner = beam.mass[0] @ mode @ v
+    np.testing.assert_allclose(inner[late], brought, rtol=1e-9)
+    np.testing.assert_allclose(np.polyfit(time, result["hub_angle"], 1)[0], brought / beam.mass[0, 0], rtol=0.2)
+
+
+def section(beam, place):
+    """Mass times motion of what lies beyond a place, by each unknown."""
+    total = 0.0
+    ends = [place, *(cut for cut in beam.ends if cut > place)]
+    for a, b in zip(ends[:-1], ends[1:], strict=True):
+        node, weight = np.polynomial.legendre.leggauss(60)
+        x = a + (b - a) * (node + 1) / 2
+        total = total + PER_LENGTH * np.vstack([beam.radius + x, beam.basis(x)]) @ (weight / 2 * (b - a))
+    for at, mass in beam.bodies:
+        if at >= place:
+            total = total + mass * beam.motion(at)
+    return total + np.zeros(len(beam.mass))
+
+
+BALL = {"impact": {"mass": 0.5, "position": 0.7, "approach_velocity": 1.0}, "contact": {"radius": 0.025, "surface_radius": 0.0}}
+
+
+def test_a_contact_moves_beam_and_hub_as_an_integration_of_its_own_does(here):
+    inertia, radius, omega, n, mass = 0.5, 0.3, 50.0, 60, 0.5
+    here.scene("a", {"beam": PAPER_BEAM, **TURNING, "hub": {"rotary_inertia": inertia}, **BALL, "modes": {"before": n},
+                     "response": {"duration": 2e-3, "samples": 400, "points": [0.3, 0.7, 1.0]}})
+    result = here.run("a")
+    beam = HubBeam(inertia, radius, omega, cuts=(0.7,), degree=60)
+    square, mode = beam.modes(110)
+    struck = beam.motion(0.7) @ mode
+    rest = (struck[n:] ** 2 / square[n:]).sum()
+    stiffness = 4 / 3 * np.sqrt(0.025) * 2e11 / (2 * 0.91)
+
+    def force(state):
+        approach = state[2 * n] - struck[:n] @ state[:n]
+        if approach <= 0:
+            return 0.0
+        depth = min(approach, (approach / (rest * stiffness)) ** (2 / 3))
+        for _ in range(30):
+            depth -= (depth + rest * stiffness * depth**1.5 - approach) / (1 + 1.5 * rest * stiffness * depth**0.5)
+        return stiffness * depth**1.5
+
+    def slope(_, state):
+        pressed = force(state)
+        bend = struck[:n] * pressed - square[:n] * state[:n]
+        return np.concatenate([state[n : 2 * n], bend, [state[-1], omega**2 * state[2 * n] - pressed / mass]])
+
+    time = result["time"]
+    solution = solve_ivp(slope, (0, time[-1]), np.append(np.zeros(2 * n + 1), 1.0), "DOP853", time, rtol=1e-10, atol=1e-15, max_step=2e-6)
+    turn = mode[0, :n] @ solution.y[:n]
+    free = (time > result["event_end"][0]) & (time > 0)  # the modes that are left out here are at rest then
+    np.testing.assert_allclose(result["hub_angle"][free], turn[free], atol=1e-6 * np.abs(turn).max())
+    assert np.isclose(result["event_end"][0], 1.65e-4, rtol=0.05) and np.sum(result["event_kind"] > 0) == 1
+    for p, point in enumerate([0.3, 0.7, 1.0]):
+        own = beam.from_line(point)[None] @ mode[:, :n] @ solution.y[:n]
+        off = np.abs(result["displacement"][p] - own[0])[free].max()
+        assert off <= result["displacement_error"][p], (point, off)
+    speed = mode[0, 0] * solution.y[n]
+    np.testing.assert_allclose(result["hub_rate_change"][0], speed[free][0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("groups", [
+    {"force": PULSE}, {"force": PULSE, **TURNING}, BALL, {**BALL, **TURNING}, {**BALL, **TURNING, "capture": {}, "release": {"time": 0.006}},
+    {"force": PULSE, **TURNING, "body": {"position": 0.5, "mass": 1.0, "from": 2e-3, "until": 5e-3}}], ids=lambda groups: "-".join(groups))
+def test_with_a_very_heavy_hub_loads_and_contacts_are_those_of_a_root_that_is_held(here, groups):
+    scene = {"beam": PAPER_BEAM, "modes": {"before": 20}, **groups,
+             "response": {"duration": 0.01, "samples": 200, "points": [0.5, 1.0], **({} if "capture" in groups else {"bending_moment": True})}}
+    count = {"before": 21} | ({"after": 21} if "capture" in groups else {})
+    here.scene("heavy", scene | {"hub": {"rotary_inertia": 1e12}, "modes": count})
+    here.scene("held", scene | {"modes": {name: 20 for name in count}})
+    heavy, held = here.run("heavy"), here.run("held")
+    for name in ("displacement", "velocity", "bending_moment"):
+        if name in held:
+            np.testing.assert_allclose(heavy[name], held[name], atol=2e-9 * np.abs(held[name]).max(), err_msg=name)
+    np.testing.assert_allclose(heavy["event_time"], held["event_time"], rtol=1e-9) if "event_time" in held else None
+    assert np.abs(heavy["hub_angle"]).max() < 1e-11
 
 
 @pytest.mark.parametrize("groups", [{}, TURNING, {"shear": {}, **TURNING}, {"support": {"rotational_stiffness": 1e4}, **TURNING},

@@ -3,7 +3,7 @@ module bw_loaded_sum
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_force_step, only: drive, force_in_step, polynomial_of, step_end
   use bw_kinds, only: dp
-  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: oscillators, oscillators_of
   use bw_response, only: sampling_type
@@ -28,6 +28,7 @@ contains
     real(dp) :: start, length, left, force, slope, a(modes%count), c(modes%count)
     real(dp), dimension(modes%count) :: u, v, u_there, v_there
     real(dp), dimension(modes%count, size(sampling%points)) :: shapes, bends
+    real(dp) :: turned(modes%count)                  ! of a hub that is free
     integer :: i, sample
     a = modes%struck
     a(segment%load%taking_part + 1:) = 0.0_dp
@@ -36,6 +37,7 @@ contains
     parts = oscillators_of(modes%beta_squared, c)
     shapes = values_at(modes, deflections, 1, modes%count, sampling%points)
     if (curved) bends = values_at(modes, curvatures, 1, modes%count, sampling%points)
+    turned = modes%hub_turns()
     u = segment%q
     v = segment%rate
     start = 0.0_dp
@@ -44,6 +46,7 @@ contains
       allocate (load%displacement(samples(2) - samples(1) + 1, size(sampling%points)))
       if (sampling%velocity) allocate (load%velocity, mold=load%displacement)
       if (curved) allocate (load%curvature, mold=load%displacement)
+      if (any(turned /= 0.0_dp)) allocate (load%hub_turn(samples(2) - samples(1) + 1))
       do i = 1, size(load%length)
         length = load%length(i)
         do while (sample <= samples(2))
@@ -70,9 +73,10 @@ contains
     subroutine put_sample(row)
       integer, intent(in) :: row
       associate (load => segment%load)
-        load%displacement(row, :) = matmul(u_there, shapes) + load%residual(:, 1)*force
-        if (sampling%velocity) load%velocity(row, :) = matmul(v_there, shapes) + load%residual(:, 1)*(slope/length)
-        if (curved) load%curvature(row, :) = matmul(u_there, bends) + load%residual(:, 2)*force
+        load%displacement(row, :) = matmul(u_there, shapes) + load%residual(:, deflections)*force
+        if (sampling%velocity) load%velocity(row, :) = matmul(v_there, shapes) + load%residual(:, deflections)*(slope/length)
+        if (curved) load%curvature(row, :) = matmul(u_there, bends) + load%residual(:, curvatures)*force
+        if (allocated(load%hub_turn)) load%hub_turn(row) = dot_product(u_there, turned) + load%residual(1, turns)*force
       end associate
     end subroutine put_sample
   end subroutine find_loaded_motion

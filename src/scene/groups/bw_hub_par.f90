@@ -15,16 +15,17 @@ module bw_hub_par
   end type hub_par
 
   type(input_group), parameter, public :: hub_group = input_group( &
-    'hub', excludes='recontact contact', is_effect=.true., builds_up=.true., changes_shapes=.true., &
+    'hub', excludes='recontact', is_effect=.true., builds_up=.true., changes_shapes=.true., &
     absent='the hub''s motion is prescribed: it does not recoil', &
     physics='A rigid hub of moment of inertia J that is free to turn recoils when the beam is struck: J times its angular '// &
     'acceleration is the moment of the root''s reactions about the axis.', &
     example='&rotation angular_velocity = 50 /|&stiffening hub_radius = 0.1 /|&hub rotary_inertia = 2 /', &
-    rules='The root is clamped to the hub, or held on it by the springs of `&support`. Angular momentum is conserved. Mode '// &
-    '1 is the rigid rotation, which has no frequency and no waves. Displacements and shapes are measured from the '// &
-    'undeformed axis of the beam, which turns with the hub. A hub couples only with motion in the plane of rotation. A '// &
-    'beam that rotates there needs `&stiffening`: without tension the rigid rotation would be unstable. Springs of `&body` '// &
-    'and `&tip_support`, which are fixed to a frame that does not recoil, are refused.')
+    rules='The root is clamped to the hub, or held on it by the springs of `&support`. Without loads angular momentum is '// &
+    'conserved; a `&force` acts from outside, and turns beam and hub. Mode 1 is the rigid rotation, which has no frequency and '// &
+    'no waves. Displacements and shapes are measured from the undeformed axis of the beam, which turns with the hub. A hub '// &
+    'couples only with motion in the plane of rotation. A beam that rotates there needs `&stiffening`: without tension the '// &
+    'rigid rotation would be unstable. Springs of `&body` and `&tip_support`, which are fixed to a frame that does not recoil, '// &
+    'are refused.')
 
   type(input_name), parameter, public :: hub_names(*) = [ &
     input_name('hub', 'rotary_inertia', real_input, 'kg m2', positive, required=.true., swept=.true., &
