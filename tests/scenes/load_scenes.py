@@ -28,7 +28,7 @@ def float_in(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def draw(rng: np.random.Generator, kind: str) -> dict:
-    """A scene without its count of modes; `kind` is force, base, or change: a force, and a body that comes."""
+    """A scene without its count of modes; `kind` is force, base, hub: a force, and a hub that is free, or change: a force, and a body that comes."""
     duration = 10 ** float_in(rng, -2.5, 0.5) * SLOWEST * 3
     scene = {"beam": dict(PAPER_BEAM)}
     if kind == "change" or rng.random() < 0.5:
@@ -45,7 +45,12 @@ def draw(rng: np.random.Generator, kind: str) -> dict:
             scene["body"]["until"] = scene["body"]["from"] + float_in(rng, 0.05, 0.3) * duration
     if rng.random() < 0.2:
         scene["support"] = {"rotational_stiffness": 10 ** float_in(rng, 3, 6)}
-    if rng.random() < 0.2:
+    if kind == "hub":
+        scene["hub"] = {"rotary_inertia": 10 ** float_in(rng, -3, 2)}
+        if rng.random() < 0.7:
+            scene["rotation"] = {"angular_velocity": float_in(rng, 0, 200)}
+            scene["stiffening"] = {"hub_radius": float_in(rng, 0, 1)}
+    elif rng.random() < 0.2:
         scene["tip_support"] = {"rotational_stiffness": 0.0}
     if rng.random() < 0.2:
         scene["shear"] = {}
@@ -57,7 +62,7 @@ def draw(rng: np.random.Generator, kind: str) -> dict:
     scene["base" if kind == "base" else "force"] = load
     points = sorted({0.0, 1.0, *(round(float(x), 3) for x in rng.uniform(0.05, 1, 3))})
     asked = dict.fromkeys(QUANTITIES[1:], True)
-    asked["acceleration"] = kind == "base" or (kind == "force" and load["shape"] != "rectangle")
+    asked["acceleration"] = kind == "base" or (kind in ("force", "hub") and load["shape"] != "rectangle")
     asked["shear_force"] = kind != "change"
     scene["response"] = {"duration": duration, "samples": int(rng.choice([300, 1000])), "points": points, **asked}
     return scene
@@ -77,7 +82,8 @@ def draw_load(rng: np.random.Generator, duration: float) -> dict:
 
 def judge(run, scene: dict, modes: int) -> Iterator[Judged]:
     """Compare the run of so many modes with one of far more; `run` makes a dataset of a scene."""
-    more = 8 * modes if "from" in scene.get("body", {}) else max(512, 8 * modes)
+    modes = min(modes, 24) if "hub" in scene else modes  # Galerkin's method has few hundreds
+    more = 8 * modes if "hub" in scene or "from" in scene.get("body", {}) else max(512, 8 * modes)
     few = run({**scene, "modes": {"before": modes, "after": modes}})
     many = run({**scene, "modes": {"before": more, "after": more}})
     for quantity in (q for q in QUANTITIES if q in few):
