@@ -1,4 +1,4 @@
-"""The command `beamwave-blade`: a scene of one bending direction of a blade, from OpenFAST's ElastoDyn blade file."""
+"""The command `beamwave-blade`: a scene of one bending direction of a blade of OpenFAST's ElastoDyn or BeamDyn."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from pathlib import Path
 
 from .run import namelist
 from .terminal import Refusal, Words, printable
-from .tool import EXIT_DONE, EXIT_FILE, Tool, WrongWords, command
+from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool, WrongWords, command
 from .writing import make_directory
 
 LEAST_ANGLE = 0.01  # degrees that count as none: two decimals are what these files write
+LEAST_COUPLING = 1e-3  # of stiffnesses that counts as none: it changes frequencies by its square
+LEAST_BOW = 1e-6  # of the length, by which a straight axis may be off
 MOST_STATIONS = 1001  # that `&beam` takes
 MOST_BYTES = 10_000_000
 COLUMNS = ("BlFract", "StrcTwst", "BMassDen", "FlpStff", "EdgStff")
 
 
 class NotABlade(Refusal):
-    """The file is no ElastoDyn blade, or has no scene of one bending direction; the text names the file."""
+    """The file is no blade of OpenFAST, or has no scene of one bending direction; the text names the file."""
 
 
 @dataclass
@@ -36,29 +38,40 @@ class Blade:
     flap_stiffness: list[float]  # N m²
     edge_stiffness: list[float]  # N m²
     tuners: dict[str, float]  # of the stiffness of single modes, where they are not 1
+    length: float | None = None  # m along the axis, where the file holds it
+    coupling: float = 0.0  # of bending in one direction with the other and with twist, over their stiffnesses
+    off_axis: float = 0.0  # m by which the axis leaves the straight line from root to tip
 
 
 def read_blade(path: Path) -> Blade:
     """Read a blade file. Raises `NotABlade`, with the line, for what is no such file, and `OSError`."""
-    with path.open("rb") as file:
-        data = file.read(MOST_BYTES + 1)
-    if len(data) > MOST_BYTES:
-        raise NotABlade(f"{path}: is larger than {MOST_BYTES} bytes; accepted: an ElastoDyn blade file")
-    lines = data.decode("latin-1").splitlines()
-    scalars = {words[1]: (number, words[0]) for number, words in enumerate(map(str.split, lines), 1) if len(words) > 1}
+    lines = read_lines(path)
+    scalars = scalars_of(lines)
+    if "kp_total" in scalars and "BldFile" in scalars:
+        from .beamdyn import read_beamdyn  # numpy takes longer than all of ElastoDyn's
+
+        return read_beamdyn(path, lines)
+    if "station_total" in scalars:
+        raise NotABlade(
+            f"{path}: has sections alone; accepted: the BeamDyn input file that names it, which has length and twist"
+        )
     if "NBlInpSt" not in scalars:
-        raise NotABlade(f"{path}: has no NBlInpSt; accepted: an ElastoDyn blade file (not BeamDyn's, nor the main file)")
+        raise NotABlade(
+            f"{path}: has neither NBlInpSt nor kp_total; accepted: an ElastoDyn blade file, or a BeamDyn input file"
+        )
 
     def scalar(name: str) -> float:
         line, text = scalars[name] if name in scalars else (0, "1")
-        return _number(text, path, line, name)
+        return number(text, path, line, name)
 
     count = scalar("NBlInpSt")
     if count != int(count) or not 2 <= count <= MOST_STATIONS:
         raise NotABlade(f"{path}:{scalars['NBlInpSt'][0]}: NBlInpSt is {count:g}; accepted: 2 to {MOST_STATIONS}")
     table = _stations(path, lines, int(count))
     factors = {name: scalar(name) for name in ("AdjBlMs", "AdjFlSt", "AdjEdSt")}
-    tuners = {name: scalar(name) for name in ("FlStTunr(1)", "FlStTunr(2)", "FlStTunr1", "FlStTunr2")}  # both spellings occur
+    tuners = {
+        name: scalar(name) for name in ("FlStTunr(1)", "FlStTunr(2)", "FlStTunr1", "FlStTunr2")
+    }  # both spellings occur
     return Blade(
         path=path,
         title=printable(lines[1].strip()) if len(lines) > 1 else "",
@@ -69,6 +82,20 @@ def read_blade(path: Path) -> Blade:
         edge_stiffness=[factors["AdjEdSt"] * value for value in table["EdgStff"]],
         tuners={name: value for name, value in tuners.items() if value != 1.0},
     )
+
+
+def read_lines(path: Path) -> list[str]:
+    """Return the lines of a file. Raises `NotABlade` where it is too large, and `OSError`."""
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise NotABlade(f"{path}: is larger than {MOST_BYTES} bytes; accepted: a blade file of OpenFAST")
+    return data.decode("latin-1").splitlines()
+
+
+def scalars_of(lines: list[str]) -> dict[str, tuple[int, str]]:
+    """Return line and text of each value that stands before its name."""
+    return {words[1]: (n, words[0]) for n, words in enumerate(map(str.split, lines), 1) if len(words) > 1}
 
 
 def _stations(path: Path, lines: list[str], count: int) -> dict[str, list[float]]:
@@ -87,11 +114,13 @@ def _stations(path: Path, lines: list[str], count: int) -> dict[str, list[float]
         if len(words) < len(names):
             raise NotABlade(f"{path}:{line + 1}: has no row of {len(names)} numbers; NBlInpSt says {count} stations")
         for name in COLUMNS:
-            value = _number(words[names.index(name)], path, line + 1, name)
+            value = number(words[names.index(name)], path, line + 1, name)
             if name not in ("BlFract", "StrcTwst") and value <= 0:
                 raise NotABlade(f"{path}:{line + 1}: {name} is {value:g}; accepted: above 0")
             if name == "BlFract" and table[name] and value <= table[name][-1]:
-                raise NotABlade(f"{path}:{line + 1}: BlFract is {value:g} after {table[name][-1]:g}; accepted: it rises")
+                raise NotABlade(
+                    f"{path}:{line + 1}: BlFract is {value:g} after {table[name][-1]:g}; accepted: it rises"
+                )
             table[name].append(value)
     for line, wanted in ((first, 0.0), (first + count - 1, 1.0)):
         value = table["BlFract"][line - first]
@@ -100,7 +129,7 @@ def _stations(path: Path, lines: list[str], count: int) -> dict[str, list[float]
     return table
 
 
-def _number(text: str, path: Path, line: int, name: str) -> float:
+def number(text: str, path: Path, line: int, name: str) -> float:
     """Read a number as Fortran writes it; it has to be finite."""
     try:
         value = float(text.lower().replace("d", "e"))
@@ -125,8 +154,8 @@ def blade_scene(
 
     `direction` is 'flap' or 'edge', `length` is in m from the root to the tip, `hub_radius` in m, `angular_velocity` in
     rad/s and `pitch_deg` is added to the structural twist. Raises `NotABlade` where the setting angle couples flap with
-    edge: it varies along the blade, or the blade rotates and it is neither 0 nor 90 degrees. With `neglect_twist` the blade
-    bends as if the angle were 0 everywhere.
+    edge: it varies along the blade, or the blade rotates and it is neither 0 nor 90 degrees; or where the sections do. With
+    `neglect_twist` the blade bends as if the angle were 0 everywhere and no section coupled anything.
     """
     if direction not in ("flap", "edge"):
         raise ValueError(f"direction is {direction!r}; accepted: 'flap' or 'edge'")
@@ -143,6 +172,11 @@ def blade_scene(
             why = ""
         if why:
             raise NotABlade(f"{blade.path}: {why}; accepted: 0 or 90 degrees along the whole blade, or --neglect-twist")
+        if blade.coupling > LEAST_COUPLING:
+            raise NotABlade(
+                f"{blade.path}: sections couple one direction of bending with the other or with twist, by {blade.coupling:.1g} of their "
+                "stiffnesses; accepted: sections without it, or --neglect-twist"
+            )
         in_plane = in_plane != bool(quarter % 2)
     stiffness = blade.flap_stiffness if direction == "flap" else blade.edge_stiffness
     steps = [length * (b - a) for a, b in zip(blade.fraction, blade.fraction[1:])]
@@ -163,16 +197,20 @@ def blade_scene(
 
 def parser() -> argparse.ArgumentParser:
     """Return the words of the command line."""
-    words = Words(
-        prog="beamwave-blade", description="Makes a scene of one bending direction of an OpenFAST ElastoDyn blade file."
-    )
-    words.add_argument("file", metavar="FILE", type=Path, help="ElastoDyn blade file")
+    words = Words(prog="beamwave-blade", description="Makes a scene of one bending direction of a blade of OpenFAST.")
+    words.add_argument("file", metavar="FILE", type=Path, help="ElastoDyn blade file, or BeamDyn input file")
     words.add_argument("--direction", choices=["flap", "edge"], required=True, help="in which the blade bends")
-    words.add_argument("--length", metavar="M", type=float, help="of the blade; or --tip-radius")
-    words.add_argument("--tip-radius", metavar="M", type=float, help="TipRad of the main file; length is TipRad - HubRad")
-    words.add_argument("--hub-radius", metavar="M", type=float, default=0.0, help="HubRad of the main file (default: 0)")
+    words.add_argument("--length", metavar="M", type=float, help="of a blade of ElastoDyn; or --tip-radius")
+    words.add_argument(
+        "--tip-radius", metavar="M", type=float, help="TipRad of the main file; length is TipRad - HubRad"
+    )
+    words.add_argument(
+        "--hub-radius", metavar="M", type=float, default=0.0, help="HubRad of the main file (default: 0)"
+    )
     words.add_argument("--rpm", metavar="N", type=float, default=0.0, help="rotor speed, 1/min (default: 0, at rest)")
-    words.add_argument("--pitch", metavar="DEG", type=float, default=0.0, help="added to the structural twist (default: 0)")
+    words.add_argument(
+        "--pitch", metavar="DEG", type=float, default=0.0, help="added to the structural twist (default: 0)"
+    )
     words.add_argument(
         "--neglect-twist", action="store_true", help="bend as if the setting angle were 0; says what that neglects"
     )
@@ -195,13 +233,13 @@ def _run(given: argparse.Namespace, tool: Tool) -> int:
 
 def _check(given: argparse.Namespace) -> None:
     """Raise `WrongWords` where a word is out of range; completes the blade's length."""
-    if (given.length is None) == (given.tip_radius is None):
-        raise WrongWords("the file does not hold the blade's length; accepted: --length or --tip-radius")
+    if given.length is not None and given.tip_radius is not None:
+        raise WrongWords("--length and --tip-radius; accepted: one of them")
     if not 0 <= given.hub_radius < math.inf:
         raise WrongWords(f"--hub-radius is {given.hub_radius:g}; accepted: 0 or above")
-    if given.length is None:
+    if given.tip_radius is not None:
         given.length = given.tip_radius - given.hub_radius
-    if not 0 < given.length < math.inf:
+    if given.length is not None and not 0 < given.length < math.inf:
         raise WrongWords(f"the blade's length is {given.length:g} m; accepted: above 0")
     if not (math.isfinite(given.rpm) and math.isfinite(given.pitch)):
         raise WrongWords("--rpm and --pitch; accepted: finite numbers")
@@ -211,10 +249,15 @@ def _convert(given: argparse.Namespace, directory: Path, tool: Tool) -> int:
     """Write the scene of one file, and say what it leaves out; returns the exit status."""
     try:
         blade = read_blade(given.file)
+        if (given.length is None) == (blade.length is None):
+            held = "does not hold" if blade.length is None else "holds"
+            wanted = "--length or --tip-radius" if blade.length is None else "neither --length nor --tip-radius"
+            tool.complain(f"{given.file}: {held} the blade's length; accepted: {wanted}")
+            return EXIT_USAGE
         groups = blade_scene(
             blade,
             given.direction,
-            given.length,
+            given.length or blade.length,
             hub_radius=given.hub_radius,
             angular_velocity=2.0 * math.pi * given.rpm / 60.0,
             pitch_deg=given.pitch,
@@ -230,6 +273,14 @@ def _convert(given: argparse.Namespace, directory: Path, tool: Tool) -> int:
         tool.complain(
             f"{given.file}: warning: setting angles of {min(angles):g} to {max(angles):g} degrees are taken as 0: "
             "their coupling of flap with edge is neglected"
+        )
+        if blade.coupling > LEAST_COUPLING:
+            tool.complain(
+                f"{given.file}: warning: what sections couple, {blade.coupling:.1g} of their stiffnesses, is neglected"
+            )
+    if blade.length and blade.off_axis > LEAST_BOW * blade.length:
+        tool.complain(
+            f"{given.file}: warning: the axis, which is up to {blade.off_axis:.3g} m off a straight line, is taken as straight"
         )
     if blade.tuners and given.direction == "flap":
         words = ", ".join(f"{name} = {value:g}" for name, value in blade.tuners.items())

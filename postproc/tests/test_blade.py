@@ -45,6 +45,47 @@ A blade for tests
     return path
 
 
+def beamdyn_files(folder, twist=0.0, shift=(0.0, 0.0), mixed=0.0, bow=0.0, change=None):
+    """Write the same blade in BeamDyn's format; the tension centre of its sections is shifted from the axis by x and y."""
+    x, y = shift
+    rows = []
+    for a, b, c, d in zip(FRACTION, 1.05 * MASS, 1.1 * FLAP, 0.9 * EDGE):
+        stiff, inertia = np.diag([1e9, 2e9, 1e10, d, c, 5e9]), np.diag([b, b, b, 10.0, 20.0, 30.0])
+        moved = np.array([y, -x])  # moments about x and y of a pull at the tension centre
+        stiff[2, 3:5] = stiff[3:5, 2] = stiff[2, 2] * moved
+        stiff[3:5, 3:5] += stiff[2, 2] * np.outer(moved, moved)
+        stiff[3, 4] = stiff[4, 3] = stiff[3, 4] + mixed * np.sqrt(c * d)
+        matrices = [
+            "\n".join("  ".join(f"{value:23.16e}" for value in row) for row in matrix) for matrix in (stiff, inertia)
+        ]
+        rows.append(f" {a:.6f}\n" + "\n\n".join(matrices) + "\n")
+    damping = (
+        "   mu1  mu2  mu3  mu4  mu5  mu6\n   (-)  (-)  (-)  (-)  (-)  (-)\n  0.001 0.001 0.001 0.001 0.001 0.001\n"
+    )
+    (folder / "sections.dat").write_text(
+        f"------- BEAMDYN V1.00.* INDIVIDUAL BLADE INPUT FILE ----\nA blade for tests\n---- BLADE PARAMETERS ----\n"
+        f"{FRACTION.size}   station_total    - Number of blade input stations (-)\n 1   damp_type        - Damping\n"
+        f"---- DAMPING COEFFICIENT ----\n{damping}---- DISTRIBUTED PROPERTIES ----\n" + "\n".join(rows)
+    )
+    twists = np.broadcast_to(twist, FRACTION.shape)
+    points = "\n".join(f"{bow * 4 * a * (1 - a)} 0.0 {LENGTH * a} {b}" for a, b in zip(FRACTION, twists))
+    path = folder / "beamdyn.dat"
+    text = f"""--------- BEAMDYN with OpenFAST INPUT FILE ------
+A blade for tests
+---------------------- GEOMETRY PARAMETER ----------
+          1   member_total   - Total number of members (-)
+          {FRACTION.size}   kp_total       - Total number of key points (-)
+     1     {FRACTION.size}                - Member number; Number of key points in this member
+    kp_xr   kp_yr   kp_zr   initial_twist
+    (m)     (m)     (m)     (deg)
+{points}
+---------------------- MATERIAL PARAMETER ----------
+"sections.dat"    BldFile - Name of file containing properties for blade (quoted string)
+"""
+    path.write_text(text.replace(*change) if change else text)
+    return path
+
+
 def element_frequencies(stiffness, omega=0.0, in_plane=False, parts=40):
     """First three frequencies (rad/s) by Hermite elements, `parts` between two stations."""
     nodes = np.unique(np.concatenate([np.linspace(a, b, parts + 1) for a, b in zip(FRACTION, FRACTION[1:])])) * LENGTH
@@ -92,6 +133,69 @@ def test_frequencies_are_those_of_finite_elements(beamwave, tmp_path, direction,
     np.testing.assert_allclose(result["angular_frequency"].values[:3], reference, rtol=1e-6)
 
 
+def test_a_blade_of_beamdyn_is_the_same_beam_wherever_its_axis_runs(tmp_path):
+    elastodyn = read_blade(blade_file(tmp_path / "blade.dat"))
+    beamdyn = read_blade(beamdyn_files(tmp_path, shift=(0.3, -0.2)))
+    assert beamdyn.length == pytest.approx(LENGTH, rel=1e-15)
+    for direction in ("flap", "edge"):
+        ours, other = (blade_scene(blade, direction, LENGTH)["beam"] for blade in (beamdyn, elastodyn))
+        for name in ("length", "mass_per_length", "bending_stiffness"):
+            # of E A d^2, which is taken off again, and the ten digits of ElastoDyn's file
+            np.testing.assert_allclose(ours[name], other[name], rtol=1e-7, err_msg=name)
+
+
+def test_a_blade_of_beamdyn_says_what_bends_otherwise(tmp_path, capfd):
+    words = [str(beamdyn_files(tmp_path, bow=1.0, mixed=0.1)), "--direction", "flap"]
+    assert main(words) == 3
+    assert "sections couple one direction of bending with the other or with twist, by 0.1 of" in capfd.readouterr().err
+    assert main([*words, "--neglect-twist"]) == 0
+    said = capfd.readouterr().err
+    assert "what sections couple, 0.1 of their stiffnesses, is neglected" in said
+    assert "the axis, which is up to 0.96 m off a straight line, is taken as straight" in said
+    assert main([*words, "--length", "60"]) == 2
+    assert "holds the blade's length; accepted: neither --length nor --tip-radius" in capfd.readouterr().err
+    with pytest.raises(NotABlade, match="accepted: the BeamDyn input file that names it"):
+        read_blade(tmp_path / "sections.dat")
+    with pytest.raises(NotABlade, match="varies from 0 to 13 degrees"):
+        blade_scene(read_blade(beamdyn_files(tmp_path, twist=np.linspace(13.0, 0.0, FRACTION.size))), "flap", LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        ("beamdyn.dat", ("6   kp_total", "7   kp_total"), "beamdyn.dat:15: a key point is ------"),
+        ("beamdyn.dat", ("6   kp_total", "x   kp_total"), "beamdyn.dat:5: kp_total is x; accepted: a number"),
+        ("beamdyn.dat", ("kp_xr", "kp_x"), "has no line of column names that begins with kp_xr"),
+        ("beamdyn.dat", ("0.0 0.0 6.0 ", "0.0 0.0 0.0 "), "key points 1 and the next are at the same place"),
+        ("sections.dat", ("6   station_total", "7   station_total"), "ends in station 7 of 7; each has a place"),
+        ("sections.dat", ("DISTRIBUTED", "OTHER"), "has no line with the words DISTRIBUTED PROPERTIES"),
+        ("sections.dat", (" 0.300000\n", " 0.050000\n"), "the places of the stations are 0 to 1; accepted: they rise"),
+        (
+            "sections.dat",
+            ("1.0000000000000000e+09", "-1.0000000000000000e+09"),
+            "the stiffness of station 1 is not positive definite",
+        ),
+        ("sections.dat", (" 1.0000000000000000e+09", " much"), ":12: a section's number is much; accepted: a number"),
+        ("sections.dat", ("7.3500000000000000e+02", "0"), "station 1 has no mass"),
+    ],
+)
+def test_a_damaged_file_of_beamdyn_is_refused(tmp_path, name, change, message):
+    path = beamdyn_files(tmp_path)
+    damaged = tmp_path / name
+    assert change[0] in damaged.read_text()
+    damaged.write_text(damaged.read_text().replace(*change))
+    with pytest.raises(NotABlade) as failure:
+        read_blade(path)
+    assert message in str(failure.value)
+
+
+def test_a_missing_file_of_sections_is_named(tmp_path, capfd):
+    path = beamdyn_files(tmp_path)
+    (tmp_path / "sections.dat").unlink()
+    assert main([str(path), "--direction", "flap"]) == 3
+    assert "beamdyn.dat:16: " in (said := capfd.readouterr().err) and "sections.dat: No such file" in said
+
+
 def test_a_right_angle_turns_flap_into_the_plane_of_rotation(tmp_path):
     blade = read_blade(blade_file(tmp_path / "blade.dat", twist=90.0))
     planes = [blade_scene(blade, d, LENGTH, angular_velocity=1.0)["rotation"]["plane"] for d in ("flap", "edge")]
@@ -122,7 +226,7 @@ def test_a_constant_angle_is_refused_only_of_a_blade_that_rotates(tmp_path):
     [
         (("6   NBlInpSt", "7   NBlInpSt"), ":21: has no row of 6 numbers; NBlInpSt says 7 stations"),
         (("6   NBlInpSt", "x   NBlInpSt"), ":4: NBlInpSt is x; accepted: a number"),
-        (("NBlInpSt", "station_total"), "has no NBlInpSt"),
+        (("NBlInpSt", "stations"), "has neither NBlInpSt nor kp_total"),
         (("FlpStff", "FlpStiff"), ":13: has no column FlpStff"),
         (("3.8000000E+02", "-3.8000000E+02"), ":17: BMassDen is -380; accepted: above 0"),
         (("3.0000000E-01", "5.0000000E-02"), ":17: BlFract is 0.05 after 0.1; accepted: it rises"),
