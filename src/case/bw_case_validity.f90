@@ -305,8 +305,8 @@ contains
 
   subroutine note_sampling(scene, response, errors, notes)
     !! Which histories may have their peaks between samples, each at the point where its estimate is the largest, and how many
-    !! samples would show them to 1 %, if these follow the motion: what they hide falls with the square of their distance. Nothing
-    !! is said where the estimated error is larger.
+    !! times the samples would show them to 1 %, if these follow the motion: what they hide falls with the square of their
+    !! distance. Nothing is said where the estimated error is larger.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
     type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
@@ -323,9 +323,8 @@ contains
     if (allocated(response%acceleration)) call add_words('acceleration', response%acceleration, errors%acceleration)
     if (words == '') return
     times = 2**ceiling(0.5_dp*log(worst/unnoticed)/log(2.0_dp))
-    if (times > huge(times)/scene%response%samples) return
     call append(notes, 'sampling: peaks may lie between samples, and be larger than the largest sample: '//words(3:)// &
-                '; try samples = '//text_of(times*scene%response%samples))
+                '; try '//text_of(times)//' times as many samples')
   contains
     subroutine add_words(quantity, histories, error)
       character(*), intent(in) :: quantity

@@ -60,9 +60,9 @@ contains
         call try(one, layout, monitor, '', notes)
       else if (takes_at_most(few_of(one, 1.0_dp), few_modes, most_seconds)) then
         forecast%from_few = .true.
-        call try(few_of(one, 1.0_dp), layout, monitor, 'all but aliasing', notes)
+        call try(few_of(one, 1.0_dp), layout, monitor, 'of modes', notes)
         if (allocated(one%response)) &
-          call try(few_of(one, real(few_samples, dp)/one%response%samples), layout, monitor, 'aliasing', notes)
+          call try(few_of(one, real(few_samples, dp)/one%response%samples), layout, monitor, 'of samples', notes)
       else
         return
       end if
@@ -74,8 +74,8 @@ contains
   end subroutine forecast_notes
 
   subroutine try(scene, layout, monitor, kinds, notes)
-    !! Run a case and take its notes: all of them, or, of few modes, those on aliasing or the others. Few modes would raise errors, and
-    !! know less than a run of where energy goes. Spectra, whose time is hard to foresee, warn of little.
+    !! Run a case and take its notes: all of them, or, of few modes, those on what its sampling rate hides or the others. Few modes
+    !! would raise errors, and know less than a run of where energy goes. Spectra, whose time is hard to foresee, warn of little.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     class(monitor_type), intent(inout) :: monitor
@@ -96,7 +96,7 @@ contains
     do i = 1, size(result%notes)
       kind = kind_of(result%notes(i)%text)
       if (kinds /= '' .and. (index(kind, 'error of') == 1 .or. kind == 'energy of the release')) cycle
-      if (kinds /= '' .and. ((kind == 'aliasing') .neqv. (kinds == 'aliasing'))) cycle
+      if (kinds /= '' .and. ((kind == 'aliasing' .or. kind == 'sampling') .neqv. (kinds == 'of samples'))) cycle
       call append(notes, result%notes(i)%text)
     end do
   end subroutine try
