@@ -14,6 +14,7 @@ from .draw.lines import lines
 from .draw.measured import measured
 from .draw.mode_shapes import mode_shapes
 from .draw.outcome_map import outcome_map
+from .draw.outcomes import outcomes
 from .draw.prices import work_precision
 from .draw.ranking import ranking
 from .draw.record_dispersion import record_dispersion
@@ -72,6 +73,7 @@ __all__ = [
     "motion",
     "open_result",
     "outcome_map",
+    "outcomes",
     "page_of",
     "phase_velocity",
     "pictures",

@@ -6,6 +6,7 @@ import functools
 from typing import Any, Callable, Literal, TypeVar
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
@@ -27,8 +28,10 @@ DASHES: tuple[Any, ...] = (
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 MAX_CURVES = len(COLOURS)
 GREY = "0.45"
+ABOVE_GRID = 0.8  # order of drawing, below all data
 # Of lines on an image, seen on its dark and its light parts, and in the legend beside it.
 ON_IMAGE: dict[str, Any] = {"color": COLOURS[5], "path_effects": [withStroke(linewidth=2.4, foreground="black")]}
+SUBS = ((np.log10(2.0), (1.0, 2.0, 5.0)), (np.log10(3.0), (1.0, 3.0)))  # numbers of a decade, and how close they are in it
 FEW_DECADES = 1e3  # a ratio of limits below this is labelled between the decades too
 PLAIN = (1e-3, 1e4)  # numbers that are written out, without powers of ten
 
@@ -96,9 +99,19 @@ def logarithmic(axes: Axes, which: Literal["x", "y"], low: float, high: float) -
 def label_decades(axis: Axis, low: float, high: float) -> None:
     """Label a logarithmic axis from `low` to `high` by decades, and in plain numbers between where they are few."""
     if high < FEW_DECADES * low and low > PLAIN[0] and high < PLAIN[1]:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_locator(FewDecades())
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+class FewDecades(LogLocator):
+    """Ticks at 1, 2 and 5 of each decade, or at as many of these as have room."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        """The ticks from `vmin` to `vmax`, on the axis as long as it is now."""
+        room = self.axis.get_tick_space() / abs(np.log10(vmax / vmin))  # ticks in a decade
+        self.set_params(subs=next((subs for closest, subs in SUBS if closest * room >= 1.0), (1.0,)))
+        return super().tick_values(vmin, vmax)
 
 
 def say_zero(axes: Axes) -> None:

@@ -1,5 +1,6 @@
 """`beamwave-plot` and `python -m beamwave_postproc.paper`: files in, pictures out, failures said."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -21,6 +22,7 @@ ELSEWHERE = {
     "campbell",
     "sweep_map",
     "ranking",
+    "outcomes",
     "outcome_map",
     "impulses",
     "contact_force",
@@ -223,6 +225,9 @@ def test_a_size_that_is_none_is_refused(full_result, words):
     assert stop.value.code == 2
 
 
-def test_a_height_without_room_for_the_axes_is_told(full_result, tmp_path, capfd):
-    assert cli.main([str(full_result), "--output", str(tmp_path), "--only", "measured_wavenumber", "--size", "90x40"]) == 3
-    assert "need a height of" in capfd.readouterr().err
+@pytest.mark.parametrize("size", ["90x40", "45x120"])
+def test_a_size_without_room_for_the_words_is_refused_and_the_one_that_is_named_suffices(full_result, tmp_path, capfd, size):
+    words = [str(full_result), "--output", str(tmp_path), "--only", "measured_wavenumber", "--size"]
+    assert cli.main([*words, size]) == 3
+    told = re.search(r"its words have no room; (\d+x\d+) mm suffices", capfd.readouterr().err)
+    assert told and cli.main([*words, told[1]]) == 0

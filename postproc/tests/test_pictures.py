@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 import beamwave_postproc
 from beamwave_postproc import KINDS, NothingToDraw, open_result, swept_inputs
+from beamwave_postproc.parts.crowding import is_crowded
 
 DRAWN = {
     name for name in beamwave_postproc.__all__ if name in {kind.split("measured_")[0] or "measured" for kind in KINDS}
@@ -17,10 +18,12 @@ DRAWN = {
 
 def overlaps(fig):
     """Words, legends and axes that cover each other or leave the figure; a list of what is wrong."""
+    wrong = ["axes or numbers meet"] if is_crowded(fig) else []
+    fig.set_layout_engine("none")  # it is laid out
     fig.draw_without_rendering()
     shown = [axes for axes in fig.axes if axes.get_visible()]
     boxes = [axes.get_tightbbox() for axes in shown]
-    wrong = [f"legend on the data of {axes}" for axes in shown if axes.get_legend() and covers(axes)]
+    wrong += [f"legend on the data of {axes}" for axes in shown if axes.get_legend() and covers(axes)]
     for artist in (*fig.texts, *fig.legends):
         box = artist.get_window_extent()
         if box.x0 < 0.0 or box.x1 > fig.bbox.x1 or box.y1 > fig.bbox.y1:

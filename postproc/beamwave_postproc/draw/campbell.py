@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ..parts.follow import eigenvalues, followed
 from ..parts.labels import value_text
 from ..parts.select import Chosen, chosen, left_out, spread
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..result import NothingToDraw, require, swept_inputs
 from ..style import COLOURS, DASHES, GREY, logarithmic, styled
 
@@ -56,7 +56,7 @@ def campbell(
     branches = [_branches(part, numbers) for part in parts]
     if not any((values > 0.0).any() for values in branches):
         raise NothingToDraw("no mode oscillates")
-    columns = min(len(shown), 2)
+    columns = columns_for(len(shown))
     rows = -(-len(shown) // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
     limits = _limits(np.concatenate(branches), linear)

@@ -12,12 +12,13 @@ from ..parts.events import ROW, events_of, mark_events
 from ..parts.labels import axis_label
 from ..parts.passage import blow_at
 from ..parts.select import left_out, one_case
-from ..parts.sheet import Given, mosaic_for
+from ..parts.sheet import Given, columns_for, mosaic_for
 from ..parts.units import si_prefix, units_of, with_unit
 from ..result import require
 from ..style import COLOURS, styled
 
 MOST = 4  # contacts whose force is drawn
+WIDTH = 1.8  # inches, of one of them
 ROOM = 1.5  # times the end of the last contact, up to which mass and beam are followed
 LEAST = 24  # samples of the beam that are drawn at least
 SAME_PLACE = 1e-9
@@ -33,7 +34,7 @@ def contact_force(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     require(ds, "contact_force")
     case, note = one_case(ds)
     every = contacts_of(case)
-    strongest = sorted(every, key=lambda contact: -contact.impulse)[:MOST]
+    strongest = sorted(every, key=lambda contact: -contact.impulse)[: columns_for(MOST, MOST, WIDTH)]
     shown = sorted(strongest, key=lambda contact: contact.number)
     point = _struck_point(case)
     letters = "".join(chr(ord("A") + i) for i in range(len(shown)))

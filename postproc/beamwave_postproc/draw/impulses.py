@@ -58,7 +58,8 @@ def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figur
     axes.margins(y=0.1)
     axes.set_xlim(-0.015 * ticks * shown, 1.015 * ticks * shown)
     axes.set(xlabel=f"Time $t$ ({clock}s)", ylabel=axis_label(ds["event_impulse"], prefix))
-    counts = f"{len(blows[0]) - 1} contacts" if len(blows) == 1 else ""
+    contacts = sum(event.kind == "contact" for event in blows[0])
+    counts = f"{contacts} contacts" if len(blows) == 1 else ""
     return sheet.finish(ds, [*drawn.notes, counts])
 
 

@@ -12,7 +12,7 @@ from ..parts.select import Chosen, chosen
 from ..parts.sensors import common_label, sensor_label, sensor_name, shown_sensors, status_words
 from ..parts.sheet import Given, sheet_for
 from ..result import require
-from ..style import MARKERS, curve_style, logarithmic, styled
+from ..style import ABOVE_GRID, MARKERS, curve_style, logarithmic, styled
 
 FREQUENCY, DECAY, AMPLITUDE = "measured_angular_frequency", "measured_decay_rate", "measured_amplitude"
 
@@ -22,7 +22,7 @@ def lines(ds: xr.Dataset, *, points: Chosen = None, cases: Chosen = None, ax: Gi
     """Amplitude and decay rate of the lines of a record over their frequency (Hz), above each other.
 
     Bars are the intervals of the file (`_error`) where it has them. In the lowest axes the marker tells the status of a
-    line (one of a close pair, a harmonic, drifting, …); in the upper ones it tells the sensor, or of several cases the case, and each
+    line (one of a close pair, a harmonic, drifting, …), and in the upper ones the sensor; of several cases it tells the case, and each
     sensor has axes of its own.
     """
     ds = chosen(ds, points=points, cases=cases)
@@ -37,8 +37,8 @@ def lines(ds: xr.Dataset, *, points: Chosen = None, cases: Chosen = None, ax: Gi
     for axes, group in zip(above, groups):
         _draw_sensors(axes, ds, drawn.curves, group, own=sheet.own)
     for curve in drawn.curves:
-        _draw_decay(below, curve, len(drawn.curves))
-    below.axhline(0.0, color="0.5", linewidth=0.8, zorder=0)
+        _draw_decay(below, curve, by_status=not several)
+    below.axhline(0.0, color="0.5", linewidth=0.8, zorder=ABOVE_GRID)
     below.set(xlabel="Frequency (Hz)", ylabel="Decay rate (1/s)")
     notes = ["bars: intervals" if f"{FREQUENCY}_error" in ds else "", left]
     return sheet.finish(ds, [*drawn.notes, *notes, "negative decay rates grow" if float(ds[DECAY].min()) < 0.0 else ""])
@@ -87,20 +87,20 @@ def _draw_amplitudes(axes: Axes, curve: Curve, cases: int, sensors: list[int]) -
     return found
 
 
-def _draw_decay(axes: Axes, curve: Curve, cases: int) -> None:
-    """Decay rates with the intervals of both numbers; the marker is the line's status."""
+def _draw_decay(axes: Axes, curve: Curve, *, by_status: bool) -> None:
+    """Decay rates with the intervals of both numbers; the marker is that of the curve or of the line's status."""
     case = curve.data
     frequency, decay = _values(case, FREQUENCY), _values(case, DECAY)
-    there = "peak_status" in case
-    status = case["peak_status"].values if there else np.ones(frequency.size)
+    told = by_status and "peak_status" in case
+    status = case["peak_status"].values if told else np.ones(frequency.size)
     kinds = np.unique(status[np.isfinite(frequency)])
     for number, value in enumerate(kinds):
         mine = np.isfinite(frequency) & np.isfinite(decay) & (status == value)
         across, along = (_bars(_values(case, f"{name}_error"), mine) for name in (FREQUENCY, DECAY))
-        style = {**curve.style, "linestyle": "", "marker": MARKERS[int(number) % len(MARKERS)]}
-        words = status_words(case["peak_status"], int(value)) if there else "lines"
-        plain = words in ("line", "lines") and kinds.size == 1  # nothing to tell it from
-        label = words if cases == 1 and not plain else None
+        words = status_words(case["peak_status"], int(value)) if told else "line"
+        plain = words == "line" and kinds.size == 1  # nothing to tell it from
+        style = {**curve.style, "linestyle": ""} | ({"marker": MARKERS[number % len(MARKERS)]} if told else {})
+        label = None if plain else words
         axes.errorbar(
             frequency[mine] / (2 * np.pi),
             decay[mine],

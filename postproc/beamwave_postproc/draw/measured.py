@@ -14,7 +14,7 @@ from ..parts.curves import Curve, panels_of
 from ..parts.labels import QUANTITIES as WORDS
 from ..parts.moving import is_released, last_modes
 from ..parts.select import Chosen, chosen
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import unit_text, units_of
 from ..result import NothingToDraw, require
 from ..style import GREY, logarithmic, styled
@@ -53,7 +53,7 @@ def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, 
         raise NothingToDraw("waves were measured after the release, and the result lacks the modes of the beam alone")
     if not any(pair.mode.size for pair in pairs):
         raise NothingToDraw(f"no peak has a {found} that belongs to a mode")
-    sheet = sheet_for(ax, columns=2, width=9.6)
+    sheet = sheet_for(ax, 2 // columns_for(2), columns_for(2), width=9.6)
     left, right = sheet.axes
     _draw_equality(left, pairs)
     for curve, pair in zip(curves, pairs):
@@ -65,7 +65,7 @@ def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, 
         label, units = "Frequency", "Hz"
     words = label[0].lower() + label[1:]
     left.set(xlabel=f"Computed {words} ({units})", ylabel=f"Measured {words} ({units})")
-    right.set(xlabel="Mode", ylabel=f"Relative difference of the {words}")
+    right.set(xlabel="Mode", ylabel=f"Relative difference\nof the {words}")
     return sheet.finish(ds, [*drawn.notes, _about_release(curves, missing), _about_zero(pairs)])
 
 

@@ -12,10 +12,10 @@ from ..parts.curves import Curve, panels_of, where_it_varies
 from ..parts.labels import axis_label
 from ..parts.places import mark_places
 from ..parts.select import Chosen, chosen, left_out
-from ..parts.sheet import Given, Sheet, sheet_for
+from ..parts.sheet import Given, Sheet, columns_for, sheet_for
 from ..parts.units import with_unit
 from ..result import require
-from ..style import GREY, styled
+from ..style import ABOVE_GRID, GREY, styled
 
 MAX_MODES = 6
 HALF = 0.42  # of the distance between two modes that the largest deflection takes
@@ -54,7 +54,7 @@ def _draw_one(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[int],
     axes, (curve,) = sheet.axes[0], curves
     for row, number in enumerate(ds["mode"].values):
         axes.plot(position, row + HALF * _unit_shape(curve.data, row), **_look(curve, number in coarse))
-        axes.axhline(row, color=GREY, linewidth=0.6, zorder=0)
+        axes.axhline(row, color=GREY, linewidth=0.6, zorder=ABOVE_GRID)
     words = [_frequency(curve.data, row) if named else "" for row in range(count)]
     words = [word if _unit_shape(curve.data, row).any() else "\nturn of the whole" for row, word in enumerate(words)]
     axes.set_yticks(range(count), [f"mode {number}{word}" for number, word in zip(ds["mode"].values, words)])
@@ -69,7 +69,7 @@ def _draw_one(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[int],
 def _draw_several(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[int], *, named: bool) -> Sheet:
     """The modes of several cases, each on axes of its own."""
     count, position = ds.sizes["mode"], ds["profile_position"].values
-    columns = min(count, 2)
+    columns = columns_for(count)
     rows = -(-count // columns)
     sheet = sheet_for(ax, rows, columns, width=4.6 * columns, height=1.9 if rows > 1 else 2.8, share="x")
     for row, (axes, number) in enumerate(zip(sheet.axes, ds["mode"].values)):
@@ -79,7 +79,7 @@ def _draw_several(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[i
             axes.plot(position, shape, **_look(curve, number in coarse))
         words = " and ".join(dict.fromkeys(_frequency(curves[i].data, row).strip() for i in (0, -1)))
         axes.set_title(f"mode {number}" + (f", {words.replace(' and ', ' … ')}" if words and named else "") + (": all alike" if alike else ""))
-        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=0)
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=ABOVE_GRID)
         mark_places(axes, ds, "x")
         axes.set(xlim=(position.min(), position.max()), ylim=(-1.15, 1.15), yticks=[-1.0, 0.0, 1.0])
     for axes in sheet.axes[count:]:

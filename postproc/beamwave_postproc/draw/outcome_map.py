@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..parts.labels import in_units, input_label
-from ..parts.outcome import LARGEST, Outcome, outcomes_of, ranking_of, strength, varied_inputs
-from ..parts.sheet import Given, sheet_for
+from ..parts.labels import in_units
+from ..parts.outcome import LARGEST, Outcome, input_axis, outcomes_of, ranking_of, strength, varied_inputs
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, swept_inputs
-from ..style import logarithmic, styled
+from ..style import styled
 
 FEWEST = 4  # cases
-DECADES = 30.0  # between the least and the largest value of an input, from where on its axis is logarithmic
-MARGIN = 1.2  # of a logarithmic axis
 
 
 @styled
@@ -33,7 +30,7 @@ def outcome_map(ds: xr.Dataset, *, inputs: Sequence[str] | None = None, ax: Give
     if not outcomes:
         raise NothingToDraw("no largest displacement, stress or contact force that differs from case to case")
     names = _inputs(ds, outcomes[0], inputs)
-    columns = min(2, len(outcomes))
+    columns = columns_for(len(outcomes))
     sheet = sheet_for(ax, -(-len(outcomes) // columns), columns, width=5.0 * columns, height=3.7)
     for axes, outcome in zip(sheet.axes, outcomes):
         _draw(axes, ds, outcome, names)
@@ -63,18 +60,8 @@ def _inputs(ds: xr.Dataset, outcome: Outcome, given: Sequence[str] | None) -> li
     return list(strength(table).sort_values(ascending=False).index[:2])
 
 
-def _scaled(axes: Axes, which: Literal["x", "y"], variable: xr.DataArray) -> np.ndarray:
-    """Label one axis of an input, logarithmic where its values span decades; returns the values in its unit."""
-    prefix, factor = si_prefix(variable.values, units_of(variable))
-    values = factor * variable.values.astype(float)
-    axes.set(**{f"{which}label": input_label(variable, prefix)})
-    if values.min() > 0.0 and values.max() > DECADES * values.min():
-        logarithmic(axes, which, values.min() / MARGIN, values.max() * MARGIN)
-    return values
-
-
 def _draw(axes: Axes, ds: xr.Dataset, outcome: Outcome, names: list[str]) -> None:
-    x, y = (_scaled(axes, which, ds[name]) for which, name in zip("xy", names))
+    x, y = (input_axis(axes, which, ds[name]) for which, name in zip("xy", names))
     values = outcome.variable.values
     held = np.isfinite(values)
     prefix, factor = si_prefix(values, units_of(outcome.variable))

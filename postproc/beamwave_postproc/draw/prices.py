@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from ..parts.sheet import Given, mosaic_for
+from ..parts.sheet import Given, columns_for, mosaic_for
 from ..parts.units import number_text, si_prefix
 from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, curve_style, logarithmic, styled
@@ -26,7 +26,8 @@ def work_precision(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     drawn = timed.isel(rung=np.flatnonzero(timed["true_error"].values > 0.0))
     if drawn.sizes["rung"] == 0:
         raise NothingToDraw("no rung has an error above zero and a time")
-    sheet = mosaic_for(ax, ["aa", "bc"], [1.7, 1.0], width=7.2, height=7.4)
+    layout, ratios = (["aa", "bc"], [1.7, 1.0]) if columns_for(2) == 2 else (["a", "b", "c"], [1.7, 1.0, 1.0])
+    sheet = mosaic_for(ax, layout, ratios, width=7.2, height=7.4)
     above, shares, digits = sheet.axes
     _draw_errors(above, drawn)
     asked = timed.isel(rung=np.flatnonzero(timed["ladder"].values == 1))

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ..parts.labels import input_words
 from ..parts.outcome import rankings, strength
 from ..parts.select import left_out
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..style import COLOURS, styled
 
 MOST_INPUTS, MOST_PANELS = 8, 8
@@ -25,7 +25,7 @@ def ranking(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     table = rankings(ds)
     panels = list(table.groupby("outcome", sort=False))
     rows = min(len(panels), MOST_PANELS)
-    columns = 2 if rows > 1 else 1
+    columns = columns_for(rows)
     bars = min(MOST_INPUTS, table["input"].nunique())
     sheet = sheet_for(ax, -(-rows // columns), columns, width=4.9 * columns, height=1.1 + 0.27 * bars)
     for axes, (words, one) in zip(sheet.axes, panels[:rows]):

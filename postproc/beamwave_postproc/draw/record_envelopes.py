@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ..parts.envelope import is_thinned
 from ..parts.sensors import one_record, sensor_label, sensor_name
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import with_unit
 from ..result import NothingToDraw, require
 from ..style import COLOURS, logarithmic, styled
@@ -39,7 +39,7 @@ def record_envelopes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         raise NothingToDraw("the record has no lines, or its samples are not in the file")
     shown = np.sort(lines[np.argsort(-size[:, lines].max(axis=0))][:MAX_LINES])
     left = f"the {shown.size} strongest of {lines.size} lines" if shown.size < lines.size else ""
-    columns = min(2, shown.size)
+    columns = columns_for(shown.size)
     sheet = sheet_for(ax, -(-shown.size // columns), columns, width=4.8 * columns, height=2.3, share="x")
     drawn = time >= blow
     for axes, line in zip(sheet.axes, shown):

@@ -11,7 +11,7 @@ from ..parts.envelope import is_dense, is_thinned
 from ..parts.sensors import one_record, sensor_label, shown_sensors
 from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require
-from ..style import COLOURS, GREY, styled
+from ..style import ABOVE_GRID, COLOURS, GREY, styled
 
 PERIODS = 15.0  # that are seen from near, of the fastest line that is at least …
 STRONG = 0.2  # … this part as strong as the strongest
@@ -121,7 +121,7 @@ def _draw_residual(row: list[Axes], time: np.ndarray, residual: np.ndarray, near
         few = {"linestyle": "", "marker": ".", "markersize": 4.0} if time[near].size <= SINGLE else {}
         row[1].plot(time[near], residual[near], **{**style, **few, "label": None})
     for axes in row:
-        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=0)
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=ABOVE_GRID)
         axes.set_ylim(-largest, largest)
 
 

@@ -11,7 +11,7 @@ from ..parts.curves import Curve, panels_of
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import number_text
 from ..result import require
-from ..style import COLOURS, GREY, styled
+from ..style import ABOVE_GRID, COLOURS, GREY, styled
 
 MODEL = "modelled_angular_frequency"
 
@@ -29,7 +29,7 @@ def record_model(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     for number, curve in enumerate(drawn.curves):
         _draw_differences(above, curve, 0.12 * (number - 0.5 * (len(drawn.curves) - 1)))
         _draw_decays(below, curve, 0.12 * (number - 0.5 * (len(drawn.curves) - 1)))
-    above.axhline(0.0, color=GREY, linewidth=0.8, zorder=0)
+    above.axhline(0.0, color=GREY, linewidth=0.8, zorder=ABOVE_GRID)
     above.set_ylabel("Measured − modelled\nfrequency (%)")
     below.set(xlabel="Mode", ylabel="Decay rate (1/s)")
     below.xaxis.get_major_locator().set_params(integer=True)

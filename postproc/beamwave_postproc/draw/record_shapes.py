@@ -12,7 +12,7 @@ from ..parts.shapes import known_shape, modelled_shape
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import with_unit
 from ..result import NothingToDraw, require
-from ..style import COLOURS, GREY, styled
+from ..style import ABOVE_GRID, COLOURS, GREY, styled
 
 MAX_LINES = 6
 HALF = 0.42  # of the distance between two lines that the largest amplitude takes, at a sensor or of the shape
@@ -54,7 +54,7 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         turn = np.exp(1j * (phase[:, line] - phase[largest, line]))
         value = size[:, line] * turn
         error = np.hypot(size_error[:, line] * turn.real, size[:, line] * phase_error[:, line] * turn.imag)
-        axes.axhline(row, color=GREY, linewidth=0.6, zorder=0)
+        axes.axhline(row, color=GREY, linewidth=0.6, zorder=ABOVE_GRID)
         shape, words = modelled_shape(case, line, place, value.real, error), "shape of the model's mode"
         if shape is None:
             shape, words = known_shape(case, line, place, value.real, error), "shape of its wave number"

@@ -15,7 +15,7 @@ from ..parts.passage import first_part
 from ..parts.places import mark_places
 from ..parts.points import error_warning
 from ..parts.select import Chosen, chosen, one_case
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, require, require_numbers
 from ..stress import factors
@@ -45,7 +45,8 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
     xi, history = whole_line(case, name)
     held = samples_held(case, name)
     ends = [end for end in (start, float(case["time"][held - 1])) if end is not None]
-    sheet = sheet_for(ax, columns=len(ends), width=6.4 if len(ends) == 1 else 9.6, height=3.6, share="y")
+    columns = columns_for(len(ends))
+    sheet = sheet_for(ax, len(ends) // columns, columns, width=6.4 if len(ends) == 1 else 9.6, height=3.6, share="y")
     for axes, end in zip(sheet.axes, ends):
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))

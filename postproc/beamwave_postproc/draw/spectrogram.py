@@ -17,7 +17,7 @@ from ..parts.moving import folded_frequencies, folding_note
 from ..parts.passage import MOST, arrivals, highest_frequency, way_times
 from ..parts.points import error_warning
 from ..parts.select import Chosen, chosen, one_case
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import si_prefix, units_of, with_unit
 from ..result import NothingToDraw, require, require_numbers
 from ..style import COLOURS, ON_IMAGE, styled
@@ -60,7 +60,8 @@ def spectrogram(
         raise NothingToDraw(
             f"its windows, 1/{WINDOWS} of the record, hold fewer than {LEAST_WAVES} waves of any frequency"
         )
-    sheet = sheet_for(ax, columns=len(parts), width=6.4 if len(parts) == 1 else 9.6, height=3.8)
+    columns = columns_for(len(parts))
+    sheet = sheet_for(ax, len(parts) // columns, columns, width=6.4 if len(parts) == 1 else 9.6, height=3.8)
     for axes, (until, arriving) in zip(sheet.axes, parts):
         _draw(axes, case, until, window or until / WINDOWS, arriving)
     folding = folding_note([case], "a triangle at the right" if (duration, False) in parts else "")

@@ -25,6 +25,7 @@ BELOW = 3.0  # times that depth, to which the axis reaches so that no marker is 
 FOLDED = {"color": COLOURS[2], "markersize": 5.0, "markeredgewidth": 1.1}  # of lines that are aliased
 COLUMNS = 3  # panels of cases beside each other
 Tail = tuple[np.ndarray, np.ndarray, str]  # frequencies, amplitudes (point, frequency), what they are of
+BEYOND = 0.012  # of the axis of frequencies, beyond the last: half a marker
 ALIKE = 1e3  # times the smallest of the panels' highest lines, up to which a row has one scale
 
 
@@ -77,13 +78,13 @@ def _bounded(panels: list[Panel]) -> tuple[list[Panel], str]:
 
 def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int, tails: dict[int, Tail]) -> None:
     """Spectra of all cases at one point, with one scale where that suits all; the frequency 0 has no place on it."""
-    lowest = max((frequency[1] for frequency, _, _ in tails.values()), default=1.0)
+    lowest, last = max((frequency[1] for frequency, _, _ in tails.values()), default=1.0), float(ds["frequency"][-1])
     rows = [[tails[id(curve)][1][point] for curve in panel.curves] for panel in panels]
     peaks = [max((float(np.nanmax(one, initial=0.0)) for one in some), default=0.0) for some in rows]
     alike = max(peaks) < ALIKE * min(filter(None, peaks), default=1.0)
     for axes, panel, peak in zip(row, panels, peaks):
         highest = max(peaks) if alike else peak
-        logarithmic(axes, "x", lowest, float(ds["frequency"][-1]))
+        logarithmic(axes, "x", lowest, last * (last / lowest) ** BEYOND)
         if not panel.curves:
             axes.set_yticks([])
             write_in_middle(axes, "all grow")

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..parts.labels import input_label
 from ..parts.select import Chosen, chosen, left_out
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..result import NothingToDraw, require, require_numbers, swept_inputs, to_grid
 from ..style import COLOURS, logarithmic, styled
 
@@ -39,7 +39,7 @@ def sweep_map(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figu
     grid = to_grid(ds[held].isel(mode=slice(MAX_MODES if modes is None else None)))
     require_numbers(grid["angular_frequency"].values, "angular_frequency")
     numbers = grid["mode"].values
-    columns = min(numbers.size, 2)
+    columns = columns_for(numbers.size)
     rows = -(-numbers.size // columns)
     sheet = sheet_for(ax, rows, columns, width=5.2 * columns, height=3.6)
     for axes, mode in zip(sheet.axes, numbers):

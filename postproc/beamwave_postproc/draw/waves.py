@@ -13,7 +13,7 @@ from ..parts.describe import turns_out_of_plane
 from ..parts.labels import axis_label
 from ..parts.relation import Relation, plain_relation, relation_of
 from ..parts.select import Chosen, chosen
-from ..parts.sheet import Given, sheet_for
+from ..parts.sheet import Given, columns_for, sheet_for
 from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, label_decades, logarithmic, styled
 
@@ -44,7 +44,7 @@ def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
     if is_scattered(ds):
         return _of_many(ds, name, ax)
     drawn = panels_of(ds, name)
-    columns = min(len(drawn.panels), 2)
+    columns = columns_for(len(drawn.panels))
     rows = -(-len(drawn.panels) // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.0, height=4.0 if rows == 1 else 3.2)
     limits = _limits(drawn.curves, name)

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
-from ..style import GREY
+from ..style import ABOVE_GRID, GREY
 from .labels import flag_words
 
 ROW = 11.0  # height of a row of words, points
@@ -102,7 +102,7 @@ def _draw(axes: Axes, start: float, end: float) -> None:
         bottom, height, look = (1.0, STRIP, ABOVE) if axes.images else (0.0, 1.0, LASTING)
         axes.add_artist(Rectangle((start, bottom), end - start, height, transform=whole, linewidth=0.0, **look))
     line = Line2D(
-        [start, start], [0.0, 1.0], transform=whole, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.5
+        [start, start], [0.0, 1.0], transform=whole, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=ABOVE_GRID
     )
     axes.add_artist(line)
 

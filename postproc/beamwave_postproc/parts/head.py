@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,12 +10,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ..terminal import Refusal
+from .crowding import sufficient_size
 from .describe import brief_of, description_of, title_of
 from .labels import plain
 from .text import broken, fitting, width_of
 
+MM = 25.4  # in an inch
 MARGIN = 0.12  # inches, left and right and at the top
-LEAST_ROW = 0.9  # inches, of a row of axes with its words
 LINES = 2  # of what a scene has
 GAP = 0.05  # inches, between the parts
 # Titles and file names are anybody's: a dollar in them begins no formula.
@@ -51,13 +53,19 @@ def head_of(ds: xr.Dataset, notes: list[str], warning: str = "") -> Head:
 def add_head(fig: Figure, head: Head, *, grow: bool = True) -> None:
     """Write `head` at the top of `fig`, which grows by its height unless told, and keep the axes below it.
 
-    Raises `Refusal` where a figure that does not grow has too little room for its rows of axes.
+    Raises `Refusal` where a figure that does not grow has too little room for its axes and their words.
     """
     height = grow_by_head(fig, head, grow=grow)
-    needed = height + LEAST_ROW * fig.axes[0].get_gridspec().nrows
-    if not grow and needed > fig.get_figheight():
-        raise Refusal(f"its head and axes need a height of {needed:.2g} in ({25.4 * needed:.0f} mm) at this width")
+    if not grow and (enough := sufficient_size(fig, height)) != tuple(fig.get_size_inches()):
+        raise Refusal(f"its words have no room; {_in_words(enough)}")
     fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - height / fig.get_figheight()))
+
+
+def _in_words(size: tuple[float, float]) -> str:
+    """A size in mm, rounded up, and what it is good for."""
+    if not all(map(math.isfinite, size)):
+        return "draw it larger"
+    return f"{math.ceil(MM * size[0])}x{math.ceil(MM * size[1])} mm suffices"
 
 
 def grow_by_head(fig: Figure, head: Head, *, grow: bool = True) -> float:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.axes import Axes
 
 from ..result import NothingToDraw, swept_inputs
-from .labels import quantity
+from ..style import logarithmic
+from .labels import input_label, quantity
 from .main_effects import first_order_indices, ranks
+from .units import si_prefix, units_of
 
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
 QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
@@ -18,6 +22,8 @@ CRITICAL, SPEED = "critical_angular_velocity", "rotation_angular_velocity"
 FEWEST = 30  # cases: of fewer chance says more than the inputs
 CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary independently …
 BY_CHANCE = 4.0  # … unless it is within so many standard deviations, 1/√cases, of inputs that do
+DECADES = 30.0  # between the least and the largest value of an input, from where on its axis is logarithmic
+MARGIN = 1.2  # of a logarithmic axis
 
 
 @dataclass
@@ -47,7 +53,7 @@ def outcomes_of(ds: xr.Dataset) -> list[Outcome]:
 def _outcome(ds: xr.Dataset, variable: xr.DataArray) -> Outcome:
     words = quantity(variable)
     if variable.name == "angular_frequency":
-        variable = (variable / (2.0 * np.pi)).assign_attrs(units="Hz", long_name="Frequency").rename("frequency_hz")
+        variable = as_frequency(variable)
         words = "Frequency"
     for dim in [str(dim) for dim in variable.dims if dim != "case"]:
         place = 0 if dim != "point" else int(np.nanargmax(_medians(variable)))
@@ -57,6 +63,21 @@ def _outcome(ds: xr.Dataset, variable: xr.DataArray) -> Outcome:
         else:
             words += f", {dim} {place + 1}"
     return Outcome(variable, words[:1].upper() + words[1:])
+
+
+def as_frequency(variable: xr.DataArray) -> xr.DataArray:
+    """Angular frequencies in Hz."""
+    return (variable / (2.0 * np.pi)).assign_attrs(units="Hz", long_name="Frequency").rename("frequency_hz")
+
+
+def input_axis(axes: Axes, which: Literal["x", "y"], variable: xr.DataArray) -> np.ndarray:
+    """Label one axis of an input, logarithmic where its values span decades; returns the values in its unit."""
+    prefix, factor = si_prefix(variable.values, units_of(variable))
+    values = factor * variable.values.astype(float)
+    axes.set(**{f"{which}label": input_label(variable, prefix)})
+    if values.min() > 0.0 and values.max() > DECADES * values.min():
+        logarithmic(axes, which, values.min() / MARGIN, values.max() * MARGIN)
+    return values
 
 
 def _medians(variable: xr.DataArray) -> np.ndarray:

@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from ..style import ABOVE_GRID
+
 TIP = 1.0
 BODY: dict[str, Any] = {"color": "0.35", "linewidth": 0.9, "linestyle": (0, (6, 2, 1.5, 2))}
 STRUCK: dict[str, Any] = {"color": "0.35", "linewidth": 0.9, "linestyle": (0, (1, 2))}
@@ -46,6 +48,6 @@ def mark_places(axes: Axes, ds: xr.Dataset, along: Literal["x", "y"]) -> None:
     draw = axes.axvline if along == "x" else axes.axhline
     bodies, struck = body_places(ds), struck_inside(ds)
     for place in bodies:
-        draw(place, label="body" if bodies.size == 1 else "bodies", zorder=0.8 if along == "x" else 2.0, **BODY)
+        draw(place, label="body" if bodies.size == 1 else "bodies", zorder=ABOVE_GRID if along == "x" else 2.0, **BODY)
     if struck is not None:
-        draw(struck, label="struck place", zorder=0.8 if along == "x" else 2.0, **STRUCK)
+        draw(struck, label="struck place", zorder=ABOVE_GRID if along == "x" else 2.0, **STRUCK)

@@ -22,6 +22,7 @@ from .head import Head, add_head, head_of
 from .layout import Layout
 
 SIZE: ContextVar[tuple[float, float] | None] = ContextVar("SIZE", default=None)  # of new figures, inches
+LEAST_WIDTH = 3.0  # inches, of axes with their words that stand beside others
 COMPRESSION = 3  # of PNG: a tenth larger than by default, and written in half the time
 Given = Any  # axes of the caller: one, or a sequence or array of them, or None
 
@@ -91,6 +92,12 @@ def mosaic_for(ax: Given, layout: list[str], ratios: list[float], *, width: floa
         return Sheet(given_axes(ax, len(letters)).reshape(1, -1), own=False)
     made = new_figure(width, height).subplot_mosaic("\n".join(layout), height_ratios=ratios)
     return Sheet(np.array([[made[letter] for letter in letters]], dtype=object), own=True)
+
+
+def columns_for(count: int, most: int = 2, least: float = LEAST_WIDTH) -> int:
+    """How many of `count` axes stand beside each other: at most `most`, each at least so many inches wide where the size is given."""
+    size = SIZE.get()
+    return min(count, most, most if size is None else max(1, int(size[0] / least)))
 
 
 def new_figure(width: float, height: float) -> Figure:

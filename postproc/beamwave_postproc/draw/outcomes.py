@@ -1,0 +1,117 @@
+"""What the cases of a sweep of one input came to, over that input."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..parts.labels import in_units, quantity
+from ..parts.outcome import LARGEST, SPEED, as_frequency, input_axis, varied_inputs
+from ..parts.select import left_out, spread
+from ..parts.sheet import Given, columns_for, sheet_for
+from ..parts.units import number_text, si_prefix, units_of
+from ..result import NothingToDraw
+from ..style import curve_style, logarithmic, styled
+
+FEWEST = 3  # cases
+FEW_CASES = 40  # up to which each is marked
+MODES = 3
+POINTS = 4  # of numbers along the beam
+NUMBERS = (*LARGEST, "restitution", "impulse")
+MANY = 1e3  # between the least and the largest number of an axis, from where on it is logarithmic
+SAME = 1e-9  # of the largest: rounding
+
+
+class Panel(NamedTuple):
+    """What one pair of axes shows: a curve for each row of `curves` (curve, case), and the number of its look."""
+
+    variable: xr.DataArray
+    words: str
+    curves: np.ndarray
+    looks: list[int]
+
+
+@styled
+def outcomes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
+    """Draw the frequencies of the lowest modes, largest displacement, stress and contact force, restitution and impulse over the
+    one input that a sweep or a design varies, as far as they differ from case to case.
+
+    Numbers along the beam have a curve for each point, at most four. Frequencies over the angular velocity are left to
+    `campbell`. Raises `NothingToDraw` unless three cases vary one input.
+    """
+    names = varied_inputs(ds) if "case" in ds.dims else []
+    if len(names) != 1 or ds.sizes["case"] < FEWEST:
+        raise NothingToDraw("needs three cases or more that vary one input alone")
+    ds = ds.isel(case=np.argsort(ds[names[0]].values, kind="stable"))
+    moving = sorted({point for name in NUMBERS if name in ds and "point" in ds[name].dims for point in _moving(ds[name])})
+    points = [moving[i] for i in spread(len(moving), POINTS)]
+    panels = [*(_frequencies(ds) if names[0] != SPEED else []), *_numbers(ds, points)]
+    if not panels:
+        raise NothingToDraw("no frequency, largest value, restitution or impulse that differs from case to case")
+    columns = columns_for(len(panels))
+    sheet = sheet_for(ax, -(-len(panels) // columns), columns, width=6.4 if columns == 1 else 9.6, height=2.8)
+    for look, point in enumerate(points):
+        place = rf"$\xi$ = {number_text(ds['point_position'].values[point])}"
+        sheet.axes[0].plot([], [], label=place, **curve_style(look))
+    for axes, panel in zip(sheet.axes, panels):
+        _draw(axes, ds[names[0]], panel)
+    for axes in sheet.axes[len(panels) :]:
+        axes.set_visible(False)
+    lacking = max(int(np.isnan(panel.curves).sum(axis=1).max()) for panel in panels)
+    notes = [
+        f"{ds.sizes['case']} cases",
+        f"up to {lacking} without numbers" if lacking else "",
+        left_out(len(points), len(moving), "points that move"),
+    ]
+    return sheet.finish(ds, notes)
+
+
+def _frequencies(ds: xr.Dataset) -> list[Panel]:
+    """Frequencies of the lowest modes, each on axes of its own."""
+    if "angular_frequency" not in ds or ds["angular_frequency"].dims != ("case", "mode"):
+        return []
+    hertz = as_frequency(ds["angular_frequency"]).isel(mode=slice(MODES))
+    rows = zip(hertz["mode"].values, hertz.values.T)
+    return [Panel(hertz, f"Frequency of mode {number}", row[None], [0]) for number, row in rows if _varies(row)]
+
+
+def _numbers(ds: xr.Dataset, points: list[int]) -> list[Panel]:
+    """Numbers of each case, those along the beam at these points, each with a look of its own."""
+    found = []
+    for name in filter(ds.__contains__, NUMBERS):
+        values, along = ds[name].values.T, "point" in ds[name].dims
+        shown = [point for point in _moving(ds[name]) if point in points or not along]
+        if shown:
+            looks = [points.index(i) if along else 0 for i in shown]
+            found.append(Panel(ds[name], quantity(ds[name]), np.atleast_2d(values)[shown], looks))
+    return found
+
+
+def _moving(variable: xr.DataArray) -> list[int]:
+    """Indices of the points at which a number of each case varies; 0 of one without points that does."""
+    if variable.dims not in {("case",), ("case", "point")}:
+        return []
+    return [i for i, row in enumerate(np.atleast_2d(variable.values.T)) if _varies(row)]
+
+
+def _varies(values: np.ndarray) -> bool:
+    known = values[np.isfinite(values)]
+    return known.size > 1 and float(np.ptp(known)) > SAME * float(np.abs(known).max())
+
+
+def _draw(axes: Axes, given: xr.DataArray, panel: Panel) -> None:
+    """The curves of one panel, from zero on where that leaves them half of the axes, by decades where they span many."""
+    x = input_axis(axes, "x", given)
+    prefix, factor = si_prefix(panel.curves, units_of(panel.variable))
+    for row, look in zip(panel.curves, panel.looks):
+        axes.plot(x, factor * row, **curve_style(look) | ({} if x.size <= FEW_CASES else {"marker": ""}))
+    axes.set_ylabel(panel.words + in_units(panel.variable, prefix))
+    low, high = factor * np.nanmin(panel.curves), factor * np.nanmax(panel.curves)
+    if 0.0 < low < high / MANY:
+        logarithmic(axes, "y", low / 2.0, 2.0 * high)
+    elif 0.0 <= low < 0.5 * high:
+        axes.set_ylim(bottom=0.0)
