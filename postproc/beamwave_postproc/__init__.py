@@ -6,7 +6,7 @@ from .draw.campbell import campbell, crossings
 from .draw.contact_force import contact_force
 from .draw.effect_table import changes
 from .draw.frequency_response import frequency_response
-from .draw.history import acceleration, bending_moment, displacement, shear_force, velocity
+from .draw.history import acceleration, bending_moment, displacement, hub_angle, shear_force, velocity
 from .draw.identified import identified
 from .draw.impulses import impulses
 from .draw.jump import velocity_jump
@@ -64,6 +64,7 @@ __all__ = [
     "displacement",
     "frequency_response",
     "group_velocity",
+    "hub_angle",
     "identified",
     "impulses",
     "lines",

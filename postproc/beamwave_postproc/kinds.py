@@ -61,6 +61,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "acceleration": history.acceleration,
     "bending_moment": history.bending_moment,
     "shear_force": history.shear_force,
+    "hub_angle": history.hub_angle,
     "space_time": space_time.space_time,
     "space_time_moment": space_time.space_time_moment,
     "wavenumber_spectrum": wavenumber.wavenumber_spectrum,

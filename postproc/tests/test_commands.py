@@ -39,6 +39,7 @@ ELSEWHERE = {
     "acceleration",
     "bending_moment",
     "shear_force",
+    "hub_angle",
     "space_time",
     "space_time_moment",
     "wavenumber_spectrum",

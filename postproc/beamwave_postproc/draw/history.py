@@ -1,4 +1,4 @@
-"""Displacement, velocity and bending moment against time at points of the beam (Figs 6, 7)."""
+"""Displacement, velocity and bending moment against time at points of the beam (Figs 6, 7), and the turn of its hub."""
 
 from __future__ import annotations
 
@@ -63,6 +63,15 @@ def acceleration(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None,
 def shear_force(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Shear force against time, a row of panels for each point, or for those at `points` (ξ)."""
     return _history(chosen(ds, points=points, cases=cases), "shear_force", ax, MAX_POINTS if points is None else None)
+
+
+def hub_angle(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Turn of a hub that is free, beyond the even rotation, against time."""
+    ds = chosen(ds, cases=cases)
+    require(ds, "hub_angle", "time")
+    alone = ds.drop_dims("point", errors="ignore")  # as a history at one place, which is none of the beam's
+    turn = alone["hub_angle"].expand_dims("point").transpose(..., "point", "time")
+    return _history(alone.assign(hub_angle=turn, point_position=("point", [np.nan])), "hub_angle", ax, None)
 
 
 @styled

@@ -67,6 +67,7 @@ QUANTITIES = {
     "acceleration": r"Acceleration $\ddot{v}$",
     "shear_force": "Shear force",
     "bending_moment": "Bending moment",
+    "hub_angle": r"Turn of the hub $\theta$",
     "amplitude": "Amplitude",
     "event_impulse": "Impulse on the beam",
     "largest_displacement": "Largest displacement",

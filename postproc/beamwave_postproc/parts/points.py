@@ -58,8 +58,9 @@ def sheet_of_points(ax: Given, rows: int, columns: int) -> Sheet:
 
 def point_label(ds: xr.Dataset, name: str, point: int, prefix: str = "") -> str:
     """Label of variable `name` at one point, in two lines: neighbours do not meet."""
-    place = rf"at $\xi$ = {float(ds['point_position'][point]):.4g}"
-    return f"{quantity(ds[name])}\n{place}{in_units(ds[name], prefix)}"
+    place = float(ds["point_position"][point])
+    where = rf"at $\xi$ = {place:.4g}" if np.isfinite(place) else ""
+    return f"{quantity(ds[name])}\n{where}{in_units(ds[name], prefix)}"
 
 
 def error_note(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[int]) -> str:

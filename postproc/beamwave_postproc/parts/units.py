@@ -17,6 +17,7 @@ TAKES = {
     "N m": ("k", "", "m", "µ", "n"),
     "N s": ("", "m", "µ", "n"),
     "J": ("", "m", "µ", "n"),
+    "rad": ("", "m", "µ"),
 }
 LEAST = 0.5  # a prefix suits if the largest number is at least this in it, k and beyond from 1 on
 LONG = 1e6  # numbers from here on have a power of ten

@@ -5,7 +5,7 @@ import pytest
 import synthetic
 import xarray as xr
 
-from beamwave_postproc import NothingToDraw, bending_moment, displacement, open_result, velocity
+from beamwave_postproc import NothingToDraw, bending_moment, displacement, hub_angle, open_result, velocity
 
 
 def test_one_panel_per_point_and_a_curve_per_case(paper_results, full_result):
@@ -113,6 +113,16 @@ def test_points_at_which_nothing_is_given_are_named_and_take_no_panel(five_point
     assert len(fig.axes) == 3
     notes = " ".join(text.get_text() for text in fig.texts).replace("\n", " ")
     assert "zero throughout at ξ = 0" in notes and "not given, as the notes say, at ξ = 0.25" in notes
+
+
+def test_the_turn_of_a_hub_belongs_to_no_point(five_points):
+    turn = xr.DataArray(1e-4 * np.sin(five_points["time"].values), dims="time", attrs={"units": "rad"})
+    fig = hub_angle(five_points.assign(hub_angle=turn))
+    (axes,) = fig.axes
+    assert "(µrad)" in axes.get_ylabel() and "xi" not in axes.get_ylabel()
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), 1e6 * turn.values, rtol=1e-15)
+    with pytest.raises(NothingToDraw):
+        hub_angle(five_points)
 
 
 @pytest.fixture
