@@ -9,6 +9,9 @@ gc.disable()
 
 
 def done() -> None:
-    """Let garbage be looked for as before."""
+    """Let garbage be looked for as before, among what has been loaded last of all."""
     if COLLECTS:
+        if gc.get_freeze_count() == 0:
+            gc.freeze()
+            gc.unfreeze()  # into the oldest generation
         gc.enable()

@@ -48,6 +48,8 @@ class WrongWords(Refusal):
 
 def command(words: Words, work: Callable[[Namespace, Tool], int], argv: Sequence[str] | None = None) -> int:
     """Run a command of these words to its exit status: what `work` returns for them, 2 for wrong words, 3 where a file is refused."""
+    if argv is None:
+        gc.freeze()  # the libraries stay, and are not looked through for garbage when all ends
     given = words.parse_intermixed_args(argv)
     tool = Tool(overwrite=given.overwrite)
 
@@ -226,7 +228,7 @@ class Tool(Streams):
         self._channel = channel
         status = EXIT_FILE
         try:
-            gc.freeze()  # the libraries stay
+            gc.freeze()
             gc.set_threshold(GARBAGE)
             os.setpgid(0, 0)  # with its helpers, so that all can be ended
             for number in (signal.SIGINT, signal.SIGTERM):

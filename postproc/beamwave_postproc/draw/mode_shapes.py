@@ -41,8 +41,9 @@ def mode_shapes(ds: xr.Dataset, *, modes: Chosen = None, cases: Chosen = None, a
     drawn = panels_of(varying, "mode_shape", panels=1)
     count, position = ds.sizes["mode"], ds["profile_position"].values
     coarse = [int(number) for number in ds["mode"].values if number / 2.0 * SAMPLES_PER_WAVE > position.size - 1]
+    named = not same or ("angular_frequency" in ds and where_it_varies(ds, "mode_shape", "angular_frequency")[1] == same)
     draw = _draw_one if len(drawn.curves) == 1 else _draw_several
-    sheet = draw(ax, ds, drawn.curves, coarse, named=not same)
+    sheet = draw(ax, ds, drawn.curves, coarse, named=named)
     few = f"{position.size} samples do not show modes {', '.join(map(str, coarse))}" if coarse else ""
     return sheet.finish(ds, [*drawn.notes, same, left_out(count, there, "modes in the file"), few])
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.bands import draw_bands, is_scattered
-from ..parts.curves import Curve, Panel, panels_of
+from ..parts.curves import Curve, Panel, panels_of, where_it_varies
 from ..parts.describe import turns_out_of_plane
 from ..parts.labels import axis_label
 from ..parts.relation import Relation, plain_relation, relation_of
@@ -43,7 +43,8 @@ def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
     require(ds, "wavenumber", "angular_frequency", name)
     if is_scattered(ds):
         return _of_many(ds, name, ax)
-    drawn = panels_of(ds, name)
+    varying, same = where_it_varies(ds, "wavenumber", "angular_frequency", name)
+    drawn = panels_of(varying, name)
     columns = columns_for(len(drawn.panels))
     rows = -(-len(drawn.panels) // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.0, height=4.0 if rows == 1 else 3.2)
@@ -54,7 +55,7 @@ def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
         axes.set_xlabel(axis_label(ds["wavenumber"]))
     for axes in sheet.axes[len(drawn.panels) :]:
         axes.set_visible(False)
-    return sheet.finish(ds, [*drawn.notes, _first_modes(ds), _growing(drawn.curves)])
+    return sheet.finish(ds, [*drawn.notes, same, _first_modes(ds), _growing(drawn.curves)])
 
 
 def _of_many(ds: xr.Dataset, name: str, ax: Given) -> Figure:

@@ -69,12 +69,12 @@ def panels_of(ds: xr.Dataset, name: str, *, panels: int = MAX_PANELS) -> Panels:
     return _with_numbers(drawn, name)
 
 
-def where_it_varies(ds: xr.Dataset, name: str) -> tuple[xr.Dataset, str]:
-    """The cases of a sweep in which variable `name` differs, and which inputs leave it as it is, in words.
+def where_it_varies(ds: xr.Dataset, *names: str) -> tuple[xr.Dataset, str]:
+    """The cases of a sweep in which one of the variables `names` differs, and which inputs leave all as they are, in words.
 
     Along each of those inputs the first value is kept; a single case that is left has no dimension `case`.
     """
-    idle = [swept for swept in swept_inputs(ds) if _is_idle(ds, name, swept)]
+    idle = [swept for swept in swept_inputs(ds) if all(_is_idle(ds, name, swept) for name in names)]
     if not idle:
         return ds, ""
     kept = ds
@@ -89,13 +89,12 @@ def _is_idle(ds: xr.Dataset, name: str, swept: str) -> bool:
     others = [other for other in swept_inputs(ds) if other != swept]
     keys = list(zip(*(ds[other].values for other in others))) if others else [()] * ds.sizes["case"]
     first: dict[tuple, int] = {}
+    pairs = [(case, first.setdefault(key, case)) for case, key in enumerate(keys)]
+    if not len(first) * np.unique(ds[swept]).size == len(keys) > len(first):
+        return False
     values = ds[name].values
-    size = np.nanmax(np.abs(values), initial=0.0)
-    same = [
-        np.allclose(values[case], values[first.setdefault(key, case)], rtol=0.0, atol=SAME * size, equal_nan=True)
-        for case, key in enumerate(keys)
-    ]
-    return len(first) * np.unique(ds[swept]).size == len(keys) > len(first) and all(same)
+    rounding = SAME * np.nanmax(np.abs(values), initial=0.0)
+    return all(np.allclose(values[i], values[j], rtol=0.0, atol=rounding, equal_nan=True) for i, j in pairs)
 
 
 def is_grid(ds: xr.Dataset, names: list[str]) -> bool:

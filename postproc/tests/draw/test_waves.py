@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import synthetic
+import xarray as xr
 
 from beamwave_postproc import NothingToDraw, dispersion, group_velocity, open_result, phase_velocity
 from beamwave_postproc.parts.relation import relation_of
@@ -152,3 +153,12 @@ def test_group_velocity_leaves_the_picture_at_the_cut_off(full_result):
     with open_result(full_result) as ds:
         axes = group_velocity(ds).axes[0]
     assert smooth_lines(axes)[0].get_ydata()[0] > axes.get_ylim()[1]
+
+
+def test_an_input_that_leaves_the_modes_as_they_are_adds_no_curves(full_result):
+    with open_result(full_result) as ds:
+        one = ds.load()
+    places = [one.assign_coords(impact_position=0.1 * i, case=i) for i in (3, 5, 7)]
+    fig = dispersion(xr.concat(places, dim="case", data_vars="all", coords="different", compat="equals"))
+    assert any("the same for all ξ₀" in text.get_text() for text in fig.texts)
+    assert len(modes_drawn(fig.axes[0])) == len(modes_drawn(dispersion(one).axes[0]))
