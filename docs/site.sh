@@ -7,6 +7,7 @@ dir=${1:-$root/build}
 python=${PYTHON:-$root/.venv/bin/python}
 rm -rf "$dir/pages"
 mkdir -p "$dir/pages"
+dir=$(cd "$dir" && pwd)
 cd "$root"
 tar cf - --exclude=__pycache__ README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE docs input jobs postproc/README.md \
   bench/README.md tests/README.md tests/reference/README.md | tar xf - -C "$dir/pages"
