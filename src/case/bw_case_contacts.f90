@@ -1,12 +1,16 @@
 module bw_case_contacts
   !! One way to follow the motion of a case whose impact lasts, to its histories.
+  use bw_case_bodies, only: bodies_of
   use bw_case_histories, only: add_hub_angle, find_loaded_segments, sum_histories
   use bw_case_modes, only: whole_beam
   use bw_case_moments, only: find_moments
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
     history_errors
+  use bw_change_of_bodies, only: body_type
+  use bw_contact_bodies, only: first_motion
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
+  use bw_changing_motion, only: find_first_motion
   use bw_constants, only: pi
   use bw_contact_rates, only: add_rates
   use bw_event, only: capture_event, event_type
@@ -20,7 +24,7 @@ module bw_case_contacts
   use bw_response, only: response_type
   use bw_result_layout, only: contact_samples
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
-  use bw_scene, only: scene_type
+  use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, beam_energy, lack_type, segment_type, together
   use bw_static_shape, only: find_residual
   use bw_text, only: append, string
@@ -56,7 +60,7 @@ contains
     type(case_histories) :: histories
     type(history_errors) :: none
     call find_contacts(scene, motion, demand, monitor, contacts)
-    if (monitor%stop_requested()) return
+    if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
     run%step_tolerance = demand%tolerance
     run%cut = contacts%cut
     run%out_of_range = contacts%out_of_range
@@ -86,31 +90,42 @@ contains
   end subroutine follow_run
 
   subroutine find_contacts(scene, motion, demand, monitor, contacts)
-    !! Contacts and flights; a beam at rest where nothing strikes it.
+    !! Contacts and flights; the free motion of a beam that nothing strikes.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    type(case_motion), intent(inout) :: motion       !! unresolved where the beam cannot begin as the scene asks for
     type(demand_type), intent(in) :: demand
     class(monitor_type), intent(inout) :: monitor
     type(lasting_contacts), intent(out) :: contacts
     type(varying_beam) :: given
     type(contact_law) :: law
+    type(first_motion), allocatable :: first
     real(dp) :: residual(size(scene%response%points), 3), here(1, 3)
     integer :: i, struck
-    associate (free => motion%modes%configuration(alone)%set, response => scene%response, &
-               speed => abs(scene%impact%approach_velocity))
-      if (scene%impact%mass_ratio == 0.0_dp .or. speed == 0.0_dp) then
+    if (allocated(scene%initial)) then
+      allocate (first)
+      call find_first_motion(scene, alone, motion, first%q, first%rate)
+      if (.not. motion%modes%resolved) return
+      first%q = first%q/unit_velocity(scene)
+      first%rate = first%rate/unit_velocity(scene)
+      first%speed = scene%impact%approach_velocity/unit_velocity(scene)
+    end if
+    associate (free => motion%modes%configuration(alone)%set, response => scene%response)
+      if (scene%impact%mass_ratio == 0.0_dp .or. (scene%impact%approach_velocity == 0.0_dp .and. .not. allocated(first))) then
         allocate (contacts%events(0), contacts%segment_of(0))
         contacts%segments = [segment_type(alone, count=free%count, q=spread(0.0_dp, 1, free%count), &
                                           rate=spread(0.0_dp, 1, free%count))]
+        if (.not. allocated(first)) return
+        contacts%segments(1)%q(:demand%modes) = first%q(:demand%modes)
+        contacts%segments(1)%rate(:demand%modes) = first%rate(:demand%modes)
         return
       end if
       call whole_beam(scene, motion%units, given, struck)
       call find_residual(given, struck, free, demand%modes, [scene%impact%position], here)
       call find_residual(given, struck, free, demand%modes, response%points, residual)
-      law = contact_law_of(scene%contact, motion%units, speed)
+      law = contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene)))
       law%residual = max(0.0_dp, here(1, deflections) + arm_of(given%beam, scene%impact%position)*here(1, turns))
       call follow_lasting_contacts(free, scene%impact%mass_ratio, law, full_speed_in_plane(scene%rotation, motion%units), &
-                                   demand, contacts, monitor)
+                                   demand, contacts, monitor, first)
       if (monitor%stop_requested()) return
       do i = 1, size(contacts%segments)
         if (allocated(contacts%segments(i)%load)) contacts%segments(i)%load%residual = residual
@@ -135,6 +150,7 @@ contains
     class(mode_set), allocatable :: before
     real(dp), allocatable :: q(:), rate(:)
     real(dp) :: arm, speed, turned
+    type(body_type), allocatable :: bodies(:)        ! the mass is the last
     real(dp) :: held(2)                              ! of the mass: its displacement and velocity at the beam
     integer :: first, mass
     event%kind = capture_event
@@ -172,6 +188,14 @@ contains
         next%q = next%q - next%rest
       end if
       event%energy_after = beam_energy(loaded, next%q, next%rate)          ! about that equilibrium
+      bodies = bodies_of(scene, motion%units)
+      associate (body => bodies(size(bodies)), contact => motion%timeline%events(size(motion%timeline%events)))
+        if (body%pull > 0.0_dp) then                                       ! its tension finds the beam bent
+          contact%energy_before = contact%energy_before + body%pull*before%energy_of_pull(body%position, q)
+          contact%energy_after = contact%energy_after + body%pull*before%energy_of_pull(body%position, q)
+          event%energy_before = contact%energy_after
+        end if
+      end associate
       next%lack = lack_type(q=0.0_dp*next%q, rate=0.0_dp*next%q)
       next%energy = event%energy_after
     end associate
@@ -217,11 +241,11 @@ contains
     type(lasting_contacts), intent(inout) :: contacts
     type(run_type), intent(inout) :: run
     real(dp) :: newton, places(contact_samples)
-    integer :: i
+    integer :: first, i
     allocate (run%result)
     associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration, kept => run%result, &
-               square => motion%modes%configuration(alone)%set%beta_squared%hi, first => min(2, size(contacts%segments)))
-      newton = motion%units%mass*scene%impact%approach_velocity/unit
+               square => motion%modes%configuration(alone)%set%beta_squared%hi)
+      newton = motion%units%mass*unit_velocity(scene)/unit
       places = [(0.5_dp*(1.0_dp - cos(pi*(i - 1)/(contact_samples - 1))), i=1, contact_samples)]
       allocate (kept%force(contact_samples, size(events)))
       do i = 1, size(events)
@@ -233,12 +257,17 @@ contains
       kept%largest = newton*events%largest_force
       kept%largest_time = unit*events%largest_force_time
       kept%restitution = contacts%restitution
-      kept%indentation = contacts%largest_indentation*abs(scene%impact%approach_velocity)*unit
+      kept%approach = unit_velocity(scene)*contacts%approach
+      kept%indentation = contacts%largest_indentation*abs(unit_velocity(scene))*unit
       kept%lasting = contacts%lasting
       events%time = min(events%time*unit, duration)
       events%end_time = min(events%end_time*unit, duration)
       if (contacts%lasting .and. size(events) > 0) events(size(events))%end_time = duration
       run%initial%modal_velocity = 0.0_dp*square                ! where no force was found
+      first = size(contacts%segments)                           ! the first flight, if there is one
+      do i = first, 1, -1
+        if (.not. allocated(contacts%segments(i)%load)) first = i
+      end do
       if (first == 0) return
       associate (flight => contacts%segments(first))
         run%initial%modal_velocity = sqrt(flight%rate**2 + max(0.0_dp, square)*flight%q**2)

@@ -114,6 +114,7 @@ module bw_case_result
     real(dp), allocatable :: largest(:)             !! N, (events)
     real(dp), allocatable :: largest_time(:)        !! s, (events)
     real(dp) :: restitution = missing               !! of the first contact, whatever it is followed by
+    real(dp) :: approach = 0.0_dp                   !! closing speed then, m/s
     real(dp) :: indentation = 0.0_dp                !! the largest, m
     logical :: lasting = .false.                    !! the last contact had not ended when the record did
   end type contact_result

@@ -19,7 +19,7 @@ module bw_changing_motion
   use bw_unhanded, only: unhanded_motion
   implicit none (type, external)
   private
-  public :: follow_changes
+  public :: find_first_motion, follow_changes
 
   type :: now_type
     !! Where the motion has come to.
@@ -94,23 +94,37 @@ contains
     integer, intent(in) :: eighths
     type(carried_type), intent(in) :: carried
     type(now_type), intent(out) :: now
-    real(dp) :: force, turn
-    real(dp), allocatable :: shape(:, :)
     integer :: n
     now%configuration = number_of(configurations_of(scene), carried)
     now%there = presence(scene, carried)
     now%bodies = bodies_of(scene, motion%units)
-    associate (modes => motion%modes%configuration(now%configuration)%set, state => now%state, units => motion%units)
+    associate (modes => motion%modes%configuration(now%configuration)%set, state => now%state)
       n = taking_part(modes, eighths)
       state%count = n
-      state%q = 0.0_dp*modes%modal_mass
-      state%rate = state%q
       allocate (state%shape(0))
       allocate (now%error(modes%count, 2), source=0.0_dp)
+    end associate
+    call find_first_motion(scene, now%configuration, motion, now%state%q, now%state%rate)
+    now%state%q(n + 1:) = 0.0_dp
+    now%state%rate(n + 1:) = 0.0_dp
+  end subroutine begin
+
+  subroutine find_first_motion(scene, configuration, motion, q, rate)
+    !! The static deflection and the rigid turn of &initial, in its modes; of a beam that is straight and at rest, none. A mode without
+    !! a static deflection leaves the case unresolved.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: configuration           !! whose modes move
+    type(case_motion), intent(inout) :: motion
+    real(dp), allocatable, intent(out) :: q(:), rate(:)   !! over the unit of time, m/s, and m/s, (modes)
+    real(dp), allocatable :: shape(:, :)
+    real(dp) :: force, turn
+    associate (modes => motion%modes%configuration(configuration)%set, units => motion%units)
+      q = 0.0_dp*modes%modal_mass
+      rate = q
       if (.not. allocated(scene%initial)) return
       force = scene%initial%force*units%time%hi/units%mass
       turn = scene%initial%angular_velocity*units%length
-      if (turn /= 0.0_dp) state%rate(:n) = turn*first_of(modes%share_of_turn(), n)/modes%modal_mass(:n)
+      if (turn /= 0.0_dp) rate = turn*modes%share_of_turn()/modes%modal_mass
       if (force == 0.0_dp) return
       if (any(modes%beta_squared%hi <= 0.0_dp)) then
         call append(motion%notes, 'not converged: a mode that nothing holds, or that grows, has no static deflection under the '// &
@@ -118,17 +132,10 @@ contains
         motion%modes%resolved = .false.
         return
       end if
-      shape = modes%some_shapes(1, n, [scene%initial%position])
-      state%q(:n) = force*shape(:, 1)/(modes%modal_mass(:n)*modes%beta_squared(:n)%hi)
+      shape = modes%some_shapes(1, modes%count, [scene%initial%position])
+      q = force*shape(:, 1)/(modes%modal_mass*modes%beta_squared%hi)
     end associate
-  end subroutine begin
-
-  pure function first_of(values, count) result(first)
-    real(dp), intent(in) :: values(:)
-    integer, intent(in) :: count
-    real(dp) :: first(count)
-    first = values(:count)
-  end function first_of
+  end subroutine find_first_motion
 
   logical function happens(scene, seconds, time, motion)
     !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.

@@ -25,7 +25,7 @@ module bw_contact_case
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: by_pieces, changes_shapes, scene_type
+  use bw_scene, only: by_pieces, changes_shapes, scene_type, unit_velocity
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: string
@@ -127,7 +127,7 @@ contains
         call move_alloc(run, half)
       else
         call follow_part(4, quarter)
-        if (monitor%stop_requested()) return
+        if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
         call follow_part(2, half)
         if (monitor%stop_requested()) return
       end if
@@ -142,6 +142,7 @@ contains
       if (motion%plan%reached <= scene%modes%tolerance) exit
       if (resolves_contacts(motion, run)) then
         if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
+        if (.not. scene%modes%asked .and. counted%modes%before > 4*first_count .and. shows_more(run, half)) exit
       end if
       before = motion%plan%reached
       doubled = 2*counted%modes%before <= most
@@ -189,6 +190,14 @@ contains
     end associate
   end function resolves_contacts
 
+  pure logical function shows_more(run, half)
+    !! Contacts than half of the modes do: a mass that touches the beam at rest is touched again and again by waves of no amplitude,
+    !! the more the more modes there are.
+    type(run_type), intent(in) :: run, half
+    integer, parameter :: some = 16
+    shows_more = 2*size(run%timeline%events) > 3*size(half%timeline%events) + some
+  end function shows_more
+
   pure logical function is_hopeless(reached, before, tolerance, count, most)
     !! Falling on as it did when the number of modes doubled, an error stays above a tolerance up to far more than the most modes.
     real(dp), intent(in) :: reached, before, tolerance
@@ -215,7 +224,7 @@ contains
     integer :: moving
     call put_together(motion, run%response, errors, spectrum, result)
     if (.not. motion%modes%resolved) result%status = case_not_converged
-    result%approach_velocity = scene%impact%approach_velocity
+    result%approach_velocity = unit_velocity(scene)
     if (allocated(scene%hub)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
     moving = motion%modes%moving
     result%mode_count = merge(motion%modes%configuration(moving)%set%count, 0, motion%modes%resolved)

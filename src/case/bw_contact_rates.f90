@@ -1,6 +1,6 @@
 module bw_contact_rates
   !! Accelerations and shear forces of a beam through contacts that last. When the contacts have been followed their force is known, a
-  !! polynomial in each step, and the beam moves from rest under it as under any other load.
+  !! polynomial in each step, and the beam moves under it as under any other load.
   use bw_case_modes, only: whole_beam
   use bw_case_result, only: case_motion
   use bw_double_double, only: to_dd
@@ -13,7 +13,7 @@ module bw_contact_rates
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   use bw_response, only: response_type
-  use bw_scene, only: scene_type
+  use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, segment_type
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_varying_beam, only: varying_beam
@@ -54,14 +54,14 @@ contains
     associate (free => motion%modes%configuration(alone)%set)
       call make_view(given, free, summed, loads, scene%response%points, quantity, point, monitor, view, flexibility)
       if (monitor%stop_requested()) return
-      q = spread(0.0_dp, 1, free%count)
-      v = q
+      q = motion%timeline%segments(1)%q
+      v = motion%timeline%segments(1)%rate
       duration = (n*grid%step%hi)
       call sum_loaded_modes(free, view, grid, [1, n], to_dd(0.0_dp), to_dd(duration), monitor, q, v, history, tail)
       if (monitor%stop_requested()) return
       rounding = rounding_of(free, view, tail, duration)
     end associate
-    metre = scene%impact%approach_velocity*motion%units%time%hi
+    metre = unit_velocity(scene)*motion%units%time%hi
     do c = 1, size(quantity)
       associate (factor => metre*factor_of_quantity(scene, motion%units, quantity(c)))
         history(:n, c) = factor*history(:n, c)

@@ -25,17 +25,25 @@ module bw_contact_bodies
     procedure :: energy
     procedure :: momentum
     procedure :: hub_rate
+    procedure :: pace
     procedure :: fly
   end type contact_bodies
 
+  type, public :: first_motion
+    !! What moves when the mass is let go beside the beam.
+    real(dp), allocatable :: q(:), rate(:)        !! of the modes
+    real(dp) :: speed = 1.0_dp                    !! of the mass
+  end type first_motion
+
 contains
 
-  pure type(contact_bodies) function bodies_of(free, taking_part, mass_ratio, omega) result(bodies)
-    !! The mass arrives with velocity 1 at a beam at rest.
+  pure type(contact_bodies) function bodies_of(free, taking_part, mass_ratio, omega, first) result(bodies)
+    !! The mass touches the beam, as bent as it is then.
     class(mode_set), intent(in) :: free           !! modes of the beam alone
     integer, intent(in) :: taking_part            !! how many of them do; the others stay at rest
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
+    type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
     real(dp) :: damping(free%count), struck(free%count)
     integer :: n
     n = free%count
@@ -50,7 +58,18 @@ contains
     bodies%parts = oscillators_of([free%beta_squared, -(omega*omega)], [damping, 0.0_dp])
     allocate (bodies%state%u(n + 1), bodies%state%v(n + 1), source=0.0_dp)
     bodies%state%v(n + 1) = 1.0_dp
+    if (.not. present(first)) return
+    bodies%state%u(:taking_part) = first%q(:taking_part)
+    bodies%state%u(n + 1) = sum(struck*bodies%state%u(:n))
+    bodies%state%v(:taking_part) = first%rate(:taking_part)
+    bodies%state%v(n + 1) = first%speed
   end function bodies_of
+
+  pure real(dp) function pace(self)
+    !! How fast the mass and the place that it strikes may meet: the mass at its speed, and all modes at their amplitudes, out of phase.
+    class(contact_bodies), intent(in) :: self
+    pace = norm2(self%weight*hypot(self%state%v, sqrt(max(0.0_dp, self%parts%beta_squared%hi))*self%state%u))
+  end function pace
 
   pure real(dp) function gap(self)
     !! Negative where mass and beam are pressed into each other.

@@ -12,7 +12,7 @@ module bw_contact_law
   use bw_lapack, only: dgetrf, dgetrs
   implicit none (type, external)
   private
-  public :: contact_law_of, solve_contact, stored_energy, usual_contact
+  public :: contact_law_of, held_force, solve_contact, stored_energy, usual_contact
 
   type, public :: contact_law
     real(dp) :: stiffness = 0.0_dp                 !! K
@@ -35,12 +35,13 @@ contains
     law%damping = contact%damping*speed
   end function contact_law_of
 
-  pure subroutine usual_contact(law, mass_ratio, indentation, force)
-    !! The largest indentation and force of a mass that strikes with speed 1 a place that does not move.
+  pure subroutine usual_contact(law, mass_ratio, speed, indentation, force)
+    !! The largest indentation and force of a mass that strikes a place that does not move.
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: mass_ratio
+    real(dp), intent(in) :: speed                  !! of the mass
     real(dp), intent(out) :: indentation, force
-    indentation = (0.5_dp*(law%exponent + 1.0_dp)*mass_ratio/law%stiffness)**(1.0_dp/(law%exponent + 1.0_dp))
+    indentation = (0.5_dp*(law%exponent + 1.0_dp)*mass_ratio*speed**2/law%stiffness)**(1.0_dp/(law%exponent + 1.0_dp))
     force = law%stiffness*indentation**law%exponent
   end subroutine usual_contact
 
@@ -51,6 +52,28 @@ contains
     energy = 0.0_dp
     if (indentation > 0.0_dp) energy = law%stiffness*indentation**(law%exponent + 1.0_dp)/(law%exponent + 1.0_dp)
   end function stored_energy
+
+  pure real(dp) function held_force(law, approach) result(force)
+    !! The force F of a contact that does not damp, from the approach of mass and modes: F = K(δ_n − RF)^p, by halving.
+    type(contact_law), intent(in) :: law
+    real(dp), intent(in) :: approach               !! δ_n
+    real(dp) :: above, below, middle
+    integer :: i
+    force = 0.0_dp
+    if (approach <= 0.0_dp) return
+    below = 0.0_dp                                 ! of the indentation
+    above = approach
+    do i = 1, 200
+      middle = 0.5_dp*(below + above)
+      if (middle <= below .or. middle >= above) exit
+      if (middle + law%residual*law%stiffness*middle**law%exponent < approach) then
+        below = middle
+      else
+        above = middle
+      end if
+    end do
+    force = law%stiffness*middle**law%exponent
+  end function held_force
 
   elemental subroutine find_force(law, indentation, rate, force, by_indentation, by_rate)
     !! The force, and its derivatives.
@@ -69,7 +92,7 @@ contains
     by_rate = law%damping*elastic
   end subroutine find_force
 
-  pure subroutine solve_contact(law, step, u, v, force, indentation, rate, converged)
+  pure subroutine solve_contact(law, step, u, v, force, indentation, rate, converged, by_loads)
     !! The force at the points of a step and the indentation there, by Newton's iteration, which keeps its matrix as long as changes fall fast.
     !! In a short step the force hardly changes the motion, and the matrix is the unit matrix.
     type(contact_law), intent(in) :: law
@@ -78,6 +101,7 @@ contains
     real(dp), intent(inout) :: force(0:)           !! the first is known, the others are near it, (0:points)
     real(dp), intent(out) :: indentation(force_degree), rate(force_degree)
     logical, intent(out) :: converged
+    real(dp), intent(in), optional :: by_loads(:, :)   !! what other loads add to the approach and to its rate, (points, 2)
     integer, parameter :: most = 60
     real(dp), parameter :: enough = 1.0e-11_dp     ! of the largest force: the error is then smaller by `fast`, or by the square
     real(dp), parameter :: fast = 1.0e-2_dp        ! from one change to the next
@@ -87,6 +111,10 @@ contains
     logical :: is_unit                             ! the matrix, as good as
     integer :: i, info, iteration, pivot(force_degree)
     call step%approach(u, v, free, free_rate)
+    if (present(by_loads)) then
+      free = free + by_loads(:, 1)
+      free_rate = free_rate + by_loads(:, 2)
+    end if
     compliance = step%compliance
     rate_compliance = step%rate_compliance + law%residual/step%length*node_slopes
     do i = 1, force_degree

@@ -10,7 +10,7 @@ module bw_force_step
   use bw_oscillators, only: oscillators
   implicit none (type, external)
   private
-  public :: drive, force_in_step, find_force_step, last_coefficient, mean_force, polynomial_of
+  public :: add_loads, drive, force_in_step, find_force_step, last_coefficient, mean_force, polynomial_of
 
   integer :: point, term
   real(dp), parameter :: quarter_turn = acos(0.0_dp)
@@ -49,8 +49,10 @@ module bw_force_step
     real(dp), allocatable :: moved(:, :)           !! end state of each: q by q, q by v, v by q, v by v, (oscillators, 4)
     real(dp), allocatable :: pushed(:, :, :)       !! and by the coefficient of each power of time in the force,
                                                    !! (oscillators, 0:powers, 2)
+    real(dp), allocatable :: by_unit(:, :, :)      !! likewise by an acceleration; unallocated: no loads act beside the force
   contains
     procedure :: advance
+    procedure :: push
   end type step_end
 
   type, extends(step_end), public :: force_step
@@ -59,6 +61,8 @@ module bw_force_step
                                                    !! (2 x points, 2, oscillators)
     real(dp), allocatable :: compliance(:, :)      !! how much less the approach at each point is for each value, (points, 0:points)
     real(dp), allocatable :: rate_compliance(:, :) !! its rate likewise
+    real(dp), allocatable :: load_compliance(:, :, :)        !! the same for values of loads, (points, 0:points, loads)
+    real(dp), allocatable :: load_rate_compliance(:, :, :)
   contains
     procedure :: approach
   end type force_step
@@ -92,6 +96,34 @@ contains
     step%compliance = matmul(given, node_powers)
     step%rate_compliance = matmul(given_rate, node_powers)
   end subroutine find_force_step
+
+  subroutine add_loads(parts, a, driven, step)
+    !! What other loads ask of a step that is found.
+    type(oscillators), intent(in) :: parts
+    real(dp), intent(in) :: a(:)                   !! as that of `find_force_step`
+    real(dp), intent(in) :: driven(:, :)           !! acceleration of each under a load of 1, (oscillators, loads)
+    type(force_step), intent(inout) :: step
+    real(dp), dimension(force_degree, 0:force_degree) :: pushed, pushed_rate   ! by powers, (points, powers)
+    real(dp) :: moved(force_degree, 4), x(force_degree, 0:highest_power)
+    integer :: k, l
+    allocate (step%by_unit, mold=step%pushed)
+    allocate (step%load_compliance(force_degree, 0:force_degree, size(driven, 2)), source=0.0_dp)
+    step%load_rate_compliance = step%load_compliance
+    x = powers_of(2.0_dp*node_places(1:) - 1.0_dp)
+    do k = 1, size(a)
+      call move_and_push(parts, k, 1.0_dp, step%length, x, moved, pushed, pushed_rate)
+      step%by_unit(k, :, 1) = pushed(force_degree, :)
+      step%by_unit(k, :, 2) = pushed_rate(force_degree, :)
+      do l = 1, size(driven, 2)
+        step%load_compliance(:, :, l) = step%load_compliance(:, :, l) + a(k)*driven(k, l)*pushed
+        step%load_rate_compliance(:, :, l) = step%load_rate_compliance(:, :, l) + a(k)*driven(k, l)*pushed_rate
+      end do
+    end do
+    do l = 1, size(driven, 2)
+      step%load_compliance(:, :, l) = matmul(step%load_compliance(:, :, l), node_powers)
+      step%load_rate_compliance(:, :, l) = matmul(step%load_rate_compliance(:, :, l), node_powers)
+    end do
+  end subroutine add_loads
 
   pure subroutine move_and_push(parts, k, driven, length, x, moved, pushed, pushed_rate)
     !! One oscillator at some times in a step, by its state at the start and by each power in the force.
@@ -170,6 +202,21 @@ contains
       v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + driven_rate
     end do
   end subroutine advance
+
+  pure subroutine push(self, driven, load, u, v)
+    !! What other loads add to the state at the end of the step.
+    class(step_end), intent(in) :: self
+    real(dp), intent(in) :: driven(:, :)           !! as those of `add_loads`
+    real(dp), intent(in) :: load(0:, :)            !! at the start and at the points, (0:points, loads)
+    real(dp), intent(inout) :: u(:), v(:)          !! of all oscillators
+    integer :: l
+    do l = 1, size(load, 2)
+      associate (coefficients => polynomial_of(load(:, l)))
+        u = u + driven(:, l)*matmul(self%by_unit(:, :, 1), coefficients)
+        v = v + driven(:, l)*matmul(self%by_unit(:, :, 2), coefficients)
+      end associate
+    end do
+  end subroutine push
 
   pure function polynomial_of(values) result(coefficients)
     !! Coefficients of 1, x, x² … of the force in a step, x from −1 to 1, from its values at the points.

@@ -8,7 +8,7 @@ module bw_lasting_contact
   !! coefficients of the force ask for. What is in the last step, 1e-7 of the contact, comes to less than rounding.
   !!
   !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
-  use bw_contact_bodies, only: bodies_of, contact_bodies
+  use bw_contact_bodies, only: bodies_of, contact_bodies, first_motion
   use bw_contact_law, only: contact_law, solve_contact, stored_energy, usual_contact
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_event, only: contact_event, event_type
@@ -42,6 +42,7 @@ module bw_lasting_contact
     type(segment_type), allocatable :: segments(:)   !! contacts and flights, in order
     integer, allocatable :: segment_of(:)         !! (events)
     type(step_end), allocatable :: ladder(:)      !! operators of their steps, by level
+    real(dp) :: approach = 0.0_dp                 !! closing speed at the first contact, V
     real(dp) :: restitution = missing             !! separation over approach at the end of the first contact
     real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
     real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
@@ -73,8 +74,8 @@ module bw_lasting_contact
 
 contains
 
-  subroutine follow_lasting_contacts(free, mass_ratio, law, omega, demand, contacts, monitor)
-    !! From the first contact on, with the mass arriving at a beam at rest with velocity 1.
+  subroutine follow_lasting_contacts(free, mass_ratio, law, omega, demand, contacts, monitor, first)
+    !! From the instant on at which the mass touches the beam, pressed against it or not.
     class(mode_set), intent(in) :: free           !! modes of the beam alone
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     type(contact_law), intent(in) :: law          !! with the residual flexibility of the modes that take part
@@ -82,22 +83,28 @@ contains
     type(demand_type), intent(in) :: demand
     type(lasting_contacts), intent(out) :: contacts
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
     type(contact_run) :: run
     type(segment_type) :: segment
+    real(dp) :: pace                              ! speed that contacts may have
     logical :: found
     integer :: i
-    run%bodies = bodies_of(free, demand%modes, mass_ratio, omega)
+    run%bodies = bodies_of(free, demand%modes, mass_ratio, omega, first)
     run%law = law
-    call usual_contact(law, mass_ratio, run%unit, run%typical)
-    run%unit = run%unit*demand%tolerance**(1.0_dp/(force_degree + 1))
+    pace = 1.0_dp
+    if (present(first)) pace = run%bodies%pace()
+    call usual_contact(law, mass_ratio, pace, run%unit, run%typical)
+    run%unit = run%unit/pace*demand%tolerance**(1.0_dp/(force_degree + 1))
     run%tolerance = demand%tolerance
     run%captures = demand%captures
     run%typical = 1.0e-3_dp*run%typical           ! far less than that is no contact that anybody would notice
     run%last = min(demand%longest, growth_ends(free))
     if (omega%hi > 0.0_dp) run%last = min(run%last, largest_exponent/omega%hi)
     allocate (contacts%events(0), contacts%segments(0), contacts%segment_of(0))
+    found = run%bodies%separation() < 0.0_dp
+    run%ended = .true.
     do
-      call add_contact(run, free%count, contacts, monitor)
+      if (found) call add_contact(run, free%count, contacts, monitor)
       if (stops(monitor) .or. run%failed .or. run%captured .or. .not. run%ended) exit
       segment = segment_of_state(run%bodies, free%count)
       call run%bodies%fly(law%damping, run%last, found, monitor)
@@ -140,7 +147,9 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
     type(event_type) :: event
+    real(dp) :: approach
     segment = segment_of_state(run%bodies, count)
+    approach = -run%bodies%separation()
     event%kind = contact_event
     event%time = run%bodies%state%time%hi
     event%energy_before = run%bodies%energy()
@@ -150,6 +159,7 @@ contains
     segment%load%taking_part = count_taking_part(run%bodies)
     call press(run, segment%load, monitor)
     if (stops(monitor) .or. run%failed) return
+    if (run%ended .and. .not. run%impulse > 0.0_dp) return     ! by rounding alone the bodies seemed to meet
     event%end_time = run%end_time%hi
     event%impulse = run%impulse
     event%energy_after = run%bodies%energy()
@@ -159,7 +169,10 @@ contains
     event%hub_rate_change = event%hub_rate_change + run%bodies%hub_rate()
     call find_largest(segment%load, event%largest_force, event%largest_force_time)
     event%largest_force_time = event%largest_force_time + event%time
-    if (size(contacts%events) == 0 .and. run%ended .and. .not. run%captured) contacts%restitution = run%bodies%separation()
+    if (size(contacts%events) == 0) then
+      contacts%approach = approach
+      if (run%ended .and. .not. run%captured .and. approach > 0.0_dp) contacts%restitution = run%bodies%separation()/approach
+    end if
     contacts%events = [contacts%events, event]
     contacts%segments = [contacts%segments, segment]
     contacts%segment_of = [contacts%segment_of, size(contacts%segments)]
@@ -183,9 +196,9 @@ contains
     logical :: converged, ends, is_last
     integer :: level
     level = levels
-    largest = run%typical
     force = 0.0_dp
     closing(0) = -run%bodies%separation()
+    largest = run%typical
     run%steps = 0
     run%impulse = 0.0_dp
     run%ended = .false.

@@ -9,7 +9,7 @@ module bw_load_course
   implicit none (type, external)
   private
   public :: course_of_samples, course_of_shape, degree_of, end_jump, impulse_of, interval_at, lag_bound, largest_load
-  public :: part_of_course, rates_of, scaled_course, steady_course
+  public :: next_knot, part_of_course, rates_of, scaled_course, steady_course
 
   type, public :: load_course
     real(dp), allocatable :: knot(:)               !! ascending, (intervals + 1)
@@ -120,6 +120,18 @@ contains
       end if
     end do
   end function interval_at
+
+  pure real(dp) function next_knot(course, time) result(knot)
+    !! The first knot of any load after a time.
+    type(load_course), intent(in) :: course(:)
+    real(dp), intent(in) :: time
+    integer :: i, l
+    knot = huge(knot)
+    do l = 1, size(course)
+      i = interval_at(course(l), time) + 1
+      if (i <= size(course(l)%knot)) knot = min(knot, course(l)%knot(i))
+    end do
+  end function next_knot
 
   pure subroutine rates_of(course, i, time, power, tone)
     !! The load in an interval from a time on: Σb_js^j + Re(c e^(iΩs)), s the time since then.

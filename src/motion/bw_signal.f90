@@ -16,25 +16,28 @@ module bw_signal
     !! Parts u_k, ascending in frequency as far as they turn.
     real(dp), allocatable :: u(:), u_dot(:)        !! at the start
     integer :: order = 0                           !! of the first derivative that is not zero there, and is positive
+    real(dp), allocatable :: polynomial(:)         !! in the time since then, that is added to the sum; unallocated: none, (0:degree)
   contains
     procedure :: first_zero
     procedure, private :: open_signal
     procedure, private :: bound
     procedure, private :: quarter
     procedure, private :: safe_step
+    procedure, private :: largest_bend
   end type signal_type
 
   real(dp), parameter :: growth = exp(0.5_dp)      !! of a part without amplitude, over a quarter of 1/rate
 
 contains
 
-  pure type(signal_type) function signal_of(parts, sum_of, state, order) result(signal)
+  pure type(signal_type) function signal_of(parts, sum_of, state, order, polynomial) result(signal)
     !! A sum over oscillators from a state on, in a unit that keeps squares in range. Where the slope is zero, what
     !! rounding leaves of it is taken off.
     class(oscillators), intent(in) :: parts
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(in) :: state
     integer, intent(in) :: order                  !! of the first derivative that is not zero at the start
+    real(dp), intent(in), optional :: polynomial(0:)   !! that is added to it, of a degree ≥ 2
     real(dp) :: unit
     integer :: n
     n = size(state%u)
@@ -46,6 +49,9 @@ contains
     unit = scale(1.0_dp, exponent(maxval(abs(signal%u)) + maxval(abs(signal%u_dot))))
     signal%u = signal%u/unit
     signal%u_dot = signal%u_dot/unit
+    if (.not. present(polynomial)) return
+    allocate (signal%polynomial(0:ubound(polynomial, 1)), source=polynomial/unit)
+    if (order > 2) signal%u_dot(n) = signal%u_dot(n) - signal%polynomial(1)
   end function signal_of
 
   subroutine first_zero(self, longest, found, time, monitor)
@@ -58,12 +64,18 @@ contains
     integer, parameter :: most_steps = 20000000    ! no search here takes nearly as many
     integer, parameter :: between_questions = 64   ! steps
     real(dp), dimension(size(self%u)) :: change, velocity
-    real(dp) :: lower, now, start, step
+    real(dp) :: bend, lower, moved, now, slope, start, step
     integer :: i
     start = 0.0_dp
     lower = 0.0_dp
     time = 0.0_dp
+    slope = 0.0_dp
+    bend = 0.0_dp
     if (self%order == 0) start = accurate_sum(self%u)
+    if (allocated(self%polynomial)) then
+      if (self%order == 0) start = accurate_sum([self%u, self%polynomial(0)])
+      bend = self%largest_bend(longest, 2)
+    end if
     if (self%order > 0) call self%open_signal(longest, time, lower)
     found = .false.
     do i = 1, most_steps
@@ -72,10 +84,15 @@ contains
         if (stops(monitor)) exit
       end if
       call self%advance(time, self%u, self%u_dot, change, velocity)
-      now = max(start + accurate_sum(change), lower)
+      if (allocated(self%polynomial)) then
+        call move_polynomial(self%polynomial, time, moved, slope)
+        now = max(start + accurate_sum([change, moved]), lower)
+      else
+        now = max(start + accurate_sum(change), lower)
+      end if
       lower = 0.0_dp
       step = 0.0_dp
-      if (now > 0.0_dp) step = self%safe_step(now, self%u + change, velocity, longest)
+      if (now > 0.0_dp) step = self%safe_step(now, slope, bend, self%u + change, velocity, longest)
       found = step <= epsilon(step)*time
       if (found) return
       time = time + step
@@ -94,6 +111,10 @@ contains
     sum_of = weighted_sum(0.0_dp*self%u + 1.0_dp, 0.0_dp*self%u)
     rise = self%derivative(sum_of, moving_state(self%u, self%u_dot), self%order)
     most = sum(self%bound(self%u, self%u_dot, self%order + 1))
+    if (allocated(self%polynomial)) then
+      rise = rise + gamma(self%order + 1.0_dp)*self%polynomial(self%order)
+      most = most + self%largest_bend(longest, self%order + 1)
+    end if
     time = longest
     if (most > 0.5_dp*(self%order + 1)*rise/longest) time = max(0.0_dp, 0.5_dp*(self%order + 1)*rise/most)
     time = min(time, self%quarter())
@@ -127,10 +148,40 @@ contains
     end do
   end function bound
 
-  pure real(dp) function safe_step(self, value, u, u_dot, longest) result(step)
+  pure real(dp) function largest_bend(self, time, order) result(bend)
+    !! A bound of a derivative of the polynomial within a time.
+    class(signal_type), intent(in) :: self
+    real(dp), intent(in) :: time
+    integer, intent(in) :: order
+    integer :: m
+    bend = 0.0_dp
+    do m = order, ubound(self%polynomial, 1)
+      bend = bend + abs(self%polynomial(m))*gamma(m + 1.0_dp)/gamma(m - order + 1.0_dp)*time**(m - order)
+    end do
+  end function largest_bend
+
+  pure subroutine move_polynomial(polynomial, time, change, slope)
+    !! By how much a polynomial has changed since time 0, and its slope.
+    real(dp), intent(in) :: polynomial(0:)
+    real(dp), intent(in) :: time
+    real(dp), intent(out) :: change, slope
+    real(dp) :: value
+    integer :: m
+    value = 0.0_dp
+    slope = 0.0_dp
+    do m = ubound(polynomial, 1), 1, -1
+      slope = slope*time + value
+      value = value*time + polynomial(m)
+    end do
+    slope = slope*time + value                     ! of (value)·time
+    change = value*time
+  end subroutine move_polynomial
+
+  pure real(dp) function safe_step(self, value, drift, lift, u, u_dot, longest) result(step)
     !! How far the signal stays positive for certain.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: value, u(:), u_dot(:)
+    real(dp), intent(in) :: drift, lift            !! slope of the polynomial and a bound of its second derivative; 0 where there is none
     real(dp), intent(in) :: longest                !! beyond which nothing is asked
     real(dp), dimension(0:size(u)) :: slope, curvature   ! of what has no amplitude, and the first that have one
     real(dp), dimension(size(u)) :: bend, swing
@@ -140,8 +191,8 @@ contains
     swings = self%beta_squared%hi > 0.0_dp
     bend = self%bound(u, u_dot, 2)
     swing = merge(abs(u) + self%bound(u, u_dot, 0), 0.0_dp, swings)
-    slope = [sum(u_dot, mask=.not. swings), merge(u_dot, 0.0_dp, swings)]
-    curvature = [sum(bend, mask=.not. swings), merge(bend, 0.0_dp, swings)]
+    slope = [drift + sum(u_dot, mask=.not. swings), merge(u_dot, 0.0_dp, swings)]
+    curvature = [lift + sum(bend, mask=.not. swings), merge(bend, 0.0_dp, swings)]
     do k = 1, size(u)
       slope(k) = slope(k) + slope(k - 1)
       curvature(k) = curvature(k) + curvature(k - 1)

@@ -202,11 +202,15 @@ contains
     character(:), allocatable :: text
     call lines%append_line('')
     if (size(result%events) == 0) then
-      call lines%append_line('  Nothing strikes the beam: the mass or its velocity is 0.')
+      if (scene%impact%mass_ratio > 0.0_dp .and. allocated(scene%initial)) then
+        call lines%append_line('  The mass does not meet the beam within the record.')
+      else
+        call lines%append_line('  Nothing strikes the beam: the mass or its velocity is 0.')
+      end if
       return
     end if
     associate (first => result%events(1), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
-               blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*scene%impact%approach_velocity)
+               blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
       text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
         shortest(abs(contact%largest(1)), 6)//' N, '//shortest(1.0e6_dp*contact%largest_time(1), 4)// &
         ' us after its beginning; impulse '//shortest(impulse(1), 6)//' N s'
@@ -214,7 +218,8 @@ contains
         call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
       else if (is_missing(contact%restitution)) then
         call lines%append_line(text//'.')
-        call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
+        if (contact%lasting .and. size(result%events) == 1) &
+          call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
       else
         call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//'.')
         call lines%append_line('  An instantaneous blow with that restitution has the impulse '//shortest(blow, 4)// &

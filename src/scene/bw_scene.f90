@@ -217,6 +217,7 @@ contains
       do i = 1, size(elsewhere)
         if (position_of(groups, trim(elsewhere(i))) == 0) cycle
         if (has_word(group_table(groups(g)%row)%excludes, trim(elsewhere(i)))) cycle      ! told already
+        if (groups(g)%group == 'initial' .and. elsewhere(i) == 'contact') cycle           ! which follows any first motion
         call messages%add(groups(g)%line, '&'//trim(groups(g)%group), 'begins a motion that changes in time, which excludes &'// &
                           trim(elsewhere(i))//' of line '//text_of(groups(position_of(groups, trim(elsewhere(i))))%line)// &
                           '; accepted: without one of them, or &body without from and until')
@@ -427,8 +428,10 @@ contains
 
   pure logical function changes_in_time(scene) result(changes)
     !! Bodies come or leave, also a captured one while loads act, or the beam moves from the beginning: its motion is a timeline of any
-    !! number of configurations.
+    !! number of configurations. That of contacts of a finite duration is not: they have a run of their own.
     type(scene_type), intent(in) :: scene
+    changes = .false.
+    if (allocated(scene%contact)) return
     changes = allocated(scene%initial) .or. (allocated(scene%release) .and. is_loaded(scene))
     if (allocated(scene%bodies)) &
       changes = changes .or. any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
@@ -445,7 +448,8 @@ contains
     !! What velocities without dimensions are in: that of the mass that strikes, or 1 m/s where it need not be what moves the beam, m/s.
     type(scene_type), intent(in) :: scene
     velocity = 1.0_dp
-    if (allocated(scene%impact) .and. .not. changes_in_time(scene)) velocity = scene%impact%approach_velocity
+    if (.not. allocated(scene%impact) .or. changes_in_time(scene)) return
+    if (scene%impact%approach_velocity /= 0.0_dp .or. .not. allocated(scene%contact)) velocity = scene%impact%approach_velocity
   end function unit_velocity
 
   pure function at_start(scene) result(present)

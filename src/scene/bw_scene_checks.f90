@@ -222,7 +222,7 @@ contains
     logical :: turns
     real(dp) :: radius, speed                     ! of the place that the mass strikes
     if (.not. allocated(scene%initial)) return
-    if (allocated(scene%impact)) then
+    if (allocated(scene%impact) .and. .not. allocated(scene%contact)) then
       radius = scene%impact%position*scene%beam%length
       if (allocated(scene%hub)) radius = radius + scene%hub%radius
       speed = scene%initial%angular_velocity*radius

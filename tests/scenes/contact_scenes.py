@@ -60,11 +60,55 @@ def draw(rng: np.random.Generator) -> dict:
     return scene
 
 
+SLOPE = 336.0  # N s/m: a force at the tip of the paper's beam over the speed of its first mode after it is let go
+
+
+def draw_moving(rng: np.random.Generator, kind: str) -> dict:
+    """Such a scene, of a beam that is let go from a deflection ('initial') or that forces and motions of its base move ('loads')."""
+    scene = draw(rng)
+    speed = abs(scene["impact"]["approach_velocity"])
+    if kind == "initial":
+        scene["rotation"] = {"angular_velocity": float_in(rng, 10, 100), "plane": str(rng.choice(["in", "out"]))}
+        force = float(rng.choice([-1, 1])) * SLOPE * speed * 10 ** float_in(rng, -1, 0.5)
+        scene["initial"] = {"force": force, "position": 1.0 if rng.random() < 0.5 else round(float_in(rng, 0.3, 0.95), 4)}
+        return scene
+    duration = scene["response"]["duration"]
+    for group in ("force", "base"):
+        if rng.random() < 0.65 or (group == "base" and "force" not in scene):
+            unit = SLOPE if group == "force" else 164.0
+            load = {"shape": str(rng.choice(["half_sine", "haversine", "triangle", "rectangle", "sine"]))}
+            load["amplitude"] = float(rng.choice([-1, 1])) * unit * speed * 10 ** float_in(rng, -1, 0.7)
+            load["start"] = 0.0 if rng.random() < 0.3 else duration * float_in(rng, 0, 0.5)
+            load["duration"] = duration * float_in(rng, 0.05, 0.7)
+            if load["shape"] == "sine":
+                load["frequency"] = 10 ** float_in(rng, -0.5, 1) / load["duration"]
+            if group == "force":
+                load["position"] = 1.0 if rng.random() < 0.5 else round(float_in(rng, 0.3, 0.95), 4)
+            scene[group] = load
+    return scene
+
+
+def load_of(load: dict, sign: float, heavy: float | None) -> contact_reference.Load:
+    """A force, or with a mass of the beam a motion of the base."""
+    size, start, long = sign * load["amplitude"] * (-heavy if heavy else 1.0), load["start"], load["duration"]
+    half, end = start + long / 2, start + long
+    piece = contact_reference.Piece
+    pieces = {
+        "half_sine": [piece(start, end, 0, 0, -1j * size, np.pi / long)],
+        "haversine": [piece(start, end, size / 2, 0, -size / 2, 2 * np.pi / long)],
+        "triangle": [piece(start, half, 0, 2 * size / long, 0, 0), piece(half, end, size, -2 * size / long, 0, 0)],
+        "rectangle": [piece(start, end, size, 0, 0, 0)],
+        "sine": [piece(start, end, 0, 0, -1j * size, 2 * np.pi * load.get("frequency", 0.0))],
+    }
+    return contact_reference.Load(None if heavy else load["position"], pieces[load["shape"]])
+
+
 def blow_of(scene: dict) -> contact_reference.Blow:
     """The same scene for the reference, from positive sides."""
     beam, impact, contact, response = scene["beam"], scene["impact"], scene["contact"], scene["response"]
     rotation = scene.get("rotation", {"angular_velocity": 0.0, "plane": "in"})
     rho = beam["density"] * np.pi * beam["diameter"] ** 2 / 4
+    sign = float(np.sign(impact["approach_velocity"]) or 1.0)
     return contact_reference.Blow(
         length=beam["length"],
         mass_per_length=rho,
@@ -83,17 +127,19 @@ def blow_of(scene: dict) -> contact_reference.Blow:
         times=np.arange(response["samples"]) * (response["duration"] / response["samples"]),
         duration=response["duration"],
         most_contacts=contact["max_contacts"],
+        pulled=(sign * scene["initial"]["force"], scene["initial"]["position"]) if "initial" in scene else None,
+        loads=[load_of(scene[group], sign, None if group == "force" else rho * beam["length"]) for group in ("force", "base") if group in scene],
     )
 
 
 def judge(run, scene: dict) -> Iterator[Judged]:
     """Compare a run with the reference of as many modes; `run` makes a dataset of a scene."""
     found, true = run(scene), contact_reference.follow(blow_of(scene))
-    sign = np.sign(scene["impact"]["approach_velocity"])
+    sign = np.sign(scene["impact"]["approach_velocity"]) or 1.0
     events = found.isel(event=(found["event_kind"] > 0).values)
     count, both = events.sizes["event"], min(events.sizes["event"], len(true.start))
     yield Judged("contacts", both, abs(len(true.start) - count), np.inf)
-    unit, strongest, blow = true.end[0], max(true.largest), max(true.impulse)
+    unit, strongest, blow = true.end[0] if true.end else 1.0, max(true.largest, default=1.0), max(true.impulse, default=1.0)
     for i in range(both):
         for name, value in (("event_time", true.start[i]), ("event_end", true.end[i])):
             yield judged(name, i + 1, abs(float(events[name][i]) - value), float(events[f"{name}_error"][i]), unit)

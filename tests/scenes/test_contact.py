@@ -276,3 +276,56 @@ def test_a_default_tolerance_that_relaxes_is_resolved_to_the_same_run(here):
     assert again.returncode == 0, again.stderr
     with xr.open_dataset(here.directory / "output/again.nc") as ds:
         np.testing.assert_array_equal(ds["displacement"], first["displacement"])
+
+
+HINGED = {"support": {"rotational_stiffness": 0.0}, "modes": {"before": 40}}  # a beam that turns about its root
+
+
+@pytest.mark.parametrize("number", [4, 7, 14])
+def test_random_contacts_of_a_beam_that_is_let_go_are_those_of_an_integration(here, number):
+    """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
+    scene = contact_scenes.draw_moving(np.random.default_rng([1, number]), "initial")
+    for j in contact_scenes.judge(lambda scene: run(here, f"moving{number}", scene), scene):
+        assert j.part <= 1e-9 and j.estimate >= 1 and j.contacts <= contact_scenes.FEW, j
+
+
+def test_a_deflection_under_no_force_changes_nothing(here):
+    still, let_go = (run(here, name, struck(modes={"before": 40}, **moving)) for name, moving in (("still", {}), ("none", {"initial": {"force": 0.0}})))
+    for name in (*contact_scenes.HISTORIES, "contact_force", "event_time", "event_end", "event_impulse"):
+        assert np.array_equal(still[name], let_go[name], equal_nan=True), name
+
+
+def test_a_beam_that_turns_into_a_mass_at_rest_is_struck_as_by_a_mass_that_comes(here):
+    """Without rotation a rigid turn moves the beam by what is no force: contacts are those of the mass's own speed."""
+    comes = run(here, "comes", struck(impact={"approach_velocity": 2.0, "position": 0.8}, **HINGED))
+    meets = run(here, "meets", struck(impact={"approach_velocity": 0.0, "position": 0.8}, initial={"angular_velocity": -2.5}, **HINGED))
+    both = run(here, "both", struck(impact={"approach_velocity": 3.0, "position": 0.8}, initial={"angular_velocity": 1.25}, **HINGED))
+    turn = comes["time"] * xr.DataArray(PLACES["points"], dims="point")
+    for ds, rate in ((meets, -2.5), (both, 1.25)):
+        for name, moved in (("event_force", 0.0), ("event_impulse", 0.0), ("displacement", rate * turn), ("bending_moment", 0.0)):
+            error = np.abs(ds[name] - (comes[name] + moved)).max()
+            assert error <= 1e-9 * np.abs(comes[name]).max(), (rate, name)  # of the force, what steps lack
+        # the turn is a mode without a frequency, which nothing but the contact's impulse changes; the digits of its mass and shape
+        contacts = ds.isel(event=(ds["event_kind"] > 0).values)
+        assert np.allclose(contacts["momentum_before"], contacts["momentum_after"], rtol=1e-11, atol=0)
+        assert float(ds["restitution"]) == pytest.approx(float(comes["restitution"]), rel=1e-8)
+
+
+def test_a_mass_that_never_meets_the_beam_leaves_it_alone(here):
+    turning = {"initial": {"angular_velocity": 5.0}, **HINGED}
+    ds = run(here, "apart", struck(impact={"approach_velocity": 1.0}, **turning))
+    assert ds.sizes.get("event", 0) == 0 or not (ds["event_kind"] > 0).any()
+    turn = 5.0 * ds["time"] * xr.DataArray(PLACES["points"], dims="point")
+    assert float(np.abs(ds["displacement"] - turn).max()) <= 1e-12 * float(turn.max())
+
+
+def test_a_beam_comes_back_to_a_mass_that_it_has_left(here):
+    """It is let go to the side away from the mass, which follows slowly; contacts conserve the energy of both."""
+    scene = struck(impact={"approach_velocity": 0.05}, initial={"force": -500.0}, modes={"before": 30})
+    scene["response"]["duration"] = 0.05
+    ds = run(here, "back", scene)
+    contacts = ds.isel(event=(ds["event_kind"] > 0).values)
+    strongest = int(np.argmax(contacts["event_impulse"].values))
+    assert float(contacts["event_time"][strongest]) > 0.01 and float(contacts["event_impulse"][strongest]) > 10 * float(contacts["event_impulse"][0])
+    assert np.allclose(contacts["energy_after"], contacts["energy_before"], rtol=1e-10)
+    assert np.allclose(contacts["energy_before"][1:], contacts["energy_after"][:-1], rtol=1e-10)

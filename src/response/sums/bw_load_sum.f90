@@ -7,7 +7,7 @@ module bw_load_sum
   !! once, is missing, and what is missing beyond them continues the octaves of modes.
   use bw_double_double, only: dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_load_course, only: degree_of, interval_at, load_course, part_of_course, rates_of
+  use bw_load_course, only: degree_of, interval_at, load_course, next_knot, part_of_course, rates_of
   use bw_load_step, only: load_step, load_step_of
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
@@ -253,18 +253,6 @@ contains
     integer, intent(in) :: summed, count
     sees_beyond = 2*count >= 3*summed
   end function sees_beyond
-
-  pure real(dp) function next_knot(course, time) result(knot)
-    !! The first knot of any load after a time.
-    type(load_course), intent(in) :: course(:)
-    real(dp), intent(in) :: time
-    integer :: i, l
-    knot = huge(knot)
-    do l = 1, size(course)
-      i = interval_at(course(l), time) + 1
-      if (i <= size(course(l)%knot)) knot = min(knot, course(l)%knot(i))
-    end do
-  end function next_knot
 
   pure function tail_error(view, tail, columns) result(error)
     !! An estimate of what is missing of infinitely many modes in columns of one quantity. With ρ the ratio of two octaves the octave that

@@ -15,7 +15,7 @@ module bw_initial_par
   end type initial_par
 
   type(input_group), parameter, public :: initial_group = input_group( &
-    'initial', excludes='contact recontact record', is_event=.true., &
+    'initial', excludes='recontact record', is_event=.true., &
     absent='the beam is straight and at rest when the motion begins', &
     physics='The beam does not start straight and at rest: it is let go from a static deflection, or it turns.', &
     example='&initial force = 100, position = 1 /          ! plucked at the tip|&response duration = 0.5, samples = 8192 '// &
@@ -23,7 +23,8 @@ module bw_initial_par
     rules='Give `force`, `angular_velocity` or both. The static deflection under a force is released at t = 0, like a '// &
     'plucked string; every mode has to be stable. The angular velocity is that of a beam that can turn: its root turns on '// &
     '`&support`, or sits on a `&hub`. With `&impact` the mass arrives with `approach_velocity` in the rotating frame and '// &
-    'strikes a moving beam: the closing speed counts.')
+    'strikes a moving beam: the closing speed counts. With `&contact` it begins to move where it touches the deflected beam; '// &
+    'if the two do not close in, it flies beside the beam until they meet, also with `approach_velocity` 0.')
 
   type(input_name), parameter, public :: initial_names(*) = [ &
     input_name('initial', 'force', real_input, 'N', any_number, swept=.true., &
