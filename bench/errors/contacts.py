@@ -1,6 +1,6 @@
 """Random scenes of contacts of a finite duration beside an integration of their own, and their estimates of errors beside far more modes.
 
-`PYTHONPATH=bench:tests/scenes python -m errors.contacts [--scenes 200] [--estimates 300]` takes half an hour. The integration
+`PYTHONPATH=bench:tests/scenes python -m errors.contacts [--scenes 200] [--estimates 300] [--kind plain|initial|loads]` takes half an hour. The integration
 (`tests/scenes/contact_reference.py`) has as many modes as the scene, so that only rounding and steps differ. BEAMWAVE_SEED sets the
 seed, BEAMWAVE another program.
 """
@@ -26,8 +26,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=200, help="beside the integration")
     parser.add_argument("--estimates", type=int, default=300, help="beside more modes")
+    parser.add_argument("--kind", choices=("plain", "initial", "loads"), default="plain", help="a beam at rest, let go from a deflection, or under loads")
     options = parser.parse_args()
-    exact = judged(contact_scenes.judge, options.scenes)
+    exact = judged(contact_scenes.judge, options.scenes, options.kind)
     few = contact_scenes.FEW
     print(f"| largest error over the peak | undamped, up to {few} contacts | undamped, more | damped | least estimate over error |")
     print("|---|---|---|---|---|")
@@ -37,18 +38,19 @@ def main() -> None:
                  [j.part for damped, j in own if damped]]  # fmt: skip
         least = min((j.estimate for _, j in own), default=np.inf)
         print(f"| {name} | {' | '.join(f'{max(parts):.1e}' if parts else '–' for parts in kinds)} | {least:.3g} |")
-    estimates = judged(contact_scenes.judge_estimates, options.estimates)
+    estimates = judged(contact_scenes.judge_estimates, options.estimates, options.kind)
     for name in contact_scenes.HISTORIES if options.estimates else ():
         ratios = np.array([j.estimate for _, j in estimates if j.quantity == name])
         print(f"{name:15} {len(ratios):5} histories, estimate over error: least {ratios.min():.2g}, median {np.median(ratios):.2g}, "
               f"nine tenths {np.quantile(ratios, 0.9):.2g}; below 1: {(ratios < 1).sum()}")  # fmt: skip
 
 
-def judged(judge, scenes: int) -> list[tuple[bool, contact_scenes.Judged]]:
+def judged(judge, scenes: int, kind: str) -> list[tuple[bool, contact_scenes.Judged]]:
     """All that is judged, and whether the contact of its scene damps; what is below its error is said on standard error."""
     found, left_out = [], 0
     for number in range(scenes):
-        scene = contact_scenes.draw(np.random.default_rng([SEED, number]))
+        rng = np.random.default_rng([SEED, number])
+        scene = contact_scenes.draw(rng) if kind == "plain" else contact_scenes.draw_moving(rng, kind)
         with tempfile.TemporaryDirectory() as folder:
             try:
                 own = list(judge(run_in(Workplace(PROGRAM, Path(folder))), scene))

@@ -1,7 +1,8 @@
 module bw_case_contacts
   !! One way to follow the motion of a case whose impact lasts, to its histories.
+  use bw_acting_loads, only: acting_loads
   use bw_case_bodies, only: bodies_of
-  use bw_case_histories, only: add_hub_angle, find_loaded_segments, sum_histories
+  use bw_case_histories, only: add_hub_angle, find_loaded_segments, samples_before, sum_histories
   use bw_case_modes, only: whole_beam
   use bw_case_moments, only: find_moments
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
@@ -12,11 +13,14 @@ module bw_case_contacts
   use bw_case_motion, only: follow_motion
   use bw_changing_motion, only: find_first_motion
   use bw_constants, only: pi
-  use bw_contact_rates, only: add_rates
+  use bw_contact_rates, only: add_rates, driven_type, find_driven, rounding_in, show_in_segments, unit_force
   use bw_event, only: capture_event, event_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, follow_lasting_contacts, force_at, lasting_contacts
+  use bw_load_columns, only: find_drive, placed_loads, quantities
+  use bw_load_course, only: scaled_course
+  use bw_load_modes, only: find_residuals
   use bw_mode_set, only: deflections, first_numbers, first_struck, mean_rate, mode_set, turns
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
@@ -26,8 +30,9 @@ module bw_case_contacts
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, beam_energy, lack_type, segment_type, together
-  use bw_static_shape, only: find_residual
+  use bw_static_shape, only: deflection, find_residual, hub_turn
   use bw_text, only: append, string
+  use bw_time_grid, only: time_grid_of
   use bw_timeline, only: timeline_type
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
@@ -43,12 +48,13 @@ module bw_case_contacts
     integer :: ending = case_done                   !! why the motion is not known to its end
     logical :: cut = .false., out_of_range = .false., failed = .false.   !! as those of lasting_contacts
     real(dp) :: step_tolerance = 0.0_dp             !! of the largest force, what steps lack
+    real(dp), allocatable :: rounding(:, :)         !! what it leaves under loads, SI, (points, quantities)
     type(string), allocatable :: notes(:)
   end type run_type
 
 contains
 
-  subroutine follow_run(scene, motion, demand, monitor, workspace, run)
+  subroutine follow_run(scene, motion, demand, monitor, workspace, run, loads)
     !! Contacts, flights and histories. The timeline of the motion is that of this run then.
     type(scene_type), intent(in) :: scene            !! with counts of modes
     type(case_motion), intent(inout) :: motion       !! its modes are known
@@ -56,10 +62,13 @@ contains
     class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(run_type), intent(out) :: run
+    type(placed_loads), intent(in), optional :: loads   !! N; absent: nothing but the mass acts on the beam
     type(lasting_contacts) :: contacts
     type(case_histories) :: histories
     type(history_errors) :: none
-    call find_contacts(scene, motion, demand, monitor, contacts)
+    type(driven_type) :: driven
+    logical :: asked(quantities)
+    call find_contacts(scene, motion, demand, monitor, contacts, loads)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
     run%step_tolerance = demand%tolerance
     run%cut = contacts%cut
@@ -75,7 +84,20 @@ contains
     if (contacts%captured) call keep_mass(scene, motion, demand%modes, contacts, monitor)
     if (monitor%stop_requested()) return
     run%timeline = motion%timeline
-    call find_loaded_segments(scene, motion, monitor)
+    associate (response => scene%response)
+      asked = [.false., .false., response%acceleration, .false., response%shear_force, .false.]
+      if (present(loads)) asked = [.true., response%velocity, response%acceleration, response%bending_moment, &
+                                   response%shear_force, allocated(scene%hub)]
+      if (any(asked)) call find_driven(scene, motion, demand%modes, asked, samples_before(contacts%known_until, time_grid_of( &
+        response%duration, response%samples, motion%units%time)), monitor, driven, loads)
+    end associate
+    if (monitor%stop_requested()) return
+    if (present(loads)) then
+      call show_in_segments(scene, driven, motion)
+      run%rounding = rounding_in(scene, motion, driven)
+    else
+      call find_loaded_segments(scene, motion, monitor)
+    end if
     if (monitor%stop_requested()) return
     call sum_histories(scene, motion, deflections, monitor, workspace, histories)
     if (monitor%stop_requested()) return
@@ -86,22 +108,23 @@ contains
     run%status = max(histories%status, none%status)
     call move_alloc(histories%response, run%response)
     call move_alloc(histories%notes, run%notes)
-    call add_rates(scene, motion, demand%modes, monitor, run%response)
+    if (any(asked)) call add_rates(scene, motion, driven, run%response)
   end subroutine follow_run
 
-  subroutine find_contacts(scene, motion, demand, monitor, contacts)
+  subroutine find_contacts(scene, motion, demand, monitor, contacts, loads)
     !! Contacts and flights; the free motion of a beam that nothing strikes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion       !! unresolved where the beam cannot begin as the scene asks for
     type(demand_type), intent(in) :: demand
     class(monitor_type), intent(inout) :: monitor
     type(lasting_contacts), intent(out) :: contacts
+    type(placed_loads), intent(in), optional :: loads   !! N
     type(varying_beam) :: given
     type(contact_law) :: law
     type(first_motion), allocatable :: first
     real(dp) :: residual(size(scene%response%points), 3), here(1, 3)
     integer :: i, struck
-    if (allocated(scene%initial)) then
+    if (allocated(scene%initial) .or. present(loads)) then
       allocate (first)
       call find_first_motion(scene, alone, motion, first%q, first%rate)
       if (.not. motion%modes%resolved) return
@@ -120,6 +143,10 @@ contains
         return
       end if
       call whole_beam(scene, motion%units, given, struck)
+      if (present(loads)) then
+        call place_beside(scene, motion, given, demand%modes, loads, monitor, first%loads)
+        if (monitor%stop_requested()) return
+      end if
       call find_residual(given, struck, free, demand%modes, [scene%impact%position], here)
       call find_residual(given, struck, free, demand%modes, response%points, residual)
       law = contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene)))
@@ -132,6 +159,41 @@ contains
       end do
     end associate
   end subroutine find_contacts
+
+  subroutine place_beside(scene, motion, given, summed, loads, monitor, acting)
+    !! Loads as the beam and the mass beside it see them.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: summed                    !! modes that take part
+    type(placed_loads), intent(in) :: loads          !! N
+    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    type(acting_loads), allocatable, intent(out) :: acting
+    real(dp), allocatable :: drive(:, :), nothing(:, :), ignored(:), residual(:, :, :), terms(:, :, :), weights(:, :, :)
+    real(dp) :: no_points(0)
+    integer :: l
+    allocate (acting)
+    associate (free => motion%modes%configuration(alone)%set, place => scene%impact%position)
+      allocate (nothing(free%count, 0), ignored(1 + size(loads%place)), acting%residual(size(loads%course)), &
+                acting%drive(free%count + 1, size(loads%course)))
+      call find_drive(given, free, loads%place, loads%turns, loads%accelerated, monitor, drive, no_points, nothing)
+      if (monitor%stop_requested()) return
+      allocate (residual(size(drive, 2), 1, hub_turn), terms(size(drive, 2), 1, hub_turn))
+      allocate (weights(free%count, 1, hub_turn), source=0.0_dp)
+      weights(:, :, deflection) = free%some_shapes(1, free%count, [place])
+      weights(:, 1, hub_turn) = free%hub_turns()
+      call find_residuals(given, free, summed, loads%place, loads%turns, loads%accelerated, drive, weights, [place], residual, &
+                          terms, ignored)
+      acting%course = scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))
+      do l = 1, size(loads%course)
+        associate (kind => loads%kind(l))
+          acting%drive(:free%count, l) = drive(:, kind)/free%modal_mass
+          acting%drive(free%count + 1, l) = merge(1.0_dp, 0.0_dp, kind > size(loads%place))   ! the frame takes the mass along
+          acting%residual(l) = residual(kind, 1, deflection) + arm_of(given%beam, place)*residual(kind, 1, hub_turn)
+        end associate
+      end do
+    end associate
+  end subroutine place_beside
 
   subroutine keep_mass(scene, motion, taking_part, contacts, monitor)
     !! The mass stays: the motion goes over to the modes of beam and mass, with displacements as they are, and with those of the modes that
@@ -245,7 +307,7 @@ contains
     allocate (run%result)
     associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration, kept => run%result, &
                square => motion%modes%configuration(alone)%set%beta_squared%hi)
-      newton = motion%units%mass*unit_velocity(scene)/unit
+      newton = unit_force(scene, motion)
       places = [(0.5_dp*(1.0_dp - cos(pi*(i - 1)/(contact_samples - 1))), i=1, contact_samples)]
       allocate (kept%force(contact_samples, size(events)))
       do i = 1, size(events)

@@ -23,7 +23,7 @@ module bw_case_histories
   use bw_truncation_error, only: block_ends, fewest
   implicit none (type, external)
   private
-  public :: add_hub_angle, find_loaded_segments, sum_histories, sums_of_segment
+  public :: add_hub_angle, find_loaded_segments, samples_before, sum_histories, sums_of_segment
 
   integer, parameter :: long = 2**14        !! tuned: samples up to which parts cost hardly more than their sum at once
   integer, parameter :: looked_at = 1024    !! samples of a long record, and as many after its first, at which octaves are summed apart

@@ -25,7 +25,7 @@ module bw_case_loads
   use bw_text, only: append, shortest
   implicit none (type, external)
   private
-  public :: add_loads, without_tolerance
+  public :: add_loads, applied, place_loads, without_tolerance
 
   integer, parameter :: first_count = 32           !! modes that a tolerance begins with
   integer, parameter :: most_count = 1024          !! and the most that it takes, four times as many where it was asked for

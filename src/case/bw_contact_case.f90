@@ -8,10 +8,11 @@ module bw_contact_case
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: follow_run, run_type
+  use bw_case_loads, only: applied, place_loads
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_notes, only: note_lasting_contacts
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors, &
-    put_together
+    load_result, put_together
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
   use bw_constants, only: two_pi
@@ -21,11 +22,13 @@ module bw_contact_case
   use bw_contact_errors, only: add_rounding, find_force_errors, find_history_errors, part_of_peak
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type
+  use bw_load_columns, only: placed_loads
+  use bw_load_courses, only: courses_of
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: by_pieces, changes_shapes, scene_type, unit_velocity
+  use bw_scene, only: by_pieces, changes_shapes, is_loaded, scene_type, unit_velocity
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: string
@@ -56,9 +59,21 @@ contains
     type(run_type), allocatable :: run
     type(search_failure), target :: failure
     type(string), allocatable :: foremost(:), validity(:)
+    type(placed_loads), allocatable :: loads
+    type(load_result), allocatable :: acted
     whole = .false.
     call watch%start()
-    call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
+    if (is_loaded(scene)) then
+      allocate (loads)
+      associate (units => units_of(scene%beam))
+        call courses_of(scene, units, loads%course, result%error)
+        whole = allocated(result%error)
+        if (whole) return
+        acted = applied(scene, loads%course, units)
+        call place_loads(scene, units, loads)
+      end associate
+    end if
+    call follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
     if (monitor%stop_requested()) return
     if (motion%modes%resolved) then
       call note_validity(counted, motion, run%response, validity)
@@ -72,7 +87,7 @@ contains
     end if
     call watch%lap(stage_response)
     if (motion%modes%resolved .and. allocated(scene%spectrum)) then
-      call find_spectrum(counted, layout, motion, run%response, errors%status, monitor, plan, spectrum)
+      call find_spectrum(counted, layout, motion, run%response, errors%status, monitor, plan, spectrum, acted)
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
     end if
@@ -84,13 +99,16 @@ contains
     call add_notes(result%notes, errors%notes)
     call add_notes(result%notes, spectrum%notes)
     call compose(scene, motion, run, errors, spectrum, result)
+    if (allocated(acted)) acted%count = result%mode_count
+    call move_alloc(acted, result%loads)
     result%profile_points = layout%profile
     whole = .true.
   end subroutine run_contact_case
 
-  subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
+  subroutine follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
     !! The motion with enough modes, or as many as the scene counts, and its errors.
     type(scene_type), intent(in) :: scene
+    type(placed_loads), allocatable, intent(in) :: loads   !! that act beside the mass
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
@@ -155,7 +173,7 @@ contains
     errors%status = run%ending
     if (run%status /= case_done) errors%status = run%status
     call add_notes(errors%notes, run%notes)
-    call add_rounding(counted, motion, run%response, errors)
+    call add_rounding(counted, motion, run%response, errors, run%rounding)
     motion%plan%reached = part_of_peak(run%response, errors)
   contains
     subroutine follow_part(divisor, followed)
@@ -166,7 +184,7 @@ contains
       demand = demand_type((counted%modes%before + divisor - 1)/divisor, scene%contact%max_contacts, &
                            scene%response%duration/motion%units%time%hi, step_tolerance(scene), allocated(scene%capture))
       allocate (followed)
-      call follow_run(counted, motion, demand, monitor, workspace, followed)
+      call follow_run(counted, motion, demand, monitor, workspace, followed, loads)
     end subroutine follow_part
   end subroutine follow_to_tolerance
 

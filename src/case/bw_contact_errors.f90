@@ -123,18 +123,25 @@ contains
     end do
   end function largest_distance
 
-  subroutine add_rounding(scene, motion, response, errors)
+  subroutine add_rounding(scene, motion, response, errors, under_loads)
     !! What rounding leaves of sums and of phases.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
     type(history_errors), intent(inout) :: errors
+    real(dp), intent(in), optional :: under_loads(:, :)   !! absent: the modes move freely between contacts, (points, quantities)
     if (response%finite_samples == 0) return
-    associate (of_sums => rounding_errors(scene, motion, response, .false.))
-      errors%displacement = errors%displacement + of_sums + drift_errors(scene, motion, deflections, .false.)
-    end associate
-    if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
-      + drift_errors(scene, motion, deflections, .true.)
+    if (present(under_loads)) then
+      errors%displacement = errors%displacement + under_loads(:, 1)
+      if (allocated(errors%velocity)) errors%velocity = errors%velocity + under_loads(:, 2)
+      if (allocated(errors%bending_moment)) errors%bending_moment = errors%bending_moment + under_loads(:, 4)
+    else
+      associate (of_sums => rounding_errors(scene, motion, response, .false.))
+        errors%displacement = errors%displacement + of_sums + drift_errors(scene, motion, deflections, .false.)
+      end associate
+      if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
+        + drift_errors(scene, motion, deflections, .true.)
+    end if
     if (allocated(errors%acceleration)) errors%acceleration = errors%acceleration + response%acceleration_error
     if (allocated(errors%shear_force)) errors%shear_force = errors%shear_force + response%shear_force_error
   end subroutine add_rounding

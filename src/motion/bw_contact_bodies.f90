@@ -2,10 +2,11 @@ module bw_contact_bodies
   !! A beam and a mass that touches it for some time or flies beside it: the modes of the beam and the mass are oscillators that
   !! a force between them drives, by Φ_k(ξ₀)/M_k and −1/m_j. The mass comes last; it runs in a guide that turns with the hub, y'' = ω²y
   !! in the plane of rotation. The gap v(ξ₀) − y is the sum with Φ_k(ξ₀) and −1. Units of bw_segment.
+  use bw_acting_loads, only: acting_loads, gap_degree
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_mode_set, only: first_struck, mean_rate, mode_set
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, stops
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
   use bw_signal, only: signal_of, signal_type
   implicit none (type, external)
@@ -19,6 +20,7 @@ module bw_contact_bodies
     integer :: first = 1                          !! mode that the mass strikes
     real(dp) :: turn_of_hub = 0.0_dp              !! in the first mode, of a hub that is free
     type(moving_state) :: state
+    type(acting_loads), allocatable :: loads      !! unallocated: nothing but the contact acts
   contains
     procedure :: gap
     procedure :: separation
@@ -33,7 +35,10 @@ module bw_contact_bodies
     !! What moves when the mass is let go beside the beam.
     real(dp), allocatable :: q(:), rate(:)        !! of the modes
     real(dp) :: speed = 1.0_dp                    !! of the mass
+    type(acting_loads), allocatable :: loads      !! unallocated: none act
   end type first_motion
+
+  integer, parameter :: most_orders = 4           !! of derivatives of a gap that is closed
 
 contains
 
@@ -63,24 +68,31 @@ contains
     bodies%state%u(n + 1) = sum(struck*bodies%state%u(:n))
     bodies%state%v(:taking_part) = first%rate(:taking_part)
     bodies%state%v(n + 1) = first%speed
+    if (.not. allocated(first%loads)) return
+    bodies%loads = first%loads
+    bodies%loads%drive(taking_part + 1:n, :) = 0.0_dp
+    call bodies%loads%begin(bodies%parts)
   end function bodies_of
 
   pure real(dp) function pace(self)
     !! How fast the mass and the place that it strikes may meet: the mass at its speed, and all modes at their amplitudes, out of phase.
     class(contact_bodies), intent(in) :: self
     pace = norm2(self%weight*hypot(self%state%v, sqrt(max(0.0_dp, self%parts%beta_squared%hi))*self%state%u))
+    if (allocated(self%loads)) pace = hypot(pace, self%loads%pace(self%parts, self%weight))
   end function pace
 
   pure real(dp) function gap(self)
     !! Negative where mass and beam are pressed into each other.
     class(contact_bodies), intent(in) :: self
     gap = accurate_sum(self%weight*self%state%u)
+    if (allocated(self%loads)) gap = gap + self%loads%gap(self%state%time%hi, 0)
   end function gap
 
   pure real(dp) function separation(self)
     !! Rate of the gap: positive where it opens.
     class(contact_bodies), intent(in) :: self
     separation = accurate_sum(self%weight*self%state%v)
+    if (allocated(self%loads)) separation = separation + self%loads%gap(self%state%time%hi, 1)
   end function separation
 
   pure real(dp) function energy(self)
@@ -104,44 +116,112 @@ contains
   end function hub_rate
 
   subroutine fly(self, damping, last, found, monitor)
-    !! Free motion until a force acts again, or to the end. Where damping has taken a contact's force away while the bodies are still
-    !! pressed into each other, it comes back when 1 + cδ̇ is positive again.
+    !! Free motion, or that under loads, until a force acts again, or to the end.
     class(contact_bodies), intent(inout) :: self
     real(dp), intent(in) :: damping               !! c of the contact
     real(dp), intent(in) :: last                  !! the end of the search
     logical, intent(out) :: found                 !! a contact before that
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    real(dp) :: until
+    do
+      until = last
+      if (allocated(self%loads)) until = min(last, self%loads%calm_until(self%state%time%hi))
+      call fly_calmly(self, damping, until, found, monitor)
+      if (stops(monitor)) return
+      if (found .or. until >= last) return
+      self%state%time = to_dd(until)
+    end do
+  end subroutine fly
+
+  subroutine fly_calmly(self, damping, last, found, monitor)
+    !! Over a time in which loads are smooth. Where damping has taken a contact's force away while the bodies are still
+    !! pressed into each other, it comes back when 1 + cδ̇ is positive again.
+    type(contact_bodies), intent(inout) :: self
+    real(dp), intent(in) :: damping
+    real(dp), intent(in) :: last
+    logical, intent(out) :: found
+    class(monitor_type), intent(inout), optional :: monitor
     type(signal_type) :: signal
     type(oscillators) :: parts
+    type(moving_state) :: free
+    real(dp), allocatable :: polynomial(:), other(:)   ! of the gap, beside free motions; unallocated: no loads act
     real(dp) :: back, time
     logical :: comes_back
-    integer :: order
+    integer :: m, order
     associate (none => 0.0_dp*self%weight, left => (last - self%state%time%hi) - self%state%time%lo)
       order = 0
+      call take_out_loads(self, free, polynomial)
       if (self%gap() < 0.0_dp .and. damping > 0.0_dp) then
         found = damping*self%separation() <= 1.0_dp
         if (found) return
+        if (allocated(polynomial)) other = damping*[((m + 1)*polynomial(m + 1), m=0, gap_degree - 1)]
         parts = oscillators_of([self%parts%beta_squared, to_dd(0.0_dp)], [self%parts%c, 0.0_dp])
         signal = signal_of(parts, weighted_sum([none, -1.0_dp], [damping*self%weight, 0.0_dp]), &
-                           moving_state([self%state%u, 1.0_dp], [self%state%v, 0.0_dp], self%state%time), 0)
+                           moving_state([free%u, 1.0_dp], [free%v, 0.0_dp], free%time), 0, other)
         call signal%first_zero(left, comes_back, back, monitor)
-        signal = signal_of(self%parts, weighted_sum(-self%weight, none), self%state, 0)
+        if (allocated(polynomial)) other = -polynomial
+        signal = signal_of(self%parts, weighted_sum(-self%weight, none), free, 0, other)
         call signal%first_zero(min(back, left), found, time, monitor)
-        call self%parts%move(time, self%state)
+        call move(self, time)
         if (.not. found) then
           found = comes_back
           return
         end if
         order = 1
+        call take_out_loads(self, free, polynomial)
       else if (self%gap() <= 0.0_dp) then
-        order = 1
-        found = self%separation() <= 0.0_dp
+        order = opening(self, free, polynomial)
+        found = order == 0
         if (found) return
+        if (order > most_orders) then              ! nothing moves
+          call move(self, left)
+          return
+        end if
       end if
     end associate
-    signal = signal_of(self%parts, weighted_sum(self%weight, 0.0_dp*self%weight), self%state, order)
+    signal = signal_of(self%parts, weighted_sum(self%weight, 0.0_dp*self%weight), free, order, polynomial)
     call signal%first_zero((last - self%state%time%hi) - self%state%time%lo, found, time, monitor)
-    call self%parts%move(time, self%state)
-  end subroutine fly
+    call move(self, time)
+  end subroutine fly_calmly
+
+  subroutine take_out_loads(self, free, polynomial)
+    !! Motion that is free from now on, and what loads add to the gap in a calm time.
+    type(contact_bodies), intent(in) :: self
+    type(moving_state), intent(out) :: free
+    real(dp), allocatable, intent(out) :: polynomial(:)   !! in the time from now on; unallocated: no loads act, (0:degree)
+    if (allocated(self%loads)) then
+      allocate (polynomial(0:gap_degree))
+      call self%loads%take_out(self%parts, self%weight, self%state, free, polynomial)
+    else
+      free = self%state
+    end if
+  end subroutine take_out_loads
+
+  subroutine move(self, time)
+    !! The state a time later, up to the end of a calm time.
+    type(contact_bodies), intent(inout) :: self
+    real(dp), intent(in) :: time
+    if (allocated(self%loads)) then
+      call self%loads%move(self%parts, time, self%state)
+    else
+      call self%parts%move(time, self%state)
+    end if
+  end subroutine move
+
+  pure integer function opening(self, free, polynomial) result(order)
+    !! Of the first derivative of the gap that is not 0 where it is closed; 0 where that closes it further, and one more than is looked at
+    !! where nothing moves.
+    type(contact_bodies), intent(in) :: self
+    type(moving_state), intent(in) :: free
+    real(dp), allocatable, intent(in) :: polynomial(:)    !! as those of `take_out_loads`
+    real(dp) :: derivative
+    do order = 1, most_orders
+      derivative = self%parts%derivative(weighted_sum(self%weight, 0.0_dp*self%weight), free, order)
+      if (allocated(polynomial)) derivative = derivative + gamma(order + 1.0_dp)*polynomial(order)
+      if (derivative > 0.0_dp) return
+      if (derivative < 0.0_dp) exit
+    end do
+    if (order <= most_orders) order = 0
+  end function opening
 
 end module bw_contact_bodies

@@ -9,11 +9,11 @@ module bw_lasting_contact
   !!
   !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies, first_motion
-  use bw_contact_law, only: contact_law, solve_contact, stored_energy, usual_contact
+  use bw_contact_law, only: contact_law, held_force, solve_contact, stored_energy, usual_contact
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_event, only: contact_event, event_type
   use bw_force_response, only: force_degree
-  use bw_force_step, only: force_in_step, find_force_step, force_step, last_coefficient, mean_force, node_places, &
+  use bw_force_step, only: add_loads, force_in_step, find_force_step, force_step, last_coefficient, mean_force, node_places, &
     polynomial_of, step_end
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -102,6 +102,7 @@ contains
     if (omega%hi > 0.0_dp) run%last = min(run%last, largest_exponent/omega%hi)
     allocate (contacts%events(0), contacts%segments(0), contacts%segment_of(0))
     found = run%bodies%separation() < 0.0_dp
+    if (allocated(run%bodies%loads)) found = found .and. run%bodies%loads%gap(0.0_dp, 0) <= 0.0_dp
     run%ended = .true.
     do
       if (found) call add_contact(run, free%count, contacts, monitor)
@@ -184,43 +185,63 @@ contains
     count = findloc(abs(bodies%weight(:size(bodies%weight) - 1)) > 0.0_dp, .true., dim=1, back=.true.)
   end function count_taking_part
 
-  subroutine press(run, load, monitor)
+  subroutine press(run, steps, monitor)
     !! Step through a contact until its force ends, or the record does.
     type(contact_run), intent(inout) :: run
-    type(load_type), intent(inout) :: load
+    type(load_type), intent(inout) :: steps
     class(monitor_type), intent(inout), optional :: monitor
     integer, parameter :: between_questions = 64  ! steps
     type(force_step) :: odd
     real(dp), dimension(force_degree) :: indentation, rate
-    real(dp) :: force(0:force_degree), closing(0:force_degree), lack, largest, left
+    real(dp) :: force(0:force_degree), closing(0:force_degree), lack, largest, left, until
+    real(dp), allocatable :: load(:, :), slope(:, :), by_loads(:, :)   ! of other loads; unallocated: none act
     logical :: converged, ends, is_last
     integer :: level
     level = levels
     force = 0.0_dp
+    if (allocated(run%bodies%loads)) then
+      allocate (load(0:force_degree, size(run%bodies%loads%course)), by_loads(force_degree, 2))
+      slope = load
+      force(0) = force_now(run, 0.0_dp)
+    end if
     closing(0) = -run%bodies%separation()
     largest = run%typical
     run%steps = 0
     run%impulse = 0.0_dp
     run%ended = .false.
     run%failed = .false.
-    allocate (load%length(64), load%level(64), load%force(0:force_degree, 64))
+    allocate (steps%length(64), steps%level(64), steps%force(0:force_degree, 64))
     associate (state => run%bodies%state)
       do
         if (mod(run%steps, between_questions) == 0) then
           if (stops(monitor)) return
         end if
-        left = (run%last - state%time%hi) - state%time%lo
+        until = run%last
+        if (allocated(load)) until = min(until, run%bodies%loads%next(state%time%hi))
+        left = (until - state%time%hi) - state%time%lo
         is_last = run%unit*0.5_dp**level >= left
         if (is_last) then
           call find_step(left, odd)
         else if (run%ladder(level)%length == 0.0_dp) then
           call find_step(run%unit*0.5_dp**level, run%ladder(level))
         end if
+        if (allocated(load)) then
+          call run%bodies%loads%in_step(state%time%hi, merge(left, run%unit*0.5_dp**level, is_last), load, slope, lack)
+          if (level < levels .and. lack > run%tolerance) then
+            level = level + 1
+            cycle
+          end if
+          if (is_last) then
+            by_loads(:, :) = run%bodies%loads%see(odd, load, slope)
+          else
+            by_loads(:, :) = run%bodies%loads%see(run%ladder(level), load, slope)
+          end if
+        end if
         force(1:) = expected_force(merge(left, run%unit*0.5_dp**level, is_last))
         if (is_last) then
-          call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged)
+          call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged, by_loads)
         else
-          call solve_contact(run%law, run%ladder(level), state%u, state%v, force, indentation, rate, converged)
+          call solve_contact(run%law, run%ladder(level), state%u, state%v, force, indentation, rate, converged, by_loads)
         end if
         lack = last_coefficient(force)
         largest = max(largest, maxval(force))
@@ -240,27 +261,33 @@ contains
           run%captured = .true.
           ends = .false.
         end if
-        call keep(run, load, merge(left, run%unit*0.5_dp**level, is_last), level, force, indentation)
-        if (ends) run%end_time = state%time + end_in_step(load%length(run%steps), indentation, force)
+        call keep(run, steps, merge(left, run%unit*0.5_dp**level, is_last), level, force, indentation)
+        if (ends) run%end_time = state%time + end_in_step(steps%length(run%steps), indentation, force)
         if (is_last) then
           call odd%advance(force, state%u, state%v)
+          if (allocated(load)) call odd%push(run%bodies%loads%drive, load, state%u, state%v)
         else
           call run%ladder(level)%advance(force, state%u, state%v)
+          if (allocated(load)) call run%ladder(level)%push(run%bodies%loads%drive, load, state%u, state%v)
         end if
-        state%time = state%time + load%length(run%steps)
+        state%time = state%time + steps%length(run%steps)
         run%ended = ends .or. run%captured
         run%last_force = merge(0.0_dp, force(force_degree), ends)
         run%last_indentation = indentation(force_degree)
-        if (ends .or. is_last) exit
+        if (run%ended .or. (is_last .and. .not. until < run%last)) exit
         force(0) = force(force_degree)
+        if (is_last) then                            ! loads go on otherwise
+          state%time = to_dd(until)
+          force(0) = force_now(run, force(0))
+        end if
         closing(0) = rate(force_degree)
         if (lack < run%tolerance*largest*0.5_dp**(force_degree + 1)) level = max(0, level - 1)
       end do
       if (run%captured .or. .not. run%ended) run%end_time = state%time
     end associate
-    load%length = load%length(:run%steps)
-    load%level = load%level(:run%steps)
-    load%force = load%force(:, :run%steps)
+    steps%length = steps%length(:run%steps)
+    steps%level = steps%level(:run%steps)
+    steps%force = steps%force(:, :run%steps)
   contains
     pure function expected_force(length) result(expected)
       !! The step before, going on in a straight line.
@@ -268,16 +295,25 @@ contains
       real(dp) :: expected(force_degree), last, slope
       expected = 0.0_dp
       if (run%steps == 0) return
-      call force_in_step(polynomial_of(load%force(:, run%steps)), 1.0_dp, last, slope)
-      expected = last + slope*node_places(1:)*(length/load%length(run%steps))
+      call force_in_step(polynomial_of(steps%force(:, run%steps)), 1.0_dp, last, slope)
+      expected = last + slope*node_places(1:)*(length/steps%length(run%steps))
     end function expected_force
 
     subroutine find_step(length, step)
       real(dp), intent(in) :: length
       type(force_step), intent(out) :: step
       call find_force_step(run%bodies%parts, run%bodies%weight, run%bodies%inertia, length, step)
+      if (allocated(run%bodies%loads)) call add_loads(run%bodies%parts, run%bodies%weight, run%bodies%loads%drive, step)
     end subroutine find_step
   end subroutine press
+
+  pure real(dp) function force_now(run, before) result(force)
+    !! Where loads may have jumped, and modes that are not summed with them. A force that damps is left as it was: short steps follow.
+    type(contact_run), intent(in) :: run
+    real(dp), intent(in) :: before
+    force = before
+    if (run%law%damping == 0.0_dp) force = held_force(run%law, -run%bodies%gap())
+  end function force_now
 
   pure real(dp) function first_zero(values) result(x)
     !! Where a polynomial that falls from a positive value at the start of a step is 0, as a part of the step, by halving.

@@ -58,16 +58,16 @@ module bw_effect_table
                 remark_off='tried at half of the duration'), &
     effect_type('recontact', 'recontact', needs='impact response', excludes='capture force base'), &
     effect_type('contact', 'contact', values='radius = @', tried=1.0_dp, measure=of_sphere_radius, &
-                needs='impact response', excludes='recontact force base', counted=.true., &
+                needs='impact response', excludes='recontact', counted=.true., &
                 remark_off='tried with a sphere of @ m, the mass in the beam''s density', &
                 remark_on='beside an instantaneous blow', &
                 beside='an instantaneous blow'), &
     effect_type('force', 'force', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
-                excludes='contact recontact', &
+                excludes='recontact', &
                 remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
                 beside='the scene without any force'), &
     effect_type('base', 'base', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
-                excludes='contact recontact hub', &
+                excludes='recontact hub', &
                 remark_off='tried with a half sine of @ m/s2 over the record, 0.001 EI/(m l^2)', &
                 beside='the scene without any acceleration of the base'), &
     effect_type('initial', 'initial', values='force = @', tried=0.01_dp, measure=own_unit, needs='impact response', &

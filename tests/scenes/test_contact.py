@@ -329,3 +329,47 @@ def test_a_beam_comes_back_to_a_mass_that_it_has_left(here):
     assert float(contacts["event_time"][strongest]) > 0.01 and float(contacts["event_impulse"][strongest]) > 10 * float(contacts["event_impulse"][0])
     assert np.allclose(contacts["energy_after"], contacts["energy_before"], rtol=1e-10)
     assert np.allclose(contacts["energy_before"][1:], contacts["energy_after"][:-1], rtol=1e-10)
+
+
+@pytest.mark.parametrize("number", [0, 4, 14])
+def test_random_contacts_under_loads_are_those_of_an_integration(here, number):
+    """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
+    scene = contact_scenes.draw_moving(np.random.default_rng([1, number]), "loads")
+    for j in contact_scenes.judge(lambda scene: run(here, f"loaded{number}", scene), scene):
+        assert j.part <= 1e-9 and j.estimate >= 1 and j.contacts <= contact_scenes.FEW, j
+
+
+def test_a_load_of_nothing_changes_nothing(here):
+    """Its histories are summed in another way, so that rounding differs; accelerations are found in the same way."""
+    asked = {**PLACES, "acceleration": True, "shear_force": True}
+    nothing = {"force": {"shape": "half_sine", "amplitude": 0.0, "duration": 0.002}, "base": {"shape": "sine", "amplitude": 0.0, "frequency": 500.0}}
+    plain, loaded = (run(here, name, struck(modes={"before": 30}, response=asked, **loads)) for name, loads in (("plain", {}), ("zero", nothing)))
+    for name in ("displacement", "velocity", "bending_moment", "acceleration", "shear_force", "contact_force", "event_time", "event_end", "event_impulse"):
+        error = float(np.abs(plain[name] - loaded[name]).max())
+        assert error <= 1e-11 * float(np.abs(plain[name]).max()), (name, error)  # five contacts amplify rounding
+
+
+def test_a_mass_that_loads_never_bring_to_the_beam_leaves_their_motion_alone(here):
+    force = {"position": 0.7, "shape": "haversine", "amplitude": 200.0, "start": 1e-3, "duration": 4e-3}
+    base = {"shape": "half_sine", "amplitude": -30.0, "duration": 3e-3}
+    turning = {"initial": {"angular_velocity": 5.0}, **HINGED}
+    apart = run(here, "apart_loaded", struck(impact={"approach_velocity": 1.0}, force=force, base=base, **turning))
+    assert apart.sizes.get("event", 0) == 0 or not (apart["event_kind"] > 0).any()
+    scene = {"beam": dict(PAPER_BEAM), "force": force, "base": base, "response": dict(PLACES), **turning}
+    alone = run(here, "alone_loaded", scene)
+    for name in contact_scenes.HISTORIES:
+        error, peak = np.abs(apart[name] - alone[name]).max("time"), float(np.abs(alone[name]).max())
+        assert (error <= 1e-11 * peak).all(), name
+
+
+@pytest.mark.parametrize("held", [{}, {"hub": {"rotary_inertia": 2.0}}])
+def test_a_load_after_the_last_contact_adds_its_own_motion(here, held):
+    """Until the mass is met again all is linear; what the two ways to sum leave, 1e-10 of the peak."""
+    force = {"position": 1.0, "shape": "half_sine", "amplitude": -1000.0, "start": 1e-3, "duration": 4e-3}
+    both = run(here, "both_act", struck({"radius": 0.025}, {"position": 0.8}, force=force, modes={"before": 40}, **held))
+    struck_alone = run(here, "struck_alone", struck({"radius": 0.025}, {"position": 0.8}, modes={"before": 40}, **held))
+    forced_alone = run(here, "forced_alone", {"beam": dict(PAPER_BEAM), "force": force, "modes": {"before": 40}, "response": dict(PLACES), **held})
+    assert (both["event_kind"] > 0).sum() == 1 and float(both["event_end"][0]) < 1e-3
+    for name in (*contact_scenes.HISTORIES, *(["hub_angle"] if held else [])):
+        error = float(np.abs(both[name] - struck_alone[name] - forced_alone[name])[..., 1:].max())  # at first the force may jump to a slope
+        assert error <= 1e-10 * float(np.abs(both[name]).max()), (name, error)

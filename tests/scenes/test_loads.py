@@ -334,7 +334,7 @@ def test_a_growing_mode_is_driven_too(here):
         ({"initial": {"force": 1.0}}, "response%acceleration: has no limit as modes are added where bodies come or leave"),
         ({"force": HALF_SINE, "body": {"position": 0.5, "mass": 1.0, "until": 0.01}}, "has no limit as modes are added where bodies come or leave"),
         ({"base": HALF_SINE, "hub": {"rotary_inertia": 1.0}}, "&base: excludes &hub"),
-        ({"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}}, "&force: excludes &contact"),
+        ({"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}, "capture": {}}, "&capture: ends a contact of finite duration"),
         ({}, "needs &impact, &force, &base, &initial or &body"),
     ],
 )

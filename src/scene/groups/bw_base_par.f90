@@ -10,7 +10,7 @@ module bw_base_par
   public :: bases_text, build_base
 
   type(input_group), parameter, public :: base_group = input_group( &
-    'base', repeatable=.true., along='base', is_event=.true., needs='response', excludes='record recontact contact hub', &
+    'base', repeatable=.true., along='base', is_event=.true., needs='response', excludes='record recontact hub', &
     absent='the frame does not accelerate', &
     physics='What holds the beam moves transversely with the acceleration a(t), as a shaker table or a ground shock does. '// &
     'Seen from the moving frame the beam and its bodies are loaded by -a times their mass.', &

@@ -67,9 +67,13 @@ contains
     !! Hertz's law needs the beam's material, and what &impact says of the rebound has no meaning beside it.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    integer :: beam, contact, impact
+    integer :: beam, capture, contact, impact
     contact = position_of(groups, 'contact')
     if (contact == 0) return
+    capture = position_of(groups, 'capture')
+    if (capture > 0 .and. (position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0)) &
+      call messages%add(groups(capture)%line, '&capture', 'ends a contact of finite duration, and after that no loads are '// &
+        'followed; accepted: without &contact, or without &force and &base')
     beam = position_of(groups, 'beam')
     if (beam > 0 .and. groups(contact)%given('radius')) then
       if (groups(beam)%given('bending_stiffness')) call messages%add(groups(contact)%line_of('radius'), 'contact%radius', &

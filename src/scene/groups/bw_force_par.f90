@@ -15,7 +15,7 @@ module bw_force_par
   end type force_par
 
   type(input_group), parameter, public :: force_group = input_group( &
-    'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact contact', &
+    'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact', &
     absent='no force acts', &
     physics='A force F(t) at a point, positive as displacement is. Its power is F(t) v_t.', &
     example='&force position = 0.7, shape = ''half_sine'', amplitude = 200, duration = 4e-4 /   ! a tap of a '// &
