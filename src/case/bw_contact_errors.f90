@@ -78,8 +78,9 @@ contains
     !! or where one of the motions has contacts that another has not.
     type(run_type), intent(in) :: run, half, quarter
     logical, intent(in) :: resolved
-    real(dp), parameter :: usual = 0.1_dp, doubtful = 0.5_dp   ! tuned
+    real(dp), parameter :: usual = 0.1_dp, loaded = 0.35_dp, doubtful = 0.5_dp   ! tuned
     least = usual
+    if (allocated(run%rounding)) least = loaded       ! modes beyond answer loads that jump as they please
     if (.not. resolved .or. size(run%timeline%events) /= size(half%timeline%events) .or. &
         size(half%timeline%events) /= size(quarter%timeline%events)) least = doubtful
   end function least_ratio
