@@ -80,10 +80,20 @@ contains
     logical, intent(in) :: resolved
     real(dp), parameter :: usual = 0.1_dp, loaded = 0.35_dp, doubtful = 0.5_dp   ! tuned
     least = usual
-    if (allocated(run%rounding)) least = loaded       ! modes beyond answer loads that jump as they please
+    if (lets_go(run)) least = loaded
     if (.not. resolved .or. size(run%timeline%events) /= size(half%timeline%events) .or. &
         size(half%timeline%events) /= size(quarter%timeline%events)) least = doubtful
   end function least_ratio
+
+  pure logical function lets_go(run)
+    !! Something that bends the beam ends at once, which modes beyond answer as they please: loads may, a deflection that is let go does, and
+    !! so does the force of a contact whose mass is captured.
+    type(run_type), intent(in) :: run
+    associate (timeline => run%timeline)
+      lets_go = allocated(run%rounding) .or. any(timeline%events%kind == capture_event)
+      if (size(timeline%segments) > 0) lets_go = lets_go .or. any(timeline%segments(1)%q /= 0.0_dp)
+    end associate
+  end function lets_go
 
   pure function error_of(values, beside, further, left, least) result(error)
     !! Of the columns of a table. The coarser ones may have fewer or more of them.
