@@ -48,6 +48,16 @@ def test_force_and_way_of_the_mass_are_drawn(touched):
     assert alone.get_ylabel() == "Contact force (N)"
 
 
+def test_a_beam_on_a_hub_that_turns_is_where_the_mass_meets_it(touched):
+    turn = 1e-3 * touched["time"].values  # rad
+    turned = touched.assign(hub_radius=((), 0.5), hub_angle=("time", turn))
+    (_, ours), (_, held) = contact_force(turned).axes, contact_force(touched).axes
+    assert ours.get_ylabel() == held.get_ylabel() == "Position (mm)"
+    moved = ours.lines[1].get_ydata() - held.lines[1].get_ydata()
+    arm = 0.5 + float(touched["beam_length"])  # of the tip
+    np.testing.assert_allclose(moved, 1e3 * arm * turn[: moved.size], rtol=1e-9, atol=1e-12)
+
+
 def test_a_captured_mass_goes_on_with_the_beam_and_keeps_its_indentation(touched):
     kinds = {"event_kind": ("event", [4.0, 2.0], {"flag_values": [2, 4], "flag_meanings": "capture contact"})}
     times = {"event_time": ("event", [BEGIN, END], {"units": "s"})}
