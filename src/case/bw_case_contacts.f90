@@ -211,7 +211,7 @@ contains
     type(event_type) :: event
     class(mode_set), allocatable :: before
     real(dp), allocatable :: q(:), rate(:)
-    real(dp) :: arm, speed, turned
+    real(dp) :: speed, turned
     type(body_type), allocatable :: bodies(:)        ! the mass is the last
     real(dp) :: held(2)                              ! of the mass: its displacement and velocity at the beam
     integer :: first, mass
@@ -220,6 +220,7 @@ contains
     event%end_time = event%time
     event%energy_before = motion%timeline%events(size(motion%timeline%events))%energy_after
     speed = speed_in_plane(scene%rotation, motion%units)
+    bodies = bodies_of(scene, motion%units)
     mass = size(contacts%state%u)
     associate (free => motion%modes%configuration(alone), loaded => motion%modes%configuration(together)%set, n => taking_part)
       call free%source%find(first_numbers(min(free%source%highest, times_as_many*free%set%count)), before, monitor=monitor)
@@ -241,16 +242,13 @@ contains
       event%momentum_after = event%momentum_before
       event%hub_rate_change = mean_rate(loaded, next%rate) - mean_rate(free%set, contacts%state%v)
       if (speed > 0.0_dp) then
-        arm = 0.0_dp
-        if (allocated(scene%stiffening)) arm = scene%stiffening%hub_radius/motion%units%length + scene%impact%position
         next%rest = 0.0_dp*next%q                       ! nothing turns a hub that is free
-        where (loaded%beta_squared%hi /= 0.0_dp) next%rest = scene%impact%mass_ratio*speed**2*contacts%indentation &
-          *(loaded%struck - arm*loaded%turnings())/(loaded%modal_mass*loaded%beta_squared%hi)
+        where (loaded%beta_squared%hi /= 0.0_dp) next%rest = contacts%indentation*(scene%impact%mass_ratio*speed**2*loaded%struck &
+          - bodies(size(bodies))%pull*loaded%turnings())/(loaded%modal_mass*loaded%beta_squared%hi)
         next%rest(n + 1:) = 0.0_dp
         next%q = next%q - next%rest
       end if
       event%energy_after = beam_energy(loaded, next%q, next%rate)          ! about that equilibrium
-      bodies = bodies_of(scene, motion%units)
       associate (body => bodies(size(bodies)), contact => motion%timeline%events(size(motion%timeline%events)))
         if (body%pull > 0.0_dp) then                                       ! its tension finds the beam bent
           contact%energy_before = contact%energy_before + body%pull*before%energy_of_pull(body%position, q)

@@ -281,11 +281,11 @@ def test_a_default_tolerance_that_relaxes_is_resolved_to_the_same_run(here):
 HINGED = {"support": {"rotational_stiffness": 0.0}, "modes": {"before": 40}}  # a beam that turns about its root
 
 
-@pytest.mark.parametrize("number", [4, 7, 14])
-def test_random_contacts_of_a_beam_that_is_let_go_are_those_of_an_integration(here, number):
+@pytest.mark.parametrize(("kind", "number"), [*(("initial", number) for number in (4, 7, 14)), *(("loads", number) for number in (0, 4, 14))])
+def test_random_contacts_of_a_beam_that_moves_are_those_of_an_integration(here, kind, number):
     """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
-    scene = contact_scenes.draw_moving(np.random.default_rng([1, number]), "initial")
-    for j in contact_scenes.judge(lambda scene: run(here, f"moving{number}", scene), scene):
+    scene = contact_scenes.draw_moving(np.random.default_rng([1, number]), kind)
+    for j in contact_scenes.judge(lambda scene: run(here, f"{kind}{number}", scene), scene):
         assert j.part <= 1e-9 and j.estimate >= 1 and j.contacts <= contact_scenes.FEW, j
 
 
@@ -329,14 +329,6 @@ def test_a_beam_comes_back_to_a_mass_that_it_has_left(here):
     assert float(contacts["event_time"][strongest]) > 0.01 and float(contacts["event_impulse"][strongest]) > 10 * float(contacts["event_impulse"][0])
     assert np.allclose(contacts["energy_after"], contacts["energy_before"], rtol=1e-10)
     assert np.allclose(contacts["energy_before"][1:], contacts["energy_after"][:-1], rtol=1e-10)
-
-
-@pytest.mark.parametrize("number", [0, 4, 14])
-def test_random_contacts_under_loads_are_those_of_an_integration(here, number):
-    """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
-    scene = contact_scenes.draw_moving(np.random.default_rng([1, number]), "loads")
-    for j in contact_scenes.judge(lambda scene: run(here, f"loaded{number}", scene), scene):
-        assert j.part <= 1e-9 and j.estimate >= 1 and j.contacts <= contact_scenes.FEW, j
 
 
 def test_a_load_of_nothing_changes_nothing(here):
