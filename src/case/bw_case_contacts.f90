@@ -9,6 +9,7 @@ module bw_case_contacts
     history_errors
   use bw_change_of_bodies, only: body_type
   use bw_contact_bodies, only: first_motion
+  use bw_contact_force, only: force_at
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
   use bw_changing_motion, only: find_first_motion
@@ -17,7 +18,7 @@ module bw_case_contacts
   use bw_event, only: capture_event, event_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
-  use bw_lasting_contact, only: demand_type, follow_lasting_contacts, force_at, lasting_contacts
+  use bw_lasting_contact, only: demand_type, follow_lasting_contacts, lasting_contacts
   use bw_load_columns, only: find_drive, placed_loads, quantities
   use bw_load_course, only: scaled_course
   use bw_load_modes, only: find_residuals
