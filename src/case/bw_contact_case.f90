@@ -160,7 +160,6 @@ contains
       if (motion%plan%reached <= scene%modes%tolerance) exit
       if (resolves_contacts(motion, run)) then
         if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
-        if (.not. scene%modes%asked .and. counted%modes%before > 4*first_count .and. shows_more(run, half)) exit
       end if
       before = motion%plan%reached
       doubled = 2*counted%modes%before <= most
@@ -196,25 +195,19 @@ contains
   end function step_tolerance
 
   pure logical function resolves_contacts(motion, run) result(resolves)
-    !! The highest mode moves through some periods within the first contact. With fewer modes its force is not known yet, and how errors
-    !! fall says nothing of how they will.
+    !! The highest mode moves through some periods within the contact of the largest impulse. With fewer modes its force is not known yet,
+    !! and how errors fall says nothing of how they will.
     type(case_motion), intent(in) :: motion
     type(run_type), intent(in) :: run
     real(dp), parameter :: some = 2.0_dp             ! periods
-    resolves = size(run%timeline%events) == 0        ! nothing strikes the beam
+    integer :: largest
+    largest = maxloc(run%timeline%events%impulse, dim=1)
+    resolves = largest == 0                          ! nothing strikes the beam
     if (resolves) return
-    associate (first => run%timeline%events(1), square => motion%modes%configuration(alone)%set%beta_squared)
-      resolves = sqrt(abs(square(size(square))%hi))*motion%units%frequency*(first%end_time - first%time) > some*two_pi
+    associate (event => run%timeline%events(largest), square => motion%modes%configuration(alone)%set%beta_squared)
+      resolves = sqrt(abs(square(size(square))%hi))*motion%units%frequency*(event%end_time - event%time) > some*two_pi
     end associate
   end function resolves_contacts
-
-  pure logical function shows_more(run, half)
-    !! Contacts than half of the modes do: a mass that touches the beam at rest is touched again and again by waves of no amplitude,
-    !! the more the more modes there are.
-    type(run_type), intent(in) :: run, half
-    integer, parameter :: some = 16
-    shows_more = 2*size(run%timeline%events) > 3*size(half%timeline%events) + some
-  end function shows_more
 
   pure logical function is_hopeless(reached, before, tolerance, count, most)
     !! Falling on as it did when the number of modes doubled, an error stays above a tolerance up to far more than the most modes.
@@ -223,9 +216,9 @@ contains
     real(dp), parameter :: doubling = log(2.0_dp), far = log(8.0_dp)
     real(dp) :: steps
     is_hopeless = .false.
-    if (before >= huge(before)) return
-    is_hopeless = reached >= 0.999_dp*before .and. count > 4*first_count
-    if (reached >= before) return
+    if (before >= huge(before) .or. count <= 4*first_count) return
+    is_hopeless = reached >= 0.999_dp*before
+    if (is_hopeless) return
     steps = log(reached/tolerance)/log(before/reached)
     is_hopeless = steps*doubling > log(real(most, dp)/count) + far
   end function is_hopeless

@@ -23,6 +23,7 @@ module bw_contact_bodies
     type(acting_loads), allocatable :: loads      !! unallocated: nothing but the contact acts
   contains
     procedure :: gap
+    procedure :: rounding
     procedure :: separation
     procedure :: energy
     procedure :: momentum
@@ -65,7 +66,7 @@ contains
     bodies%state%v(n + 1) = 1.0_dp
     if (.not. present(first)) return
     bodies%state%u(:taking_part) = first%q(:taking_part)
-    bodies%state%u(n + 1) = sum(struck*bodies%state%u(:n))
+    bodies%state%u(n + 1) = accurate_sum(struck*bodies%state%u(:n))
     bodies%state%v(:taking_part) = first%rate(:taking_part)
     bodies%state%v(n + 1) = first%speed
     if (.not. allocated(first%loads)) return
@@ -87,6 +88,12 @@ contains
     gap = accurate_sum(self%weight*self%state%u)
     if (allocated(self%loads)) gap = gap + self%loads%gap(self%state%time%hi, 0)
   end function gap
+
+  pure real(dp) function rounding(self)
+    !! What of a gap no sum over the modes tells.
+    class(contact_bodies), intent(in) :: self
+    rounding = 16*epsilon(rounding)*sum(abs(self%weight*self%state%u))
+  end function rounding
 
   pure real(dp) function separation(self)
     !! Rate of the gap: positive where it opens.
@@ -169,7 +176,7 @@ contains
         end if
         order = 1
         call take_out_loads(self, free, polynomial)
-      else if (self%gap() <= 0.0_dp) then
+      else if (self%gap() <= 0.0_dp .or. self%state%time%hi <= 0.0_dp) then   ! closed at first, but for rounding
         order = opening(self, free, polynomial)
         found = order == 0
         if (found) return

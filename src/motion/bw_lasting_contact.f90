@@ -4,8 +4,9 @@ module bw_lasting_contact
   !! In a contact the force is a polynomial in each step, through its values at Chebyshev's points, which obey the law of the contact
   !! (bw_contact_law), and between them all oscillators move exactly (bw_force_step). Steps are a unit of time over powers of two, so that
   !! their operators are found once; the unit is what a tolerance allows where the force is smooth. A force that begins or ends as
-  !! t^(3/2) is no polynomial: steps grow from the shortest on, and shrink to it where the contact ends, as far as the last
-  !! coefficients of the force ask for. What is in the last step, 1e-7 of the contact, comes to less than rounding.
+  !! t^(3/2) is no polynomial: steps grow from the shortest on, but for one that begins from rest, and shrink to it where the contact
+  !! ends, as far as the last coefficients of the force ask for. What is in the last step, 1e-7 of the contact, comes to less than
+  !! rounding. A contact that is no deeper than the rounding of the gap is no event.
   !!
   !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies, first_motion
@@ -69,7 +70,8 @@ module bw_lasting_contact
     logical :: captures = .false., captured = .false.
     real(dp) :: last_indentation = 0.0_dp, last_force = 0.0_dp   !! at the end of the last step
     logical :: ended = .false., failed = .false.
-    real(dp) :: impulse = 0.0_dp, indentation = 0.0_dp
+    real(dp) :: impulse = 0.0_dp, deepest = 0.0_dp   !! of that contact
+    real(dp) :: indentation = 0.0_dp              !! the deepest of all
     type(dd) :: end_time
   end type contact_run
 
@@ -149,9 +151,10 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
     type(event_type) :: event
-    real(dp) :: approach
+    real(dp) :: approach, rounding
     segment = segment_of_state(run%bodies, count)
     approach = -run%bodies%separation()
+    rounding = run%bodies%rounding()
     event%kind = contact_event
     event%time = run%bodies%state%time%hi
     event%energy_before = run%bodies%energy()
@@ -161,7 +164,9 @@ contains
     segment%load%taking_part = count_taking_part(run%bodies)
     call press(run, segment%load, monitor)
     if (stops(monitor) .or. run%failed) return
-    if (run%ended .and. .not. run%impulse > 0.0_dp) return     ! by rounding alone the bodies seemed to meet
+    contacts%segments = [contacts%segments, segment]
+    run%indentation = max(run%indentation, run%deepest)
+    if (run%ended .and. run%deepest <= rounding) return        ! by which alone the bodies may have met
     event%end_time = run%end_time%hi
     event%impulse = run%impulse
     event%energy_after = run%bodies%energy()
@@ -176,7 +181,6 @@ contains
       if (run%ended .and. .not. run%captured .and. approach > 0.0_dp) contacts%restitution = run%bodies%separation()/approach
     end if
     contacts%events = [contacts%events, event]
-    contacts%segments = [contacts%segments, segment]
     contacts%segment_of = [contacts%segment_of, size(contacts%segments)]
   end subroutine add_contact
 
@@ -198,7 +202,6 @@ contains
     real(dp), allocatable :: load(:, :), slope(:, :), by_loads(:, :)   ! of other loads; unallocated: none act
     logical :: converged, ends, is_last
     integer :: level
-    level = levels
     force = 0.0_dp
     if (allocated(run%bodies%loads)) then
       allocate (load(0:force_degree, size(run%bodies%loads%course)), by_loads(force_degree, 2))
@@ -206,9 +209,12 @@ contains
       force(0) = force_now(run, 0.0_dp)
     end if
     closing(0) = -run%bodies%separation()
+    level = 0                                        ! a force that begins from rest is smooth: t^3
+    if (closing(0)*run%unit*0.5_dp**levels > run%bodies%rounding()) level = levels
     largest = run%typical
     run%steps = 0
     run%impulse = 0.0_dp
+    run%deepest = 0.0_dp
     run%ended = .false.
     run%failed = .false.
     allocate (steps%length(64), steps%level(64), steps%force(0:force_degree, 64))
@@ -336,7 +342,7 @@ contains
     load%length(run%steps) = length
     load%level(run%steps) = level
     load%force(:, run%steps) = force
-    run%indentation = max(run%indentation, maxval(indentation))
+    run%deepest = max(run%deepest, maxval(indentation))
     run%impulse = run%impulse + length*mean_force(force)
   end subroutine keep
 

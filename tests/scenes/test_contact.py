@@ -311,6 +311,21 @@ def test_a_beam_that_turns_into_a_mass_at_rest_is_struck_as_by_a_mass_that_comes
         assert float(ds["restitution"]) == pytest.approx(float(comes["restitution"]), rel=1e-8)
 
 
+@pytest.mark.parametrize("place", [1.0, 0.7])
+def test_a_mass_at_rest_is_struck_by_nothing_but_the_beam(here, place):
+    """A beam bent by 0.02 m is let go: what its sums round to, 1e-17 m, is no contact. One that begins from rest has no restitution."""
+    scene = struck(initial={"force": 1000.0, "position": 1.0}, modes={"before": 40})
+    scene["impact"] = {"mass_ratio": 0.06, "approach_velocity": 0.0, "position": place}
+    ds = run(here, "rest", scene)
+    contacts = ds.isel(event=(ds["event_kind"] > 0).values)
+    assert float(contacts["event_time"][0]) == 0 and np.isnan(ds["restitution"])
+    assert float(contacts["event_force"].min()) > 1e-9 and float((contacts["event_end"] - contacts["event_time"]).min()) > 1e-9
+    if place == 1:  # hardly otherwise than one that comes slowly, whose force begins as t^(3/2)
+        slow = run(here, "slow", {**scene, "impact": {**scene["impact"], "approach_velocity": 1e-6}})
+        for name in ("event_force", "event_end", "event_impulse"):
+            assert float(contacts[name][0]) == pytest.approx(float(slow[name][0]), rel=1e-5), name
+
+
 def test_a_mass_that_never_meets_the_beam_leaves_it_alone(here):
     turning = {"initial": {"angular_velocity": 5.0}, **HINGED}
     ds = run(here, "apart", struck(impact={"approach_velocity": 1.0}, **turning))
