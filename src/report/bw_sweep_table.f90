@@ -2,7 +2,7 @@ module bw_sweep_table
   !! The printed table of a sweep: of a few cases all, of many the first, the last, and those that are extreme, each with the
   !! values that it was given.
   use bw_case_result, only: case_done
-  use bw_columns, only: fixed, table_of, text_table
+  use bw_columns, only: fixed, short, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing, missing, scaled
@@ -17,15 +17,18 @@ module bw_sweep_table
   integer, parameter :: most_rows = 20      !! of a sweep whose cases are all shown
   integer, parameter :: at_once = 4096      !! cases that are looked at together
   character(*), parameter :: reasons(*) = [character(24) :: 'first', 'last', 'lowest frequency', 'highest frequency', &
-    'smallest displacement', 'largest displacement', 'first without frequency', 'first not trusted']
-    !! why cases of a large sweep are shown
+    'smallest displacement', 'largest displacement', 'largest stress', 'largest force', 'first without frequency', &
+    'first not trusted']                    !! why cases of a large sweep are shown
+  character(*), parameter :: outcomes(*) = [character(24) :: 'largest_displacement', 'largest_stress', 'largest_contact_force', &
+    'restitution']                          !! of motions and contacts, as far as a result has them
+  integer, parameter :: displacement = 1, stress = 2, force = 3
 
   type :: case_row
     !! What there is to say of a case that may be shown.
     integer(i8) :: case = 0                 !! its number; 0: none yet
     integer :: status = case_done
     real(dp) :: frequency = missing         !! of mode 1, rad/s
-    real(dp) :: displacement = missing      !! the largest, m
+    real(dp) :: outcome(size(outcomes)) = missing   !! the largest of all places
   end type case_row
 
 contains
@@ -40,8 +43,8 @@ contains
     type(text_table) :: table
     character(:), allocatable :: reasons_shown
     integer(i8) :: printed                    ! the last case
-    logical :: without
-    integer :: r
+    logical :: without, varies, wave, has(size(outcomes))
+    integer :: r, k
     if (draft%layout%of_record) then
       lines = record_table(draft)
       return
@@ -51,10 +54,20 @@ contains
     without = .false.
     printed = 0
     call built%append_line('')
-    call built%append_line('  Each case with its lowest mode: modes are numbered by their frequencies in '// &
-                           'each case, also where these cross')
-    table = table_of('case|modes|mode 1: frequency|frequency|phase velocity|group velocity|displacement|swept', &
-                     '||rad/s|Hz|m/s|m/s|m, largest sample', [8, 8, 19, 12, 16, 16, 19, 0])
+    has = [(draft%variable(trim(outcomes(k))) > 0, k=1, size(has))]
+    varies = any(is_missing(rows%frequency) .and. rows%case > 0) .or. &
+             fixed(maxval(rows%frequency, rows%case > 0)) /= fixed(minval(rows%frequency, rows%case > 0))
+    if (varies) then
+      call built%append_line('  Each case with its lowest mode: modes are numbered by their frequencies in '// &
+                             'each case, also where these cross')
+    else
+      call built%append_line('  Each case; mode 1 has '//fixed(rows(1)%frequency/two_pi)//' Hz in all')
+    end if
+    wave = varies .and. .not. any(has(stress:))       ! there is room for all of a mode
+    table = table_of('case|modes|mode 1: frequency|'//trim(merge('frequency        ', 'mode 1: frequency', wave))// &
+                     '|phase velocity|group velocity|displacement|stress|contact force|restitution|swept', &
+                     '||rad/s|Hz|m/s|m/s|m, largest sample|Pa|N||', [8, 8, 19, merge(12, 19, wave), 16, 16, 19, 14, 15, 13, 0], &
+                     [.true., .true., wave, varies, wave, wave, has, .true.])
     call table%put_head(built)
     do
       r = next_row(rows, printed)
@@ -75,20 +88,26 @@ contains
     type(result_draft), intent(inout) :: draft
     integer(i1), intent(in) :: statuses(:)
     type(case_row), intent(inout) :: rows(:)
-    real(dp) :: frequency(at_once), displacement(at_once), at_point(at_once)
+    real(dp) :: frequency(at_once), at_point(at_once)
+    real(dp), allocatable :: outcome(:, :)    ! (cases, outcomes)
     type(case_row) :: row
-    integer :: first, n, i, p, r
+    integer :: first, n, i, k, p, r, variable
+    allocate (outcome(at_once, size(outcomes)))
     do first = 1, size(statuses), at_once
       n = min(at_once, size(statuses) - first + 1)
       call draft%get_column(draft%variable('angular_frequency'), 1, int(first, i8), frequency(:n))
-      displacement(:n) = missing
-      do p = 1, merge(draft%layout%points, 0, draft%layout%samples > 0)
-        call draft%get_column(draft%variable('largest_displacement'), p, int(first, i8), at_point(:n))
-        where (is_missing(displacement(:n)) .or. (at_point(:n) > displacement(:n) .and. .not. is_missing(at_point(:n)))) &
-          displacement(:n) = at_point(:n)
+      outcome(:n, :) = missing
+      do k = 1, size(outcomes)
+        variable = draft%variable(trim(outcomes(k)))
+        if (variable == 0) cycle
+        do p = 1, merge(draft%layout%points, 1, k < force)
+          call draft%get_column(variable, p, int(first, i8), at_point(:n))
+          where (is_missing(outcome(:n, k)) .or. (at_point(:n) > outcome(:n, k) .and. .not. is_missing(at_point(:n)))) &
+            outcome(:n, k) = at_point(:n)
+        end do
       end do
       do i = 1, n
-        row = case_row(first + i - 1, int(statuses(first + i - 1)), frequency(i), displacement(i))
+        row = case_row(first + i - 1, int(statuses(first + i - 1)), frequency(i), outcome(i, :))
         if (size(statuses) <= most_rows) rows(row%case) = row
         do r = 1, merge(0, size(reasons), size(statuses) <= most_rows)
           if (is_better(row, rows(r), trim(reasons(r)), size(statuses, kind=i8))) rows(r) = row
@@ -110,12 +129,19 @@ contains
     case ('last'); is_better = row%case == cases
     case ('lowest frequency'); is_better = leads(-row%frequency, -than%frequency, is_missing(row%frequency))
     case ('highest frequency'); is_better = leads(row%frequency, than%frequency, is_missing(row%frequency))
-    case ('smallest displacement'); is_better = leads(-row%displacement, -than%displacement, is_missing(row%displacement))
-    case ('largest displacement'); is_better = leads(row%displacement, than%displacement, is_missing(row%displacement))
+    case ('smallest displacement'); is_better = is_beyond(-1, displacement)
+    case ('largest displacement'); is_better = is_beyond(1, displacement)
+    case ('largest stress'); is_better = is_beyond(1, stress)
+    case ('largest force'); is_better = is_beyond(1, force)
     case ('first without frequency'); is_better = is_missing(row%frequency) .and. row%status == case_done .and. is_first
     case default; is_better = row%status /= case_done .and. is_first
     end select
   contains
+    pure logical function is_beyond(sign, k)
+      integer, intent(in) :: sign, k          !! 1: the largest of an outcome is looked for, -1: the smallest
+      is_beyond = leads(sign*row%outcome(k), sign*than%outcome(k), is_missing(row%outcome(k)))
+    end function is_beyond
+
     pure logical function leads(value, other, none)
       real(dp), intent(in) :: value, other
       logical, intent(in) :: none             !! the value does not exist
@@ -163,7 +189,7 @@ contains
     group_velocity = draft%get('group_velocity', row%case)
     cells = text_of(row%case)//'|'//text_of(nint(modes(1)))//'|'//fixed(row%frequency)//'|'// &
       fixed(scaled(row%frequency, 1.0_dp/two_pi))//'|'//fixed(phase_velocity(1))//'|'//fixed(group_velocity(1))//'|'// &
-      fixed(row%displacement)
+      fixed(row%outcome(1))//'|'//fixed(row%outcome(2))//'|'//fixed(row%outcome(3))//'|'//short(row%outcome(4), 5)
   end function row_cells
 
 end module bw_sweep_table

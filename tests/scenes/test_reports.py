@@ -134,6 +134,24 @@ def test_a_finished_sweep_shows_its_table_again(here):
     assert table == [line for line in again if "rotation%angular_velocity = " in line]
 
 
+def test_a_sweep_of_contacts_shows_what_comes_of_them_and_no_mode_that_stays(here):
+    """Of a mass that moves along the beam; one that stays on it changes the modes."""
+    sweep = {"parameter": "impact%position", "values": [0.6, 0.8, 1.0]}
+    groups = {"beam": BEAM, "impact": {"mass_ratio": 0.2}, "contact": {"radius": 0.025}, "modes": {"before": 20}}
+    groups["response"] = {"duration": 0.002, "samples": 50, "bending_moment": True}
+    here.scene("a", groups, sweep)
+    ds, said = here.run("a"), here.beamwave("run", "a.nml").stdout
+    assert "Each case; mode 1 has 26.09398 Hz in all" in said and "phase velocity" not in said
+    head = next(line for line in said.splitlines() if line.split()[:1] == ["case"])
+    assert re.split("  +", head.strip()) == ["case", "modes", "displacement", "stress", "contact force", "restitution", "swept"]
+    rows = [line.split() for line in said.splitlines() if line.endswith(("= 0.6", "= 0.8", "= 1"))]
+    told = np.array([[float(cell) for cell in row[2:6]] for row in rows])
+    stress, displacement = (ds[name].max(axis=1) for name in ("largest_stress", "largest_displacement"))
+    assert np.allclose(told.T, [displacement, stress, ds["largest_contact_force"], ds["restitution"]], rtol=1e-4)
+    here.scene("b", {**groups, "capture": {}}, sweep)
+    assert "mode 1: frequency" in here.beamwave("run", "b.nml").stdout
+
+
 def test_many_scenes_have_one_line_each_and_are_counted(here):
     for i in range(12):
         here.scene(f"set/a{i:02}", STRUCK)
