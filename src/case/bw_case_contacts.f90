@@ -12,11 +12,11 @@ module bw_case_contacts
   use bw_contact_force, only: force_at
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
-  use bw_changing_motion, only: find_first_motion
   use bw_constants, only: pi
   use bw_contact_rates, only: add_rates, driven_type, find_driven, rounding_in, show_in_segments, unit_force
   use bw_event, only: capture_event, event_type
   use bw_initial_state, only: initial_state
+  use bw_first_motion, only: find_first_motion
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, follow_lasting_contacts, lasting_contacts
   use bw_load_columns, only: find_drive, placed_loads, quantities

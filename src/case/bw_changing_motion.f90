@@ -6,6 +6,7 @@ module bw_changing_motion
   use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, hand_over, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
+  use bw_first_motion, only: find_first_motion
   use bw_initial_state, only: find_jump, initial_state
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
@@ -19,7 +20,7 @@ module bw_changing_motion
   use bw_unhanded, only: unhanded_motion
   implicit none (type, external)
   private
-  public :: find_first_motion, follow_changes
+  public :: follow_changes
 
   type :: now_type
     !! Where the motion has come to.
@@ -108,34 +109,6 @@ contains
     now%state%q(n + 1:) = 0.0_dp
     now%state%rate(n + 1:) = 0.0_dp
   end subroutine begin
-
-  subroutine find_first_motion(scene, configuration, motion, q, rate)
-    !! The static deflection and the rigid turn of &initial, in its modes; of a beam that is straight and at rest, none. A mode without
-    !! a static deflection leaves the case unresolved.
-    type(scene_type), intent(in) :: scene
-    integer, intent(in) :: configuration           !! whose modes move
-    type(case_motion), intent(inout) :: motion
-    real(dp), allocatable, intent(out) :: q(:), rate(:)   !! over the unit of time, m/s, and m/s, (modes)
-    real(dp), allocatable :: shape(:, :)
-    real(dp) :: force, turn
-    associate (modes => motion%modes%configuration(configuration)%set, units => motion%units)
-      q = 0.0_dp*modes%modal_mass
-      rate = q
-      if (.not. allocated(scene%initial)) return
-      force = scene%initial%force*units%time%hi/units%mass
-      turn = scene%initial%angular_velocity*units%length
-      if (turn /= 0.0_dp) rate = turn*modes%share_of_turn()/modes%modal_mass
-      if (force == 0.0_dp) return
-      if (any(modes%beta_squared%hi <= 0.0_dp)) then
-        call append(motion%notes, 'not converged: a mode that nothing holds, or that grows, has no static deflection under the '// &
-                    'force of &initial; no number of the case is given')
-        motion%modes%resolved = .false.
-        return
-      end if
-      shape = modes%some_shapes(1, modes%count, [scene%initial%position])
-      q = force*shape(:, 1)/(modes%modal_mass*modes%beta_squared%hi)
-    end associate
-  end subroutine find_first_motion
 
   logical function happens(scene, seconds, time, motion)
     !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.

@@ -192,7 +192,8 @@ contains
     slope(0) = -sum(slope(1:))
   end function end_slopes
 
-  subroutine find_residuals(given, modes, summed, place, turned, accelerated, drive, weights, xi, residual, terms, flexibility)
+  subroutine find_residuals(given, modes, summed, place, turned, accelerated, drive, weights, xi, residual, terms, flexibility, &
+                            from_line)
     !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
     !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²), or under a moment.
     !!
@@ -213,15 +214,20 @@ contains
     real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, quantities)
     real(dp), intent(out) :: terms(:, :, :)        !! the size of what it is a difference of, (loads, points, quantities)
     real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + places)
+    logical, intent(in), optional :: from_line(:)  !! the force stands on the line of a hub that is free, as Φ_k does; absent: none
     integer, parameter :: signs(4) = [4, -6, 4, -1]
     real(dp), parameter :: far_below = sqrt(sqrt(epsilon(1.0_dp)/24.0_dp))   ! (s/β)²
     real(dp) :: gives, shift, soft(summed), own(summed, size(xi) + size(place)), arms(size(xi) + size(place))
     real(dp), allocatable :: whole(:, :, :), of_modes(:)
+    logical :: on_line(size(place))
     integer :: f, i, l, p, q
+    on_line = .false.
+    if (present(from_line)) on_line = from_line
     shift = 0.25_dp
     if (given%beam%in_plane) shift = 2.0_dp*given%beam%spin_squared%hi + 0.25_dp
     shift = max(shift, far_below*modes%beta_squared(summed)%hi)
-    arms = [(arm_of(given%beam, xi(p)), p=1, size(xi)), (arm_of(given%beam, place(p)), p=1, size(place))]
+    arms = [(arm_of(given%beam, xi(p)), p=1, size(xi)), (merge(0.0_dp, arm_of(given%beam, place(p)), on_line(p)), &
+                                                            p=1, size(place))]
     own(:, :size(xi)) = modes%some_shapes(1, summed, xi)
     own(:, size(xi) + 1:) = drive(:summed, :size(place))
     residual = 0.0_dp
@@ -229,7 +235,7 @@ contains
     flexibility = 0.0_dp
     do i = 1, size(signs)
       whole = static_shapes(given, [place, xi], [turned, spread(.false., 1, size(xi))], accelerated, i*shift, [xi, place], &
-                            [spread(.false., 1, size(place)), spread(.true., 1, size(xi))])
+                            [on_line, spread(.true., 1, size(xi))])
       soft = 1.0_dp/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + i*shift))
       do l = 1, size(drive, 2)
         f = l                                      ! its column

@@ -71,7 +71,7 @@ module bw_effect_table
                 remark_off='tried with a half sine of @ m/s2 over the record, 0.001 EI/(m l^2)', &
                 beside='the scene without any acceleration of the base'), &
     effect_type('initial', 'initial', values='force = @', tried=0.01_dp, measure=own_unit, needs='impact response', &
-                excludes='hub recontact', counted=.true., &
+                excludes='recontact', counted=.true., &
                 remark_off='tried with force = @ N at the tip, EI/l^2/100', &
                 remark_on='beside a beam that is straight and at rest', &
                 beside='a beam at rest'), &

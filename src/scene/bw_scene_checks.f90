@@ -216,7 +216,7 @@ contains
   end subroutine check_struck
 
   pure subroutine check_initial_motion(scene, messages)
-    !! A beam that is clamped to a frame whose motion is prescribed cannot turn, and nothing holds a hub that is free under a force.
+    !! A beam that is clamped to a frame whose motion is prescribed cannot turn.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     logical :: turns
@@ -238,8 +238,6 @@ contains
       if (initial%known('angular_velocity') .and. .not. turns) call messages%add(initial%line_of('angular_velocity'), &
         'initial%angular_velocity', 'is that of a beam whose root is clamped; accepted: with a rotational_stiffness of '// &
         '&support, 0 for a hinge, or with &hub')
-      if (initial%known('force') .and. allocated(scene%hub)) call messages%add(initial%line_of('force'), 'initial%force', &
-        'bends a beam on a hub that is free to turn, and nothing holds it; accepted: angular_velocity, or without &hub')
     end associate
   end subroutine check_initial_motion
 

@@ -73,3 +73,36 @@ class HubBeam:
     def from_line(self, place: float, order: int = 0) -> np.ndarray:
         """Deflection of a place from the hub's line, or its derivatives."""
         return np.append(0.0, self.basis([place], order)[:, 0])
+
+
+def section(beam: HubBeam, place: float) -> np.ndarray:
+    """Mass times motion of what lies beyond a place, by each unknown."""
+    total = 0.0
+    ends = [place, *(cut for cut in beam.ends if cut > place)]
+    for a, b in zip(ends[:-1], ends[1:], strict=True):
+        node, weight = np.polynomial.legendre.leggauss(60)
+        x = a + (b - a) * (node + 1) / 2
+        total = total + PER_LENGTH * np.vstack([beam.radius + x, beam.basis(x)]) @ (weight / 2 * (b - a))
+    for at, mass in beam.bodies:
+        if at >= place:
+            total = total + mass * beam.motion(at)
+    return total + np.zeros(len(beam.mass))
+
+
+def half_sine(square: float, time: np.ndarray, amplitude: float, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Displacement, velocity and acceleration of u'' + square u = f."""
+    w, beta = np.pi / length, np.sqrt(square)
+    during = time <= length
+    load = np.where(during, amplitude * np.sin(w * time), 0.0)
+
+    def forced(t):
+        if beta == 0:
+            return amplitude * (t / w - np.sin(w * t) / w**2), amplitude * (1 - np.cos(w * t)) / w
+        far = amplitude / (square - w**2)
+        return far * (np.sin(w * t) - w / beta * np.sin(beta * t)), far * w * (np.cos(w * t) - np.cos(beta * t))
+
+    (u, v), (end, rate), after = forced(time), forced(length), np.maximum(time - length, 0)
+    ring = np.sin(beta * after) / beta if beta else after
+    u = np.where(during, u, end * np.cos(beta * after) + rate * ring)
+    v = np.where(during, v, rate * np.cos(beta * after) - square * end * ring)
+    return u, v, load - square * u

@@ -49,7 +49,7 @@ def is_walked(scene, number):
     """Left out: most of those with what stands together, and what a hub that is free, or a capture, refuses for more than a group."""
     if len({group in scene for group in TOGETHER}) > 1 or (scene.keys() & {"body", "force", "base"} and number % EVERY):
         return False
-    if ("hub" in scene and "initial" in scene) or ({"capture", "contact"} <= scene.keys() and scene.keys() & {"force", "base"}):
+    if {"capture", "contact"} <= scene.keys() and scene.keys() & {"force", "base"}:
         return False
     if "hub" not in scene or "recontact" in scene:
         return True

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from conftest import PROJECT
-from hub_reference import PER_LENGTH, STIFFNESS, HubBeam
+from hub_reference import PER_LENGTH, STIFFNESS, HubBeam, half_sine, section
 from results import FILL
 from scipy.integrate import solve_ivp
 from workplace import PAPER_BEAM, captured_beam
@@ -81,25 +81,6 @@ PULSE = {"position": 0.7, "amplitude": 100.0, "duration": 1e-3}
 EVERYTHING = {"velocity": True, "acceleration": True, "bending_moment": True, "shear_force": True}
 
 
-def half_sine(square, time, amplitude, length):
-    """Displacement, velocity and acceleration of u'' + square u = f."""
-    w, beta = np.pi / length, np.sqrt(square)
-    during = time <= length
-    load = np.where(during, amplitude * np.sin(w * time), 0.0)
-
-    def forced(t):
-        if beta == 0:
-            return amplitude * (t / w - np.sin(w * t) / w**2), amplitude * (1 - np.cos(w * t)) / w
-        far = amplitude / (square - w**2)
-        return far * (np.sin(w * t) - w / beta * np.sin(beta * t)), far * w * (np.cos(w * t) - np.cos(beta * t))
-
-    (u, v), (end, rate), after = forced(time), forced(length), np.maximum(time - length, 0)
-    ring = np.sin(beta * after) / beta if beta else after
-    u = np.where(during, u, end * np.cos(beta * after) + rate * ring)
-    v = np.where(during, v, rate * np.cos(beta * after) - square * end * ring)
-    return u, v, load - square * u
-
-
 @pytest.mark.parametrize("bodies", [(), ((0.4, 3.0),)], ids=["bare", "loaded"])
 @pytest.mark.parametrize("omega", [0.0, 80.0])
 def test_a_force_moves_beam_and_hub_as_a_model_of_its_own_does(here, omega, bodies):
@@ -135,20 +116,6 @@ def test_a_force_moves_beam_and_hub_as_a_model_of_its_own_does(here, omega, bodi
     inner = beam.mass[0] @ mode @ v
     np.testing.assert_allclose(inner[late], brought, rtol=1e-9)
     np.testing.assert_allclose(np.polyfit(time, result["hub_angle"], 1)[0], brought / beam.mass[0, 0], rtol=0.2)
-
-
-def section(beam, place):
-    """Mass times motion of what lies beyond a place, by each unknown."""
-    total = 0.0
-    ends = [place, *(cut for cut in beam.ends if cut > place)]
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
-        node, weight = np.polynomial.legendre.leggauss(60)
-        x = a + (b - a) * (node + 1) / 2
-        total = total + PER_LENGTH * np.vstack([beam.radius + x, beam.basis(x)]) @ (weight / 2 * (b - a))
-    for at, mass in beam.bodies:
-        if at >= place:
-            total = total + mass * beam.motion(at)
-    return total + np.zeros(len(beam.mass))
 
 
 BALL = {"impact": {"mass": 0.5, "position": 0.7, "approach_velocity": 1.0}, "contact": {"radius": 0.025, "surface_radius": 0.0}}

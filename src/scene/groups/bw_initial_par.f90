@@ -11,7 +11,7 @@ module bw_initial_par
   type, public :: initial_par
     real(dp) :: force = 0.0_dp              !! F [N], whose static deflection is let go at t = 0
     real(dp) :: position = 1.0_dp           !! ξ where it acts
-    real(dp) :: angular_velocity = 0.0_dp   !! of a rigid turn about the root, or with the hub [rad/s]
+    real(dp) :: angular_velocity = 0.0_dp   !! of a rigid turn about the root, or of hub and beam [rad/s]
   end type initial_par
 
   type(input_group), parameter, public :: initial_group = input_group( &
@@ -21,8 +21,9 @@ module bw_initial_par
     example='&initial force = 100, position = 1 /          ! plucked at the tip|&response duration = 0.5, samples = 8192 '// &
     '/', &
     rules='Give `force`, `angular_velocity` or both. The static deflection under a force is released at t = 0, like a '// &
-    'plucked string; every mode has to be stable. The angular velocity is that of a beam that can turn: its root turns on '// &
-    '`&support`, or sits on a `&hub`. With `&impact` the mass arrives with `approach_velocity` in the rotating frame and '// &
+    'plucked string; every mode has to be stable. A `&hub` is held until then, and released together with the beam. The '// &
+    'angular velocity is that of a beam that can turn: its root turns on `&support`, or it turns with its `&hub`, both as one '// &
+    'rigid body. With `&impact` the mass arrives with `approach_velocity` in the rotating frame and '// &
     'strikes a moving beam: the closing speed counts. With `&contact` it begins to move where it touches the deflected beam; '// &
     'if the two do not close in, it flies beside the beam until they meet, also with `approach_velocity` 0.')
 
@@ -32,7 +33,7 @@ module bw_initial_par
     input_name('initial', 'position', real_input, '1', off_the_root, '1', swept=.true., &
                meaning='place of the force: x/l, 1 at the tip'), &
     input_name('initial', 'angular_velocity', real_input, 'rad s-1', any_number, swept=.true., &
-               meaning='rigid turn about the root, or of the hub, beside the rotation')]
+               meaning='rigid turn about the root, or together with the hub, beside the rotation')]
 
 contains
 

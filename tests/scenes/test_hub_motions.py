@@ -1,0 +1,81 @@
+"""A hub that is free to turn: with a beam that is let go, beside a method of Ritz."""
+
+import numpy as np
+import pytest
+from hub_reference import PER_LENGTH, STIFFNESS, HubBeam
+from workplace import PAPER_BEAM
+
+POINTS = [0.0, 0.3, 1.0]
+HISTORY = {"duration": 0.05, "samples": 200, "points": POINTS, "velocity": True, "bending_moment": True}
+LET_GO = {"force": 500.0, "position": 0.7}
+BODY = {"body": {"position": 0.4, "mass": 3.0}}
+ROTATING = {"rotation": {"angular_velocity": 80.0}, "stiffening": {"hub_radius": 0.1}}
+
+
+def hubbed(**groups):
+    """The paper's beam on a light hub."""
+    return {"beam": PAPER_BEAM, "hub": {"rotary_inertia": 0.05, "radius": 0.1}, "modes": {"before": 40}, "response": HISTORY, **groups}
+
+
+def reference(groups, degree=30):
+    """Its model."""
+    bodies = ((groups["body"]["position"], groups["body"]["mass"]),) if "body" in groups else ()
+    cuts = tuple(sorted({0.7, *(place for place, _ in bodies)}))
+    return HubBeam(0.05, 0.1, 80.0 if "rotation" in groups else 0.0, bodies, cuts, degree)
+
+
+def same(found, own, tolerance):
+    np.testing.assert_allclose(found, own, rtol=0, atol=tolerance * np.abs(own).max())
+
+
+@pytest.mark.parametrize("groups", [{}, ROTATING, BODY, {**BODY, **ROTATING}], ids=str)
+def test_a_beam_and_its_hub_that_are_let_go_move_as_a_model_of_their_own(here, groups):
+    here.scene("a", hubbed(initial=LET_GO, modes={"before": 12}, **groups))
+    result = here.run("a")
+    beam = reference(groups)
+    square, mode = beam.modes(12)
+    bent = np.append(0.0, np.linalg.solve(beam.stiffness, beam.basis([0.7])[:, 0] * 500.0))  # the hub is held
+    time, beta = result["time"], np.sqrt(square)
+    q = (mode.T @ beam.mass @ bent)[:, None] * np.cos(np.outer(beta, time))
+    v = -beta[:, None] * (mode.T @ beam.mass @ bent)[:, None] * np.sin(np.outer(beta, time))
+    same(result["hub_angle"], mode[0] @ q, 1e-9)
+    for p, point in enumerate(POINTS[1:], 1):
+        same(result["displacement"][p], beam.from_line(point) @ mode @ q, 1e-9)
+        same(result["velocity"][p], beam.from_line(point) @ mode @ v, 1e-8)
+    same(result["bending_moment"][0], STIFFNESS * beam.from_line(0.0, 2) @ mode @ q, 1e-8)
+    # of infinitely many modes: the deflection under the force, and a hub that is where it was held
+    for p, point in enumerate(POINTS):
+        assert abs(result["displacement"][p, 0] - beam.from_line(point) @ bent) <= result["displacement_error"][p], point
+    assert abs(result["hub_angle"][0]) < 1e-5 * np.abs(result["hub_angle"]).max()
+
+
+@pytest.mark.parametrize("groups", [{}, ROTATING, {"support": {"stiffness": 1e6, "rotational_stiffness": 1e4}, **ROTATING}, {"shear": {}}], ids=str)
+def test_with_a_very_heavy_hub_it_is_a_beam_on_a_root_that_is_held(here, groups):
+    here.scene("heavy", hubbed(initial=LET_GO, modes={"before": 21}, **groups) | {"hub": {"rotary_inertia": 1e12}})
+    here.scene("held", {name: group for name, group in hubbed(initial=LET_GO, modes={"before": 20}, **groups).items() if name != "hub"})
+    heavy, held = here.run("heavy"), here.run("held")
+    for name in ("displacement", "velocity", "bending_moment"):
+        same(heavy[name], held[name], 1e-9)
+    assert np.abs(heavy["hub_angle"]).max() < 1e-12
+
+
+@pytest.mark.parametrize("modes", [{"before": 40}, {"tolerance": 1e-6}], ids=str)
+def test_a_mass_at_rest_that_the_beam_swings_into_has_the_energy_of_the_deflection_and_no_angular_momentum(here, modes):
+    strikes = {"impact": {"mass": 0.5, "position": 0.7, "approach_velocity": 0.0}, "contact": {"radius": 0.025, "surface_radius": 0.0}}
+    response = {"duration": 5e-3, "samples": 200, "points": [0.7, 1.0]}
+    here.scene("a", hubbed(initial={"force": -500.0}, modes=modes, response=response, **strikes))
+    result = here.run("a")
+    contacts = result["event_kind"] > 0
+    assert contacts.sum() >= 2
+    np.testing.assert_allclose(result["energy_before"][0], 500.0**2 / (6 * STIFFNESS), rtol=1e-6)  # ½F times l³F/(3EI)
+    swung = np.abs(result["hub_rate_change"][contacts]).max() * (0.05 + PER_LENGTH * (0.01 + 0.1 + 1 / 3))
+    assert np.abs(result["angular_momentum_after"][contacts]).max() <= 1e-12 * swung
+
+
+@pytest.mark.parametrize("change", [{"until": 5e-3}, {"from": 5e-3, "velocity": 0.0}], ids=str)
+def test_a_body_that_comes_or_leaves_keeps_the_angular_momentum_at_nothing(here, change):
+    here.scene("a", hubbed(initial=LET_GO, body={"position": 0.5, "mass": 1.0, **change}, **ROTATING, modes={"before": 20, "after": 20}))
+    result = here.run("a")
+    moves = 0.5 * 0.1 * 0.6  # kg m²/s: of the body, at 0.1 m/s
+    for name in ("angular_momentum_before", "angular_momentum_after"):
+        assert np.abs(result[name]).max() <= 1e-12 * moves, result[name]
