@@ -38,7 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=300, help="of each kind")
     scenes = parser.parse_args().scenes
-    for kind in ("force", "base", "hub", "change"):
+    for kind in ("force", "base", "hub", "hub_base", "change"):
         rng = np.random.default_rng(SEED)
         with tempfile.TemporaryDirectory() as folder:
             run = run_in(Workplace(PROGRAM, Path(folder)))

@@ -3,36 +3,25 @@ module bw_static_shape
   !! e^(st), which is at rest for s = 0. As sums over all modes they are ΣΦ_k(ξ)Φ_k(ξ₀)/(M_k(β_k² + s²)), and likewise with Φ_k'', so that
   !! they tell what modes that are not summed add to a motion under that force: their residual flexibility.
   !!
-  !! The state z = (v, ψ, M, Q) obeys v' = (ψ + sQ)/(1 + sT), ψ' = M/B, M' = −Q + Tv' − Rψ, Q' = −mλv with
-  !! λ = ω² − s² in the plane of rotation, else −s², and R likewise of rotary inertia. Pieces are cut into parts over which the state changes
-  !! little; Gauss's collocation carries it across each, and one system of equations joins them. Without dimensions, as the beam.
+  !! One system of equations joins the states of all parts of the beam (bw_beam_parts). Without dimensions, as the beam.
   !!
   !! A hub that is free turns by θ under the loads: what the root asks of it with the hub held, over what it asks where the hub turns by 1,
   !! D = T(0)v(0) − RQ(0) − M(0) + s²J, the stationary value of the energies. States are those in the frame that turns evenly, shapes those
   !! from the hub's line.
+  use bw_beam_parts, only: beam_part, cut_parts
   use bw_double_double, only: dd
-  use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_lapack, only: dgbsvx, dgesv
+  use bw_lapack, only: dgbsvx
   use bw_mode_set, only: deflections, mode_set, turns, values_at
   use bw_piece_beam, only: arm_of, is_held, joint_position
-  use bw_varying_beam, only: pull_at, value_of, varying_beam
+  use bw_varying_beam, only: pull_at, varying_beam
   implicit none (type, external)
   private
-  public :: find_residual, gauss_places, static_shape, static_shapes
+  public :: find_residual, static_shape, static_shapes
 
   integer, parameter, public :: deflection = 1, moment = 2, shear = 3, hub_turn = 4, turning = 5   !! columns of a shape
   integer, parameter, public :: columns = 5
-  integer, parameter :: stages = 8                !! of Gauss's collocation, which is exact to the order of twice as many
-  real(dp), parameter :: calm = 0.7_dp            !! how much the state may change over a part
   integer, parameter :: band = 7                  !! diagonals beside the main one
-
-  type :: beam_part
-    integer :: piece = 1
-    real(dp) :: from = 0.0_dp, to = 1.0_dp        !! places over the piece
-    logical :: ends_piece = .false.               !! the joint at its end is passed after it
-    real(dp) :: across(4, 4) = 0.0_dp             !! the state at its end by that at its start
-  end type beam_part
 
 contains
 
@@ -92,7 +81,7 @@ contains
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: place(:)              !! ξ of forces and moments
     logical, intent(in) :: turned(:)              !! a moment acts there
-    logical, intent(in) :: accelerated            !! the last column is that of the acceleration, of a hub whose motion is prescribed
+    logical, intent(in) :: accelerated            !! the last column is that of the acceleration
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest; λ is not 0 where accelerated
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
     logical, intent(in), optional :: from_line(:) !! the force stands on the line of a hub that is free, (places)
@@ -118,6 +107,7 @@ contains
     if (given%beam%root%on_hub) call turn_root(given, right(:, size(right, 2)))
     call solve(matrix, right)
     lever = 0.0_dp
+    if (accelerated) lever(size(lever)) = pull_at(given, 1, 0.0_dp)/lambda   ! as the root is that much less far from the axis's line
     do f = 1, size(place)
       if (end_of(size(xi) + f) == 0) lever(f) = merge(1.0_dp, given%beam%root%hub_radius%hi, turned(f))
       if (present(from_line)) lever(f) = lever(f) - merge(arm_of(given%beam, place(f)), 0.0_dp, from_line(f))
@@ -226,128 +216,6 @@ contains
     end do
   end subroutine displace_ends
 
-  pure subroutine cut_parts(given, shift, xi, parts, end_of)
-    !! Parts that end where pieces do, and at all points.
-    type(varying_beam), intent(in) :: given
-    real(dp), intent(in) :: shift, xi(:)
-    type(beam_part), allocatable, intent(out) :: parts(:)
-    integer, intent(out) :: end_of(:)             !! (points)
-    real(dp), parameter :: same_place = 1.0e-13_dp
-    real(dp), allocatable :: places(:)
-    type(dd) :: start
-    real(dp) :: length, x
-    integer :: i, j, p
-    allocate (parts(0), places(0))
-    end_of = 0
-    do i = 1, size(given%beam%piece)
-      start = joint_position(given%beam, i - 1)
-      length = given%beam%piece(i)%length%hi
-      associate (many => parts_of(given, i, shift))
-        places = [(real(j, dp)/many, j=1, many)]
-      end associate
-      do p = 1, size(xi)
-        x = ((xi(p) - start%hi) - start%lo)/length
-        if (x <= same_place .or. x >= 1.0_dp - same_place) cycle
-        j = count(places < x - same_place)
-        if (abs(places(j + 1) - x) > same_place) places = [places(:j), x, places(j + 1:)]
-      end do
-      do j = 1, size(places)
-        x = 0.0_dp
-        if (j > 1) x = places(j - 1)
-        parts = [parts, beam_part(i, x, places(j), j == size(places))]
-        parts(size(parts))%across = carried(given, shift, parts(size(parts)))
-        where (abs(xi - start%hi - start%lo - places(j)*length) <= 2*same_place) end_of = size(parts)
-      end do
-    end do
-  end subroutine cut_parts
-
-  pure integer function parts_of(given, i, shift) result(parts)
-    !! Into how many parts a piece is cut.
-    type(varying_beam), intent(in) :: given
-    integer, intent(in) :: i                      !! the piece
-    real(dp), intent(in) :: shift
-    integer, parameter :: most = 4000
-    real(dp) :: change, law, mass, pull, softest
-    associate (piece => given%beam%piece(i), laws => given%law(i))
-      law = shift + given%beam%spin_squared%hi
-      softest = piece%stiffness%hi*max(minval(value_of(laws%stiffness, [0.0_dp, 0.5_dp, 1.0_dp])), 1.0e-6_dp)
-      mass = piece%mass%hi*maxval(abs(value_of(laws%mass, [0.0_dp, 0.5_dp, 1.0_dp])))
-      pull = 0.0_dp
-      if (given%is_pulled) pull = given%beam%spin_squared%hi*maxval(abs(value_of(given%tension(i), [0.0_dp, 0.5_dp, 1.0_dp])))
-      change = piece%length%hi*max(sqrt(sqrt(mass*law/softest)), sqrt((pull + piece%rotary%hi*law)/softest), &
-                                   1.0e-30_dp)
-      if (any([size(laws%stiffness), size(laws%mass), size(laws%shear), size(laws%rotary)] > 1)) change = max(change, 4.0_dp)
-    end associate
-    parts = min(most, 1 + int(change/calm))
-  end function parts_of
-
-  pure function carried(given, shift, part) result(across)
-    !! The state at the end of a part by that at its start.
-    type(varying_beam), intent(in) :: given
-    real(dp), intent(in) :: shift
-    type(beam_part), intent(in) :: part
-    real(dp) :: across(4, 4)
-    real(dp) :: place(stages), weight(stages), a(stages, stages), system(4*stages, 4*stages), slopes(4*stages, 4)
-    real(dp) :: law(4, 4, stages), length
-    integer :: i, info, j, pivot(4*stages)
-    call gauss_rule(place, weight, a)
-    length = (part%to - part%from)*given%beam%piece(part%piece)%length%hi
-    law = state_law(given, part%piece, shift, part%from + (part%to - part%from)*place)
-    system = 0.0_dp
-    do i = 1, stages
-      do j = 1, stages
-        system(4*i - 3:4*i, 4*j - 3:4*j) = -length*a(i, j)*law(:, :, i)
-      end do
-      slopes(4*i - 3:4*i, :) = law(:, :, i)
-    end do
-    do i = 1, 4*stages
-      system(i, i) = system(i, i) + 1.0_dp
-    end do
-    call dgesv(4*stages, 4, system, 4*stages, pivot, slopes, 4*stages, info)
-    across = 0.0_dp
-    do i = 1, 4
-      across(i, i) = 1.0_dp
-    end do
-    do i = 1, stages
-      across = across + length*weight(i)*slopes(4*i - 3:4*i, :)
-    end do
-  end function carried
-
-  pure function state_law(given, i, shift, x) result(law)
-    !! z' = law z at places over a piece, (4, 4, places).
-    type(varying_beam), intent(in) :: given
-    integer, intent(in) :: i                      !! the piece
-    real(dp), intent(in) :: shift, x(:)
-    real(dp) :: law(4, 4, size(x))
-    real(dp), dimension(size(x)) :: stiffness, mass, compliance, rotary, pull
-    real(dp) :: lambda, rho
-    integer :: j
-    lambda = -shift
-    rho = -shift
-    if (given%beam%in_plane) then
-      lambda = lambda + given%beam%spin_squared%hi
-    else
-      rho = rho + given%beam%spin_squared%hi
-    end if
-    associate (piece => given%beam%piece(i), laws => given%law(i))
-      stiffness = piece%stiffness%hi*value_of(laws%stiffness, x)
-      mass = piece%mass%hi*value_of(laws%mass, x)
-      compliance = piece%compliance%hi/value_of(laws%shear, x)
-      rotary = piece%rotary%hi*value_of(laws%rotary, x)
-    end associate
-    pull = 0.0_dp
-    if (given%is_pulled) pull = given%beam%spin_squared%hi*value_of(given%tension(i), x)
-    law = 0.0_dp
-    do j = 1, size(x)
-      law(1, 2, j) = 1.0_dp/(1.0_dp + compliance(j)*pull(j))
-      law(1, 4, j) = compliance(j)*law(1, 2, j)
-      law(2, 3, j) = 1.0_dp/stiffness(j)
-      law(3, 2, j) = pull(j)*law(1, 2, j) - rotary(j)*rho
-      law(3, 4, j) = pull(j)*law(1, 4, j) - 1.0_dp
-      law(4, 1, j) = -mass(j)*lambda
-    end do
-  end function state_law
-
   subroutine join_parts(given, shift, parts, matrix)
     !! The equations of all states: what the root holds, each part, what joints do, and the free tip.
     type(varying_beam), intent(in) :: given
@@ -417,44 +285,5 @@ contains
       end do
     end subroutine put_row
   end subroutine join_parts
-
-  pure subroutine gauss_places(place, weight)
-    !! Gauss's points from 0 to 1 and their weights.
-    real(dp), allocatable, intent(out) :: place(:), weight(:)
-    real(dp) :: a(stages, stages)
-    allocate (place(stages), weight(stages))
-    call gauss_rule(place, weight, a)
-  end subroutine gauss_places
-
-  pure subroutine gauss_rule(place, weight, a)
-    !! Gauss's points from 0 to 1, their weights, and the integrals of Lagrange's polynomials up to each of them.
-    real(dp), intent(out) :: place(stages), weight(stages), a(stages, stages)
-    real(dp) :: p(0:stages), slope, x
-    real(dp) :: powers(stages, stages), integrals(stages, stages)
-    integer :: i, info, iteration, j, pivot(stages)
-    do i = 1, stages
-      x = -cos(pi*(i - 0.25_dp)/(stages + 0.5_dp))
-      do iteration = 1, 8
-        p(0) = 1.0_dp
-        p(1) = x
-        do j = 2, stages
-          p(j) = ((2*j - 1)*x*p(j - 1) - (j - 1)*p(j - 2))/j
-        end do
-        slope = stages*(x*p(stages) - p(stages - 1))/(x**2 - 1.0_dp)
-        x = x - p(stages)/slope
-      end do
-      place(i) = 0.5_dp*(1.0_dp + x)
-      weight(i) = 1.0_dp/((1.0_dp - x**2)*slope**2)
-      ! ∫_{-1}^{x} P_j = (P_{j+1} - P_{j-1})/(2j + 1)
-      integrals(1, i) = 0.5_dp*(x + 1.0_dp)
-      do j = 1, stages - 1
-        integrals(j + 1, i) = 0.5_dp*(p(j + 1) - p(j - 1))/(2*j + 1)
-      end do
-      powers(:, i) = p(:stages - 1)
-    end do
-    ! a(i, :) solves Σ_k a(i, k) P_j(x_k) = ∫ P_j for all j
-    call dgesv(stages, stages, powers, stages, pivot, integrals, stages, info)
-    a = transpose(integrals)
-  end subroutine gauss_rule
 
 end module bw_static_shape

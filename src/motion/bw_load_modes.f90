@@ -6,12 +6,13 @@ module bw_load_modes
   !! by Gauss's rule over half waves of the highest mode: the part of a mode's inertia that the section carries, less what springs beyond
   !! it take. Without dimensions, as modes.
   use bw_constants, only: pi
+  use bw_beam_parts, only: gauss_places
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: arm_of, holds_tip, joint_position
-  use bw_static_shape, only: deflection, gauss_places, hub_turn, static_shapes, turning
+  use bw_static_shape, only: deflection, hub_turn, static_shapes, turning
   use bw_varying_beam, only: pull_at, value_of, varying_beam
   implicit none (type, external)
   private

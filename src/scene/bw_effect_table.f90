@@ -67,7 +67,7 @@ module bw_effect_table
                 remark_off='tried with a half sine of @ N, 0.001 EI/l^2, over the record', &
                 beside='the scene without any force'), &
     effect_type('base', 'base', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
-                excludes='recontact hub', &
+                excludes='recontact', &
                 remark_off='tried with a half sine of @ m/s2 over the record, 0.001 EI/(m l^2)', &
                 beside='the scene without any acceleration of the base'), &
     effect_type('initial', 'initial', values='force = @', tried=0.01_dp, measure=own_unit, needs='impact response', &
@@ -87,7 +87,7 @@ module bw_effect_table
     effect_type('tip_support', 'tip_support', values='stiffness = @, rotational_stiffness = 0', tried=1.0_dp, measure=own_unit, &
                 remark_off='tried with stiffness = @ N/m, EI/l^3, and rotational_stiffness = 0', &
                 beside='a free tip'), &
-    effect_type('hub', 'hub', values='rotary_inertia = @', tried=1.0_dp, measure=own_unit, excludes='base', &
+    effect_type('hub', 'hub', values='rotary_inertia = @', tried=1.0_dp, measure=own_unit, &
                 remark_off='tried with rotary_inertia = @ kg m2, the beam''s mass times l^2', &
                 beside='a hub whose motion is prescribed'), &
     effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &

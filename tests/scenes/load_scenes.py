@@ -28,7 +28,7 @@ def float_in(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def draw(rng: np.random.Generator, kind: str) -> dict:
-    """A scene without its count of modes; `kind` is force, base, hub: a force, and a hub that is free, or change: a force, and a body that comes."""
+    """A scene without its count of modes; `kind` is force, base, hub or hub_base: a hub that is free, or change: a force, and a body that comes."""
     duration = 10 ** float_in(rng, -2.5, 0.5) * SLOWEST * 3
     scene = {"beam": dict(PAPER_BEAM)}
     if kind == "change" or rng.random() < 0.5:
@@ -45,7 +45,7 @@ def draw(rng: np.random.Generator, kind: str) -> dict:
             scene["body"]["until"] = scene["body"]["from"] + float_in(rng, 0.05, 0.3) * duration
     if rng.random() < 0.2:
         scene["support"] = {"rotational_stiffness": 10 ** float_in(rng, 3, 6)}
-    if kind == "hub":
+    if kind.startswith("hub"):
         scene["hub"] = {"rotary_inertia": 10 ** float_in(rng, -3, 2)}
         if rng.random() < 0.7:
             scene["rotation"] = {"angular_velocity": float_in(rng, 0, 200)}
@@ -57,12 +57,13 @@ def draw(rng: np.random.Generator, kind: str) -> dict:
     if rng.random() < 0.3:
         scene["damping"] = {"ratio": 10 ** float_in(rng, -3, -1)}
     load = draw_load(rng, duration)
-    if kind != "base":
+    based = kind.endswith("base")
+    if not based:
         load["position"] = 1.0 if "tip_support" not in scene and rng.random() < 0.5 else round(float_in(rng, 0.2, 0.95), 4)
-    scene["base" if kind == "base" else "force"] = load
+    scene["base" if based else "force"] = load
     points = sorted({0.0, 1.0, *(round(float(x), 3) for x in rng.uniform(0.05, 1, 3))})
     asked = dict.fromkeys(QUANTITIES[1:], True)
-    asked["acceleration"] = kind == "base" or (kind in ("force", "hub") and load["shape"] != "rectangle")
+    asked["acceleration"] = based or (kind in ("force", "hub") and load["shape"] != "rectangle")
     asked["shear_force"] = kind != "change"
     scene["response"] = {"duration": duration, "samples": int(rng.choice([300, 1000])), "points": points, **asked}
     return scene

@@ -118,6 +118,8 @@ def test_a_force_moves_beam_and_hub_as_a_model_of_its_own_does(here, omega, bodi
     np.testing.assert_allclose(np.polyfit(time, result["hub_angle"], 1)[0], brought / beam.mass[0, 0], rtol=0.2)
 
 
+SHOCK = {"amplitude": 50.0, "duration": 1e-3}
+SOFT = {"stiffness": 1e6, "rotational_stiffness": 1e4}
 BALL = {"impact": {"mass": 0.5, "position": 0.7, "approach_velocity": 1.0}, "contact": {"radius": 0.025, "surface_radius": 0.0}}
 
 
@@ -161,7 +163,7 @@ def test_a_contact_moves_beam_and_hub_as_an_integration_of_its_own_does(here):
 
 
 @pytest.mark.parametrize("groups", [
-    {"force": PULSE}, {"force": PULSE, **TURNING}, BALL, {**BALL, **TURNING}, {**BALL, **TURNING, "capture": {}, "release": {"time": 0.006}},
+    {"force": PULSE}, {"force": PULSE, **TURNING}, {"base": SHOCK}, {"base": SHOCK, **TURNING, "support": SOFT}, BALL, {**BALL, **TURNING}, {**BALL, **TURNING, "capture": {}, "release": {"time": 0.006}},
     {"force": PULSE, **TURNING, "body": {"position": 0.5, "mass": 1.0, "from": 2e-3, "until": 5e-3}}], ids=lambda groups: "-".join(groups))
 def test_with_a_very_heavy_hub_loads_and_contacts_are_those_of_a_root_that_is_held(here, groups):
     scene = {"beam": PAPER_BEAM, "modes": {"before": 20}, **groups,

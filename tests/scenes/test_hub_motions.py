@@ -1,8 +1,8 @@
-"""A hub that is free to turn: with a beam that is let go, beside a method of Ritz."""
+"""A hub that is free to turn: with a beam that is let go, and carried by a frame that is accelerated, beside a method of Ritz."""
 
 import numpy as np
 import pytest
-from hub_reference import PER_LENGTH, STIFFNESS, HubBeam
+from hub_reference import PER_LENGTH, STIFFNESS, HubBeam, half_sine, section
 from workplace import PAPER_BEAM
 
 POINTS = [0.0, 0.3, 1.0]
@@ -79,3 +79,31 @@ def test_a_body_that_comes_or_leaves_keeps_the_angular_momentum_at_nothing(here,
     moves = 0.5 * 0.1 * 0.6  # kg m²/s: of the body, at 0.1 m/s
     for name in ("angular_momentum_before", "angular_momentum_after"):
         assert np.abs(result[name]).max() <= 1e-12 * moves, result[name]
+
+
+SHOCK = {"amplitude": 50.0, "duration": 1e-3}
+
+
+@pytest.mark.parametrize("groups", [{}, ROTATING, BODY, {**BODY, **ROTATING}], ids=str)
+def test_a_shock_of_the_axis_moves_beam_and_hub_as_a_model_of_their_own_does(here, groups):
+    asked = {**HISTORY, "acceleration": True, "shear_force": True, "points": [0.0, 0.3, 0.7, 1.0]}
+    here.scene("a", hubbed(base=SHOCK, **groups, response=asked))
+    result = here.run("a")
+    beam = reference(groups, 40)
+    square, mode = beam.modes(75)
+    time, driven = result["time"], -section(beam, 0.0) @ mode
+    u, v, a = (np.array(rows) * driven[:, None] for rows in zip(*(half_sine(s, time, 50.0, 1e-3) for s in square), strict=True))
+    turn = mode[0] @ u
+    same(result["hub_angle"], turn, 1e-9)
+    late = time > 1e-3
+    omega = 80.0 if "rotation" in groups else 0.0
+    for p, point in enumerate(asked["points"]):
+        line, bend, beyond = beam.from_line(point) @ mode, STIFFNESS * beam.from_line(point, 2) @ mode, section(beam, point)
+        own = {"displacement": line @ u, "velocity": line @ v, "acceleration": line @ a, "bending_moment": bend @ u * (point < 1),
+               "shear_force": omega**2 * (beyond @ mode @ u - beyond[0] * turn) - beyond @ mode @ a}
+        for name, history in own.items():
+            off = np.abs(result[name][p] - history)[late].max()
+            assert off <= 2 * result[f"{name}_error"][p] + 1e-12 * np.abs(result[name]).max(), (name, point, off)
+    # the moment about the axis is what the inertia of the beam brings
+    inner = beam.mass[0] @ mode @ v
+    np.testing.assert_allclose(inner[late], -50.0 * 2e-3 / np.pi * section(beam, 0.0)[0], rtol=1e-9)

@@ -21,11 +21,11 @@ module bw_hub_par
     'acceleration is the moment of the root''s reactions about the axis.', &
     example='&rotation angular_velocity = 50 /|&stiffening hub_radius = 0.1 /|&hub rotary_inertia = 2 /', &
     rules='The root is clamped to the hub, or held on it by the springs of `&support`. Without loads angular momentum is '// &
-    'conserved; a `&force` acts from outside, and turns beam and hub. Mode 1 is the rigid rotation, which has no frequency and '// &
-    'no waves. Displacements and shapes are measured from the undeformed axis of the beam, which turns with the hub. A hub '// &
-    'couples only with motion in the plane of rotation. A beam that rotates there needs `&stiffening`: without tension the '// &
-    'rigid rotation would be unstable. Springs of `&body` and `&tip_support`, which are fixed to a frame that does not recoil, '// &
-    'are refused.')
+    'conserved; `&force` and `&base` act from outside, and turn beam and hub. Mode 1 is the rigid rotation, which has no '// &
+    'frequency and no waves. Displacements and shapes are measured from the undeformed axis of the beam, which turns with '// &
+    'the hub. A hub couples only with motion in the plane of rotation. A beam that rotates there needs `&stiffening`: '// &
+    'without tension the rigid rotation would be unstable. Springs of `&body` and `&tip_support`, which are fixed to a '// &
+    'frame that does not recoil, are refused.')
 
   type(input_name), parameter, public :: hub_names(*) = [ &
     input_name('hub', 'rotary_inertia', real_input, 'kg m2', positive, required=.true., swept=.true., &
