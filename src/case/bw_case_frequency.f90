@@ -1,13 +1,7 @@
 module bw_case_frequency
   !! The frequency response of a case. Undamped and with Rayleigh's damping it follows from the boundary problem, without modes
-  !! (bw_forced_beam). With a ratio that all modes share, with tension, with a taper and on a hub that is free there are modes alone:
-  !!
-  !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ),
-  !!
-  !! r being what the n modes lack of the boundary problem's answer for uniform pieces without tension, damped as the n-th. It has no
-  !! poles near Ω, so that it is the mean of its values above and below the axis, where neither part of it has any. What r takes
-  !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much. On a hub that is free Φ_k(ξ_f) is
-  !! the whole motion of the place in the frame, which the force works on, Φ_k(ξ) that from the hub's line, and r is left out.
+  !! (bw_forced_beam). With a ratio that all modes share, with tension, with a taper and on a hub that is free it is a sum of modes and what
+  !! these lack (bw_modal_response).
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, extend_source, find_sources
@@ -19,13 +13,14 @@ module bw_case_frequency
   use bw_junction_waves, only: find_scattered
   use bw_kinds, only: dp
   use bw_missing, only: missing, scaled
+  use bw_modal_response, only: chosen, modal_response, modal_terms, terms_of
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: joint_position, junctions_of, piece_beam
   use bw_piece_source, only: source_of_pieces
   use bw_response_extremes, only: find_extremes, harmonic_response
   use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
-  use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam
+  use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam, varying_of
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
@@ -34,7 +29,6 @@ module bw_case_frequency
   integer, parameter, public :: modes_of_answer = 64 !! at least
   integer, parameter :: most_modes = 512
   real(dp), parameter :: beyond = 4.0_dp             !! times the highest frequency that modes reach, where they can be had
-  real(dp), parameter :: off_axis = 0.01_dp          !! of Ω², by which r is looked at beside the axis, whose square its error is; tuned
   integer, parameter :: at_once = 256                !! frequencies between two looks at the clock
 
   type, extends(harmonic_response) :: boundary_response
@@ -44,23 +38,6 @@ module bw_case_frequency
   contains
     procedure :: at => solve_boundary
   end type boundary_response
-
-  type :: modal_terms
-    !! What modes are summed by.
-    real(dp), allocatable :: weight(:, :)            !! Φ_k(ξ)Φ_k(ξ_f)/M_k, (modes, points)
-    real(dp), allocatable :: square(:)               !! β_k²
-    real(dp), allocatable :: damping(:)              !! c_k
-  end type modal_terms
-
-  type, extends(harmonic_response) :: modal_response
-    !! By n modes, and what these lack of the boundary problem.
-    type(modal_terms) :: own, plain                  !! as the beam is, and as the boundary problem has it
-    type(forced_beam) :: forced
-    integer :: n = 0
-    logical :: has_rest = .true.
-  contains
-    procedure :: at => sum_modes
-  end type modal_response
 
 contains
 
@@ -174,15 +151,6 @@ contains
     value = chosen(all, point)
   end subroutine solve_boundary
 
-  pure function chosen(values, point) result(some)
-    !! That of a point, or all.
-    complex(dp), intent(in) :: values(:)
-    integer, intent(in) :: point                     !! 0: all
-    complex(dp), allocatable :: some(:)
-    some = values
-    if (point > 0) some = values(point:point)
-  end function chosen
-
   subroutine look_for_extremes(scene, units, response, modes, omega, monitor, answer)
     !! Resonances and antiresonances, in SI units.
     type(scene_type), intent(in) :: scene
@@ -227,10 +195,12 @@ contains
     if (.not. set%resolved) return
     call response%forced%place(pieces%beam, scene%frequency_response%position, scene%frequency_response%points)
     response%n = set%count
-    response%has_rest = .not. allocated(scene%hub)
     response%own = terms_of(scene, set)
     response%plain = response%own
-    if (varies_along_pieces(scene)) then
+    if (allocated(scene%hub)) then
+      call response%let_grow(set, varying_of(scene, units, pieces_of(scene, units, allocated(scene%capture))), &
+                             scene%frequency_response%position, scene%frequency_response%points, omega(size(omega)))
+    else if (varies_along_pieces(scene)) then
       allocate (uniform, source=source_of_pieces(pieces))
       call uniform%find(first_numbers(response%n), set, monitor=monitor)
       if (monitor%stop_requested() .or. .not. set%resolved) return
@@ -248,19 +218,10 @@ contains
       call response%at(omega(j), 0, half)
       response%n = n
       answer%value(j, :) = factor(j)*answer%value(j, :)
-      answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half))
+      answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half) + abs(factor(j))*response%rounding_at(omega(j)))
     end do
     if (with_extremes) call look_for_extremes(scene, units, response, response%own, omega, monitor, answer)
   end subroutine by_modes
-
-  subroutine sum_modes(self, omega, point, value)
-    class(modal_response), intent(inout) :: self
-    real(dp), intent(in) :: omega
-    integer, intent(in) :: point
-    complex(dp), intent(out) :: value(:)
-    value = sum_of(self%own, self%n, cmplx(omega**2, 0.0_dp, dp), omega, point)
-    if (self%has_rest) value = value + rest_of(self%own, self%plain, self%n, omega, point, self%forced)
-  end subroutine sum_modes
 
   subroutine find_enough(scene, units, omega, monitor, cache, set)
     !! Modes up to a frequency.
@@ -291,54 +252,6 @@ contains
       end do
     end associate
   end subroutine find_enough
-
-  type(modal_terms) function terms_of(scene, set) result(terms)
-    !! Of the modes of a set.
-    type(scene_type), intent(in) :: scene
-    class(mode_set), intent(in) :: set
-    real(dp) :: forced(set%count, 2)
-    integer :: p
-    forced = set%motion_at(scene%frequency_response%position)
-    terms%weight = set%shapes(scene%frequency_response%points)
-    do p = 1, size(terms%weight, 2)
-      terms%weight(:, p) = terms%weight(:, p)*forced(:, 1)/set%modal_mass(:set%count)
-    end do
-    terms%square = set%beta_squared(:set%count)%hi
-    allocate (terms%damping(set%count), source=0.0_dp)
-    if (allocated(set%damping)) terms%damping = set%damping(:set%count)
-  end function terms_of
-
-  pure function sum_of(terms, n, square, omega, point) result(value)
-    !! Of the first n modes, (points), or that of one.
-    type(modal_terms), intent(in) :: terms
-    integer, intent(in) :: n
-    complex(dp), intent(in) :: square                !! Ω², or beside it
-    real(dp), intent(in) :: omega                    !! Ω of the damping; 0: there is none
-    integer, intent(in) :: point                     !! 0: all
-    complex(dp) :: value(merge(1, size(terms%weight, 2), point > 0))
-    associate (first => max(1, point))
-      value = matmul(1.0_dp/(terms%square(:n) - square + cmplx(0.0_dp, terms%damping(:n)*omega, dp)), &
-                     terms%weight(:n, first:first + size(value) - 1))
-    end associate
-  end function sum_of
-
-  function rest_of(own, plain, n, omega, point, forced) result(rest)
-    !! r, what the first n modes lack, (points), or that of one.
-    type(modal_terms), intent(in) :: own, plain      !! as the beam is, and as the boundary problem has it
-    integer, intent(in) :: n, point
-    real(dp), intent(in) :: omega
-    type(forced_beam), intent(inout) :: forced
-    complex(dp) :: rest(merge(1, size(own%weight, 2), point > 0)), square(2), whole(size(own%weight, 2))
-    real(dp) :: damped
-    integer :: i
-    damped = own%damping(n)*omega
-    square = cmplx(omega**2, [off_axis*omega**2, -2.0_dp*damped - off_axis*omega**2], dp)
-    rest = 0.0_dp
-    do i = 1, 2
-      call forced%respond(square(i), (0.0_dp, 0.0_dp), whole)
-      rest = rest + 0.5_dp*(chosen(whole, point) - sum_of(plain, n, square(i), 0.0_dp, point))
-    end do
-  end function rest_of
 
   pure function factors_of(quantity, omega, flexibility) result(factor)
     !! What makes SI units of displacements in l over forces in EI/l², (frequencies).

@@ -3,7 +3,7 @@ module bw_forced_beam
   !!
   !! Undamped it is that of real β² = Ω². Rayleigh's damping of the mass, a, takes iΩa off all β²; that of the elasticity, b, multiplies
   !! all of it by 1 + iΩb. A ratio that all modes share belongs to no such operator, and tension to no such waves: what sums of modes
-  !! leave out of those is the matter of bw_case_frequency. Without dimensions, as the beam.
+  !! leave out of those is the matter of bw_modal_response. Without dimensions, as the beam.
   use bw_beam_states, only: crossing_type, ending, inertia_at, inertia_type, joined, lead_from_root, lead_from_tip, mirrored, &
     motion_within, solve
   use bw_double_double, only: dd, to_dd
