@@ -142,6 +142,9 @@ module bw_case_result
     real(dp), allocatable :: residual(:, :, :)
       !! what all other modes add under a force of 1 N: deflection, moment and shear force, (forces, points, 3)
     real(dp), allocatable :: base_residual(:, :)    !! the same under an acceleration of the base by 1 m/s², (points, 3)
+    real(dp), allocatable :: hub_turn(:)            !! how far a hub that is free turns, 1/m, (modes)
+    real(dp), allocatable :: hub_residual(:)        !! what all other modes turn it by under a force of 1 N, rad/N, (forces)
+    real(dp) :: base_hub_residual = missing         !! and under an acceleration of the base by 1 m/s², s²/m
     real(dp) :: mass = missing                      !! of all that moves, kg
     real(dp), allocatable :: initial_displacement(:)   !! q after all that happens at t = 0, m, (modes)
     real(dp), allocatable :: initial_velocity(:)    !! q̇ then, m/s, (modes)

@@ -4,18 +4,20 @@ module bw_modal_model
   !!
   !!     M_k q̈_k + C_k q̇_k + K_k q_k = Σ_f Φ_k(ξ_f) F_f − P_k a,    v(ξ) = Σ Φ_k(ξ) q_k + Σ_f R(ξ, ξ_f) F_f + R_a(ξ) a,
   !!
-  !! F_f forces, a the acceleration of the base, P_k = ∫ρAΦ_k dx + Σ m_bΦ_k(ξ_b), R the residual flexibility.
+  !! F_f forces, a the acceleration of the base, P_k = ∫ρAΦ_k dx + Σ m_bΦ_k(ξ_b), R the residual flexibility. On a hub that is free v is the
+  !! displacement from its line, which turns by θ = Σ θ_kq_k + …; forces and the base drive a mode by all of its motion, Φ_k + (R + x)θ_k.
   use bw_beam_units, only: beam_units
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_result, modal_model
   use bw_kinds, only: dp
   use bw_load_columns, only: find_drive
   use bw_load_modes, only: find_residuals, total_mass
-  use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: holds_tip
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, varying_of
+  use bw_static_shape, only: hub_turn
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -75,8 +77,9 @@ contains
     allocate (model%slope(size(points), modes%count))
     do p = 1, size(points)
       motion = modes%motion_at(points(p))
-      model%slope(p, :) = motion(:, 2)/units%length
+      model%slope(p, :) = (motion(:, 2) - modes%hub_turns())/units%length
     end do
+    model%hub_turn = modes%hub_turns()/units%length
   end subroutine find_modes
 
   subroutine find_shapes(scene, units, given, modes, kept, points, monitor, model)
@@ -93,12 +96,13 @@ contains
     real(dp) :: flexibility(2*size(points)), factor(3)
     integer :: n, q
     n = size(points)
-    allocate (weights(modes%count, n, 3), residual(n + 1, n, 3))
+    allocate (weights(modes%count, n, hub_turn), residual(n + 1, n, hub_turn))
     allocate (terms, mold=residual)
     call find_drive(given, modes, points, spread(.false., 1, n), .true., monitor, drive, points, weights(:, :, 3))
     if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
+    weights(:, :, hub_turn) = values_at(modes, turns, 1, modes%count, points)
     call find_residuals(given, modes, kept, points, spread(.false., 1, n), .true., drive, weights, points, residual, terms, &
                         flexibility)
     factor = [1.0_dp, scale_of_moments(scene), scale_of_moments(scene)/units%length]
@@ -111,6 +115,8 @@ contains
       model%residual(:, :, q) = residual(:n, :, q)*(units%time%hi**2/units%mass*factor(q))
       model%base_residual(:, q) = -residual(n + 1, :, q)*(units%time%hi**2*factor(q))
     end do
+    model%hub_residual = residual(:n, 1, hub_turn)*(units%time%hi**2/units%mass/units%length)
+    model%base_hub_residual = -residual(n + 1, 1, hub_turn)*(units%time%hi**2/units%length)
   end subroutine find_shapes
 
 end module bw_modal_model

@@ -13,7 +13,8 @@ contains
     !! The modal model.
     class(result_table), intent(inout) :: table
     type(modal_model), intent(in), optional :: model
-    character(*), parameter :: needs = 'modal_model', at_points = 'mode point', by_force = 'point_too point', &
+    character(*), parameter :: needs = 'modal_model', on_hub = 'modal_model hub', at_points = 'mode point', &
+      by_force = 'point_too point', &
       rest = 'what all other modes add to the ', of_force = ' of each point under a force of 1 N at point_too, a point likewise', &
       of_base = ' of each point where the base is accelerated by 1 m s-2'
     if (table%real_row('modal_stiffness', 'mode', 'N m-1', 'modal stiffness M beta**2', needs=needs)) &
@@ -43,6 +44,12 @@ contains
       call table%put(by_base(model, 2))
     if (table%real_row('residual_shear_of_base', 'point', 'kg', rest//'shear force'//of_base, needs=needs)) &
       call table%put(by_base(model, 3))
+    if (table%real_row('hub_turn', 'mode', 'm-1', 'turn of the hub in the mode', needs=on_hub)) call table%put(model%hub_turn)
+    if (table%real_row('residual_hub_turn', 'point_too', 'N-1', rest//'turn of the hub under a force of 1 N at point_too', &
+                       needs=on_hub)) call table%put(model%hub_residual)
+    if (table%real_row('residual_hub_turn_of_base', '', 's2 m-1', &
+                       rest//'turn of the hub where the base is accelerated by 1 m s-2', needs=on_hub)) &
+      call table%put([model%base_hub_residual])
     if (table%real_row('initial_modal_displacement', 'mode', 'm', 'modal displacement after all that happens at t = 0', &
                        needs=needs)) call table%put(model%initial_displacement)
     if (table%real_row('initial_modal_velocity', 'mode', 'm s-1', 'modal velocity after all that happens at t = 0', &

@@ -264,8 +264,7 @@ contains
   end subroutine check_count
 
   pure subroutine check_modal_model(scene, messages)
-    !! A modal model is that of points at which something can act, of modes that are simulated, and of a beam whose hub does not recoil:
-    !! forces would turn that, and positions are measured from its line.
+    !! A modal model is that of points at which something can act, and of modes that are simulated.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     integer, parameter :: most_modes = 4000, most_points = 200     !! seconds of work, which grows as their squares
@@ -278,8 +277,6 @@ contains
     modes = max(scene%modes%before, scene%modes%after)
     if (allocated(scene%record)) then
       what = 'is that of modes that are simulated, and excludes &record; accepted: .false.'
-    else if (allocated(scene%hub)) then
-      what = 'is that of a beam whose hub does not recoil, and excludes &hub; accepted: .false.'
     else if (points == 0) then
       what = 'needs points at which forces act; accepted: with &response or &frequency_response, or .false.'
     else if (points > most_points) then

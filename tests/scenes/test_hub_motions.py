@@ -13,8 +13,9 @@ ROTATING = {"rotation": {"angular_velocity": 80.0}, "stiffening": {"hub_radius":
 
 
 def hubbed(**groups):
-    """The paper's beam on a light hub."""
-    return {"beam": PAPER_BEAM, "hub": {"rotary_inertia": 0.05, "radius": 0.1}, "modes": {"before": 40}, "response": HISTORY, **groups}
+    """The paper's beam on a light hub; a group given as None is left out."""
+    scene = {"beam": PAPER_BEAM, "hub": {"rotary_inertia": 0.05, "radius": 0.1}, "modes": {"before": 40}, "response": HISTORY, **groups}
+    return {name: group for name, group in scene.items() if group is not None}
 
 
 def reference(groups, degree=30):
@@ -52,7 +53,7 @@ def test_a_beam_and_its_hub_that_are_let_go_move_as_a_model_of_their_own(here, g
 @pytest.mark.parametrize("groups", [{}, ROTATING, {"support": {"stiffness": 1e6, "rotational_stiffness": 1e4}, **ROTATING}, {"shear": {}}], ids=str)
 def test_with_a_very_heavy_hub_it_is_a_beam_on_a_root_that_is_held(here, groups):
     here.scene("heavy", hubbed(initial=LET_GO, modes={"before": 21}, **groups) | {"hub": {"rotary_inertia": 1e12}})
-    here.scene("held", {name: group for name, group in hubbed(initial=LET_GO, modes={"before": 20}, **groups).items() if name != "hub"})
+    here.scene("held", hubbed(initial=LET_GO, modes={"before": 20}, **groups, hub=None))
     heavy, held = here.run("heavy"), here.run("held")
     for name in ("displacement", "velocity", "bending_moment"):
         same(heavy[name], held[name], 1e-9)
@@ -107,3 +108,61 @@ def test_a_shock_of_the_axis_moves_beam_and_hub_as_a_model_of_their_own_does(her
     # the moment about the axis is what the inertia of the beam brings
     inner = beam.mass[0] @ mode @ v
     np.testing.assert_allclose(inner[late], -50.0 * 2e-3 / np.pi * section(beam, 0.0)[0], rtol=1e-9)
+
+
+def bent(radius, inertia, force, place, base):
+    """w and the moment of a beam and a turn θ, without the part of the rigid turn, where a force at a place, or a motion of the base, meets no more
+    than the inertia of a hub that turns evenly faster: polynomials within and beyond the place."""
+    x = np.polynomial.Polynomial([0.0, 1.0])
+    whole = inertia + PER_LENGTH * (radius**2 + radius + 1 / 3)
+    faster = (force * (radius + place) - base * PER_LENGTH * (radius + 0.5)) / whole
+    load = -PER_LENGTH * (base + (radius + x) * faster)
+    moment = load.integ().integ()
+    moment = moment - moment(1) - moment.deriv()(1) * (x - 1)  # and its slope are 0 at the tip
+    inner = moment + force * (place - x)
+    parts = [inner / STIFFNESS, moment / STIFFNESS]
+    slope = [parts[0].integ(lbnd=0)]
+    slope.append(parts[1].integ(lbnd=place, k=slope[0](place)))
+    w = [slope[0].integ(lbnd=0)]
+    w.append(slope[1].integ(lbnd=place, k=w[0](place)))
+    spin = [((radius + x) * part).integ() for part in w]
+    turn = -PER_LENGTH * (spin[0](place) - spin[0](0) + spin[1](1) - spin[1](place)) / whole
+    return lambda xi: (w[xi > place](xi), (inner, moment)[xi > place](xi)), turn
+
+
+@pytest.mark.parametrize("count", [2, 12])
+def test_modes_and_residuals_of_a_model_bend_as_forces_less_the_inertia_of_the_turn_do(here, count):
+    points = [0.3, 0.6, 1.0]
+    here.scene("a", hubbed(modes={"before": count, "modal_model": True}, frequency_response={"points": points, "last": 100.0, "first": 1.0}, response=None))
+    result = here.run("a")
+    arms = 0.1 + np.array(points)
+    drive = result["shape_at_points"] + np.outer(result["hub_turn"], arms)  # (modes, points)
+    soft = 1 / result["modal_stiffness"][1:]
+    assert result["modal_stiffness"][0] == 0
+    for name, loads, suffix in (("force", drive[1:], ""), ("base", -result["participation"][1:, None], "_of_base")):
+        for f in range(loads.shape[1]):
+            along, turn = bent(0.1, 0.05, *((1.0, points[f], 0.0) if name == "force" else (0.0, 0.5, 1.0)))
+            rest = {key: result[key + suffix][f] if name == "force" else result[key + suffix] for key in ("residual_moment", "residual_hub_turn")}
+            flexible = result["residual_flexibility"][f] if name == "force" else result["residual_of_base"]
+            own = (result["shape_at_points"][1:].T * soft) @ loads[:, f] + flexible
+            moment = (result["moment_at_points"][1:].T * soft) @ loads[:, f] + rest["residual_moment"]
+            expected = np.array([along(point) for point in points]).T
+            np.testing.assert_allclose(own, expected[0], rtol=0, atol=1e-12 * np.abs(expected[0]).max(), err_msg=name)
+            np.testing.assert_allclose(moment, expected[1], rtol=0, atol=1e-11 * np.abs(expected[1]).max(), err_msg=name)
+            np.testing.assert_allclose((result["hub_turn"][1:] * soft) @ loads[:, f] + rest["residual_hub_turn"], turn, rtol=1e-10, err_msg=name)
+
+
+@pytest.mark.parametrize("groups", [{}, BODY], ids=str)
+def test_a_harmonic_force_moves_beam_and_hub_under_tension_as_a_model_of_their_own(here, groups):
+    asked = {"points": [0.3, 1.0], "position": 0.7, "first": 5.0, "last": 2000.0, "count": 60}
+    here.scene("a", hubbed(frequency_response=asked, damping={"mass_proportional": 8.0}, **ROTATING, **groups, response=None, modes=None))
+    result = here.run("a")
+    beam = reference({**ROTATING, **groups})
+    whole = np.zeros_like(beam.mass)
+    whole[1:, 1:] = beam.stiffness
+    found = result["frequency_response_real"] + 1j * result["frequency_response_imag"]
+    for j, omega in enumerate(2 * np.pi * result["response_frequency"]):
+        answer = np.linalg.solve(whole + (8j * omega - omega**2) * beam.mass, beam.motion(0.7))
+        own = np.array([beam.from_line(point) @ answer for point in asked["points"]])
+        assert (np.abs(found[:, j] - own) <= result["frequency_response_error"] + 1e-8 * np.abs(own)).all(), (omega, found[:, j] - own)
+    assert (result["frequency_response_error"] < 1e-10 * np.abs(found).max(axis=1)).all()

@@ -21,6 +21,12 @@ TRANSVERSE = 8  # a displacement, among the kinds of data of data set 55
 def arrays(model: ModalModel) -> dict[str, Any]:
     """Everything by its name, for `mat` and `npz`."""
     space = state_space(model)
+    hub = {
+        "hub_turn": model.hub_turn,
+        "hub_radius": model.hub_radius,
+        "residual_hub_turn": model.hub_residual,
+        "residual_hub_turn_of_base": model.base_hub_residual,
+    }
     return {
         "position": model.position,
         "distance": model.distance,
@@ -45,6 +51,7 @@ def arrays(model: ModalModel) -> dict[str, Any]:
         "residual_of_base": model.base_residual["displacement"],
         "residual_moment_of_base": model.base_residual["bending_moment"],
         "residual_shear_of_base": model.base_residual["shear_force"],
+        **({} if model.hub_turn is None else hub),
         "A": space.a,
         "B": space.b,
         "C": space.c,
@@ -72,7 +79,8 @@ def write_mat(model: ModalModel, path: Path, title: str) -> None:
 def write_unv(model: ModalModel, path: Path, title: str) -> None:
     """A universal file: header 151, units 164, nodes 15 along x, and a data set 55 for each mode.
 
-    Shapes are displacements along y and turnings about z, with six digits. Rigid modes have frequency and damping ratio 0.
+    Shapes are displacements along y and turnings about z, with six digits; where a hub turns, those of the motion in the
+    frame. Rigid modes have frequency and damping ratio 0.
     Raises `NothingToDraw` for modes that grow or are overdamped, which are no normal modes, and without the package pyuff.
     """
     unfit = np.flatnonzero((model.stiffness < 0.0) | (model.damping > 0.0) & (model.damping**2 >= 4.0 * model.stiffness * model.mass)) + 1
@@ -104,7 +112,7 @@ def _heads(pyuff: ModuleType, model: ModalModel, name: str) -> Iterator[dict[str
 def _mode(pyuff: ModuleType, model: ModalModel, name: str, k: int) -> dict[str, Any]:
     """One mode."""
     zeros = np.zeros(model.position.size)
-    motion = {"r1": zeros, "r2": model.shape[k], "r3": zeros, "r4": zeros, "r5": zeros, "r6": model.slope[k]}
+    motion = {"r1": zeros, "r2": model.motion[k], "r3": zeros, "r4": zeros, "r5": zeros, "r6": model.turning[k]}
     numbers = {
         "freq": float(model.angular_frequency[k] / (2.0 * np.pi)),
         "modal_m": float(model.mass[k]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,6 +18,7 @@ NEEDED = (
     *("residual_of_base", "residual_moment_of_base", "residual_shear_of_base"),
     *("initial_modal_displacement", "initial_modal_velocity"),
 )
+ON_HUB = ("hub_turn", "residual_hub_turn", "residual_hub_turn_of_base", "hub_radius")  # of a hub that is free
 ABSENT = "the result holds no modal model; accepted: one of a scene with &modes modal_model = .true."
 
 
@@ -26,6 +28,9 @@ class ModalModel:
 
     M q̈ + C q̇ + K q = Φᵀ F − P a, and v = Φ q + R F + R_a a, with forces F at the points and the acceleration a of the
     base. Arrays are (modes), (points), (modes, points), or (points, forces) with forces at the same points.
+
+    On a hub that is free v is the displacement from its line, which turns by θ = θᵀ q + R_θ F + R_θa a; forces and the
+    base drive modes by their whole motion, Φ + (R + x) θ.
     """
 
     position: np.ndarray  # x/l of the points
@@ -44,6 +49,22 @@ class ModalModel:
     moving_mass: float  # of beam and bodies, kg
     initial_displacement: np.ndarray  # q after all that happens at t = 0, m
     initial_velocity: np.ndarray  # and q̇, m/s
+    hub_turn: np.ndarray | None = None  # of a hub that is free, and else without meaning: θ, 1/m
+    hub_residual: np.ndarray | None = None  # what all other modes turn it by under a force of 1 N at each point, rad/N
+    base_hub_residual: float = 0.0  # and under an acceleration of the base by 1 m/s², s²/m
+    hub_radius: float = 0.0  # R, m
+
+    @property
+    def motion(self) -> np.ndarray:
+        """Φ, on a hub that is free with its turn: what forces at the points drive."""
+        if self.hub_turn is None:
+            return self.shape
+        return self.shape + np.outer(self.hub_turn, self.hub_radius + self.distance)
+
+    @property
+    def turning(self) -> np.ndarray:
+        """Φ', on a hub that is free with its turn, 1/m: what moments at the points drive."""
+        return self.slope if self.hub_turn is None else self.slope + self.hub_turn[:, np.newaxis]
 
     @property
     def angular_frequency(self) -> np.ndarray:
@@ -102,7 +123,16 @@ def modal_model(ds: xr.Dataset, case: int | None = None) -> ModalModel:
         moving_mass=float(one.moving_mass),
         initial_displacement=one.initial_modal_displacement.values,
         initial_velocity=one.initial_modal_velocity.values,
+        **_of_hub(one),
     )
+
+
+def _of_hub(one: xr.Dataset) -> dict[str, Any]:
+    """What a model has of a hub that is free."""
+    if any(name not in one for name in ON_HUB):
+        return {}
+    turn, residual, of_base, radius = (one[name].values for name in ON_HUB)
+    return {"hub_turn": turn, "hub_residual": residual, "base_hub_residual": of_base.item(), "hub_radius": radius.item()}
 
 
 def _of_case(ds: xr.Dataset, case: int | None) -> xr.Dataset:

@@ -107,6 +107,19 @@ def test_rigid_modes_of_a_free_beam_have_frequency_0(results, tmp_path):
         assert one["r6"] == pytest.approx(one["r6"][0], abs=1e-5)
 
 
+def test_a_universal_file_and_arrays_have_the_turn_of_a_hub(results, tmp_path):
+    path = str(results("hub", {**SCENE, "hub": {"rotary_inertia": 0.3, "radius": 0.1}}))
+    assert main([path, "--format", "unv", "--output", str(tmp_path)]) == 0 == main([path, "--output", str(tmp_path)])
+    modes = pyuff.UFF(str(tmp_path / "hub.unv")).read_sets()[3:]
+    with xr.open_dataset(path) as ds, np.load(tmp_path / "hub.npz") as found:
+        turn, shape = ds.hub_turn.values, ds.shape_at_points.values
+        assert np.array_equal(found["hub_turn"], turn) and found["hub_radius"] == 0.1
+        assert found["residual_hub_turn"].shape == (3,) and list(found["outputs"])[-1] == "hub_angle"
+    for k, one in enumerate(modes):  # the first is the rigid turn
+        assert one["r2"] == pytest.approx(shape[k] + turn[k] * np.array([0.1, 0.4, 1.3]), abs=1e-5 * (1 + abs(turn[k])))
+    assert modes[0]["freq"] == 0.0 and modes[0]["r6"] == pytest.approx(turn[0], rel=1e-5)
+
+
 SWEPT = {**SCENE, "sweep": {"parameter": "damping%ratio", "values": [0.0, 0.1]}}
 REFUSED = {
     "a result without a model": ({**SCENE, "modes": {"before": 5}}, [], "modal_model = .true."),

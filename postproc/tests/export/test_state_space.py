@@ -43,6 +43,13 @@ BEAMS = {
     },
     "tapered": {"beam": {**BEAM, "taper": "linear", "diameter": [0.03, 0.015]}},
     "pinned at its tip": {"tip_support": {"rotational_stiffness": 0.0}},
+    "on a free hub": {"hub": {"rotary_inertia": 0.3, "radius": 0.1}, "damping": {"ratio": 0.01}},
+    "on a free hub that rotates, with a body": {
+        "hub": {"rotary_inertia": 0.05},
+        "rotation": {"angular_velocity": 60.0},
+        "stiffening": {"hub_radius": 0.1},
+        "body": {"position": 0.4, "mass": 1.5},
+    },
 }
 
 pytestmark = [pytest.mark.usefixtures("beamwave"), pytest.mark.filterwarnings("ignore::beamwave_postproc.ProgramWarning")]
@@ -70,12 +77,19 @@ def agree(ds, histories, quantity, tolerance=TOLERANCE, less=0.0):
     assert np.abs(found - expected).max() <= tolerance * np.abs(expected).max(), quantity
 
 
+def turns_as_the_hub(ds, histories):
+    assert ("hub_angle" in ds) == ("hub_angle" in histories)
+    if "hub_angle" in ds:
+        assert np.abs(histories["hub_angle"] - ds.hub_angle.values).max() <= TOLERANCE * np.abs(ds.hub_angle.values).max()
+
+
 @pytest.mark.parametrize("name", BEAMS)
 def test_forces_and_the_base_move_it_as_they_move_the_beam(name):
     ds = run({"beam": BEAM, **BEAMS[name], "force": FORCE, "base": BASE, "response": RESPONSE, "modes": MODES})
     histories = simulated(ds, {"force_2": FORCE, "base_acceleration": BASE})
     for quantity in ("displacement", "bending_moment", "shear_force"):
         agree(ds, histories, quantity)
+    turns_as_the_hub(ds, histories)
     # the program's velocity has R Ḟ besides, which no state space has
     model = modal_model(ds)
     later = slice(205, None)  # both loads are over, and with them Ḟ
@@ -112,6 +126,7 @@ def test_a_blow_is_its_initial_state(more):
         {"initial": {"force": 100.0, "position": 0.7}, "damping": {"ratio": 0.01}},
         {"initial": {"force": 100.0}, "force": FORCE, "damping": {"ratio": 0.01}},
         {"initial": {"angular_velocity": 2.0}, "support": {"rotational_stiffness": 0.0}},
+        {"initial": {"force": 100.0, "angular_velocity": 2.0}, "hub": {"rotary_inertia": 0.3}},
         {"body": {"position": 1.0, "mass": 1.0, "from": 0.0, "velocity": 1.0}},
     ],
 )
@@ -121,6 +136,7 @@ def test_a_motion_that_begins_otherwise_begins_so_too(begins):
     histories = simulated(ds, {"force_2": FORCE} if "force" in begins else {})
     for quantity in ("displacement",) if "force" in begins else ("displacement", "velocity", "bending_moment"):
         agree(ds, histories, quantity)
+    turns_as_the_hub(ds, histories)
 
 
 def test_a_case_of_a_sweep_is_itself():
