@@ -9,16 +9,18 @@ module bw_case_contacts
     history_errors
   use bw_change_of_bodies, only: body_type
   use bw_contact_bodies, only: first_motion
+  use bw_contact_changes, only: follow_changing_contacts
   use bw_contact_force, only: force_at
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
   use bw_constants, only: pi
   use bw_contact_rates, only: add_rates, driven_type, find_driven, rounding_in, show_in_segments, unit_force
-  use bw_event, only: capture_event, event_type
+  use bw_event, only: capture_event, contact_event, event_type
   use bw_initial_state, only: initial_state
   use bw_first_motion, only: find_first_motion
   use bw_kinds, only: dp
-  use bw_lasting_contact, only: demand_type, follow_lasting_contacts, lasting_contacts
+  use bw_lasting_contact, only: demand_type, follow_lasting_contacts, lasting_contacts, load_of
+  use bw_missing, only: is_missing, missing
   use bw_load_columns, only: find_drive, placed_loads, quantities
   use bw_load_course, only: scaled_course
   use bw_load_modes, only: find_residuals
@@ -29,12 +31,12 @@ module bw_case_contacts
   use bw_response, only: response_type
   use bw_result_layout, only: contact_samples
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
-  use bw_scene, only: scene_type, unit_velocity
+  use bw_scene, only: bodies_change, scene_type, unit_velocity
   use bw_segment, only: alone, beam_energy, lack_type, segment_type, together
   use bw_static_shape, only: deflection, find_residual, hub_turn
   use bw_text, only: append, string
   use bw_time_grid, only: time_grid_of
-  use bw_timeline, only: timeline_type
+  use bw_timeline, only: step_type, steps_of, timeline_type
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -82,7 +84,7 @@ contains
     call move_alloc(contacts%segments, motion%timeline%segments)
     call move_alloc(contacts%ladder, motion%ladder)
     motion%timeline%known_until = contacts%known_until
-    if (contacts%captured) call keep_mass(scene, motion, demand%modes, contacts, monitor)
+    if (contacts%captured .and. .not. bodies_change(scene)) call keep_mass(scene, motion, demand%modes, contacts, monitor)
     if (monitor%stop_requested()) return
     run%timeline = motion%timeline
     associate (response => scene%response)
@@ -125,17 +127,23 @@ contains
     type(first_motion), allocatable :: first
     real(dp) :: residual(size(scene%response%points), 3), here(1, 3)
     integer :: i, struck
-    if (allocated(scene%initial) .or. present(loads)) then
+    if (allocated(scene%initial) .or. present(loads) .or. bodies_change(scene)) then
       allocate (first)
       call find_first_motion(scene, alone, motion, first%q, first%rate)
       if (.not. motion%modes%resolved) return
       first%q = first%q/unit_velocity(scene)
       first%rate = first%rate/unit_velocity(scene)
       first%speed = scene%impact%approach_velocity/unit_velocity(scene)
+      if (bodies_change(scene)) then
+        first%others = maxval(abs(scene%bodies%velocity), mask=.not. is_missing(scene%bodies%velocity))
+        first%others = max(0.0_dp, first%others)/abs(unit_velocity(scene))
+        call follow_changing_contacts(scene, motion, demand, first, monitor, contacts)
+        return
+      end if
     end if
     associate (free => motion%modes%configuration(alone)%set, response => scene%response)
       if (scene%impact%mass_ratio == 0.0_dp .or. (scene%impact%approach_velocity == 0.0_dp .and. .not. allocated(first))) then
-        allocate (contacts%events(0), contacts%segment_of(0))
+        allocate (contacts%events(0), contacts%event_of(0))
         contacts%segments = [segment_type(alone, count=free%count, q=spread(0.0_dp, 1, free%count), &
                                           rate=spread(0.0_dp, 1, free%count))]
         if (.not. allocated(first)) return
@@ -302,36 +310,49 @@ contains
     type(lasting_contacts), intent(inout) :: contacts
     type(run_type), intent(inout) :: run
     real(dp) :: newton, places(contact_samples)
-    integer :: first, i
+    type(step_type), allocatable :: steps(:)
+    integer :: first, i, last
     allocate (run%result)
-    associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration, kept => run%result, &
-               square => motion%modes%configuration(alone)%set%beta_squared%hi)
+    associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration, kept => run%result)
       newton = unit_force(scene, motion)
       places = [(0.5_dp*(1.0_dp - cos(pi*(i - 1)/(contact_samples - 1))), i=1, contact_samples)]
-      allocate (kept%force(contact_samples, size(events)))
-      do i = 1, size(events)
-        kept%force(:, i) = newton*force_at(contacts%segments(contacts%segment_of(i))%load, &
-                                           places*(events(i)%end_time - events(i)%time))
-        if (i < size(events) .or. .not. (contacts%lasting .or. contacts%captured)) kept%force(contact_samples, i) = 0.0_dp
+      allocate (kept%force(contact_samples, size(events)), source=missing)
+      last = findloc(events%kind, contact_event, dim=1, back=.true.)
+      do i = 1, last
+        if (events(i)%kind /= contact_event) cycle
+        kept%force(:, i) = newton*force_at(load_of(contacts, i), places*(events(i)%end_time - events(i)%time))
+        if (i < last .or. .not. (contacts%lasting .or. contacts%captured)) kept%force(contact_samples, i) = 0.0_dp
       end do
       kept%force_error = 0.0_dp*events%time
       kept%largest = newton*events%largest_force
       kept%largest_time = unit*events%largest_force_time
+      where (events%kind /= contact_event)
+        kept%force_error = missing
+        kept%largest = missing
+        kept%largest_time = missing
+      end where
       kept%restitution = contacts%restitution
       kept%approach = unit_velocity(scene)*contacts%approach
       kept%indentation = contacts%largest_indentation*abs(unit_velocity(scene))*unit
       kept%lasting = contacts%lasting
       events%time = min(events%time*unit, duration)
       events%end_time = min(events%end_time*unit, duration)
-      if (contacts%lasting .and. size(events) > 0) events(size(events))%end_time = duration
-      run%initial%modal_velocity = 0.0_dp*square                ! where no force was found
+      if (contacts%lasting .and. last > 0) events(last)%end_time = duration
+      steps = steps_of(scene)
+      do i = 1, size(events)
+        if (events(i)%kind == contact_event .or. events(i)%kind == capture_event) cycle
+        events(i)%time = steps(minloc(abs(steps%seconds - events(i)%time), dim=1))%seconds
+        events(i)%end_time = events(i)%time
+      end do
+      run%initial%modal_velocity = 0.0_dp*motion%modes%configuration(alone)%set%modal_mass   ! where no force was found
       first = size(contacts%segments)                           ! the first flight, if there is one
       do i = first, 1, -1
         if (.not. allocated(contacts%segments(i)%load)) first = i
       end do
       if (first == 0) return
       associate (flight => contacts%segments(first))
-        run%initial%modal_velocity = sqrt(flight%rate**2 + max(0.0_dp, square)*flight%q**2)
+        run%initial%modal_velocity = sqrt(flight%rate**2 + flight%q**2 &
+          *max(0.0_dp, motion%modes%configuration(flight%configuration)%set%beta_squared%hi))
       end associate
     end associate
   end subroutine keep_contacts

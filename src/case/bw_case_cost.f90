@@ -8,7 +8,8 @@ module bw_case_cost
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: sum_tolerance
-  use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, counts_in_its_run, is_loaded, scene_type
+  use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, counts_in_its_run, has_configurations, &
+    is_loaded, scene_type
   use bw_sum_choice, only: sum_seconds
   use bw_timeline, only: comes_back, most_configurations, most_events
   implicit none (type, external)
@@ -110,7 +111,7 @@ contains
       before = moving
     end if
     found = before + after
-    if (changes_in_time(scene)) then
+    if (has_configurations(scene)) then
       after = merge(moving, real(scene%modes%after, dp), planning)
       moving = max(before, after)
       found = before + (most_configurations(scene) - 1)*after
@@ -130,7 +131,7 @@ contains
       & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
     if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
-    if (changes_in_time(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
+    if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
     if (allocated(scene%recontact)) counts(contacts) = scene%recontact%max_contacts*before

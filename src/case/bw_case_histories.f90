@@ -109,7 +109,8 @@ contains
         samples = samples_of_segment(motion, i, sampling%grid)
         samples(2) = min(samples(2), samples_before(motion%timeline%known_until, sampling%grid))
         if (samples(1) > samples(2)) cycle
-        call find_loaded_motion(motion%modes%configuration(segment%configuration)%set, motion%ladder, sampling, samples, &
+        call find_loaded_motion(motion%modes%configuration(segment%configuration)%set, &
+                                motion%ladder(:, segment%configuration), sampling, samples, &
                                 scene%response%bending_moment, monitor, segment)
         if (monitor%stop_requested()) return
       end associate
@@ -194,6 +195,7 @@ contains
           part%displacement = unit*segment%load%displacement
           if (own%velocity) part%velocity = unit*segment%load%velocity
         end select
+        if (allocated(segment%shape)) call add_shape(motion, segment, own, unit, part)
       end associate
       call finish_histories(part)
       return

@@ -15,7 +15,7 @@ module bw_case_modes
   use bw_piece_source, only: source_of_pieces
   use bw_piece_waves, only: parts_at_rest
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: by_pieces, changes_in_time, changes_shapes, is_built_up, scene_type
+  use bw_scene, only: by_pieces, changes_shapes, has_configurations, is_built_up, scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
@@ -64,14 +64,14 @@ contains
       if (counts(i) == 0) cycle
       part = part_monitor(monitor, done, real(counts(i), dp)/sum(counts))
       done = done + part%share
-      call find_set(scene, units, i == modes%moving .or. changes_in_time(scene), counts(i), part, modes%configuration(i), modes)
+      call find_set(scene, units, i == modes%moving .or. has_configurations(scene), counts(i), part, modes%configuration(i), modes)
       if (monitor%stop_requested()) return
       if (.not. modes%configuration(i)%set%resolved) cycle
       associate (set => modes%configuration(i)%set)
         if (i == modes%moving) then
           call note_coupling(scene, units, set, modes%notes)
           call note_growth(units, set, modes%notes)
-        else if (changes_in_time(scene)) then
+        else if (has_configurations(scene)) then
           call note_growth(units, set, modes%notes, ' of configuration '//text_of(i))
         end if
       end associate
@@ -147,7 +147,7 @@ contains
     type(struck_beam), intent(in) :: pieces
     integer :: parts(size(pieces%beam%piece))
     cut = pieces
-    if (.not. changes_in_time(scene)) return
+    if (.not. has_configurations(scene)) return
     parts = parts_at_rest(pieces%beam)
     cut%struck = sum(parts(:pieces%struck))
     cut%beam = cut_all(pieces%beam, parts)

@@ -43,7 +43,7 @@ module bw_case_result
     type(case_modes) :: modes
     type(initial_state) :: initial
     type(timeline_type) :: timeline
-    type(step_end), allocatable :: ladder(:)        !! operators of the steps of its loads, by their level
+    type(step_end), allocatable :: ladder(:, :)     !! operators of the steps of its loads, by their level, (0:levels, configurations)
     type(plan_type) :: plan                         !! how many modes of its segments a tolerance takes
     integer :: ending = case_done                   !! why the motion is not known to its end, as a status
     type(string), allocatable :: notes(:)

@@ -7,7 +7,7 @@ module bw_case_validity
   use bw_case_strains, only: centrifugal_strain, largest_bending, placed_strain
   use bw_case_units, only: note_units
   use bw_constants, only: pi
-  use bw_event, only: event_type
+  use bw_event, only: contact_event, event_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, scaled
@@ -18,7 +18,7 @@ module bw_case_validity
   use bw_response, only: response_type
   use bw_rotation, only: speed_in_plane
   use bw_sampled_peak, only: hidden_share, known_samples
-  use bw_scene, only: changes_in_time, counts_in_its_run, is_loaded, scene_type, unit_velocity
+  use bw_scene, only: changes_in_time, counts_in_its_run, has_configurations, is_loaded, scene_type, unit_velocity
   use bw_text, only: append, shortest, string, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
@@ -48,7 +48,7 @@ contains
     if (allocated(motion%timeline%segments)) then
       if (size(motion%timeline%segments) > 0) moves = motion%timeline%segments(1)%configuration
     end if
-    if (changes_in_time(scene)) then
+    if (has_configurations(scene)) then
       call find_strongest(motion, moves, q, rate)
     else if (allocated(motion%initial%modal_velocity)) then
       rate = motion%initial%modal_velocity
@@ -131,10 +131,12 @@ contains
     real(dp), parameter :: largest_part = 0.1_dp   ! of the radius
     real(dp), parameter :: stretched = 1.612_dp    ! √(2(1 + ν)): the speed of longitudinal waves over that of shear, ν = 0.3
     real(dp) :: crossing
-    if (size(events) == 0) return
+    integer :: i
+    i = findloc(events%kind, contact_event, dim=1)
+    if (i == 0) return
     crossing = 4.0_dp*slenderness(scene%beam)**2*units%time%hi*stretched    ! thickness over √(G/ρ), √(E/ρ) being h over √(I/A)
-    if (events(1)%end_time - events(1)%time < crossing) call append(notes, &
-      'short contact: it lasts '//shortest(events(1)%end_time - events(1)%time, 3)//' s, less than the '// &
+    if (events(i)%end_time - events(i)%time < crossing) call append(notes, &
+      'short contact: it lasts '//shortest(events(i)%end_time - events(i)%time, 3)//' s, less than the '// &
       shortest(crossing, 2)//' s in which shear crosses the section: the beam does not yet move as a beam')
     if (scene%contact%radius > 0.0_dp .and. found%indentation > largest_part*scene%contact%radius) call append(notes, &
       'deep contact: the indentation comes to '//shortest(found%indentation, 3)//' m, more than a tenth of the radius, beyond '// &

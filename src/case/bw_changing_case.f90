@@ -34,7 +34,7 @@ module bw_changing_case
   use bw_text, only: shortest, string
   implicit none (type, external)
   private
-  public :: run_changing_case
+  public :: compose_modes, run_changing_case
 
   integer, parameter :: first_count = 32           !! modes that a tolerance begins with
   integer, parameter :: most_count = 2048          !! and the most that it takes

@@ -73,6 +73,7 @@ contains
     do i = 1, size(motion%timeline%segments)
       associate (segment => motion%timeline%segments(i), points => scene%response%points, &
                  modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
+        if (.not. allocated(segment%error)) cycle    ! a contact begins or ends
         found = error_of_state(modes, segment%count, segment%start, segment%error, deflections, points, grid)
         deflection = deflection + found%displacement
         rate = rate + found%rate

@@ -20,7 +20,7 @@ module bw_changing_motion
   use bw_unhanded, only: unhanded_motion
   implicit none (type, external)
   private
-  public :: follow_changes
+  public :: follow_changes, kind_of_change, note_late_change
 
   type :: now_type
     !! Where the motion has come to.
@@ -119,8 +119,7 @@ contains
     happens = .true.
     if (allocated(scene%response)) happens = seconds < scene%response%duration
     if (.not. happens) then
-      call append(motion%notes, 'late change: what happens from t = '//shortest(seconds, 6)//' s on comes after the end of the '// &
-                  'record, which shows nothing of it')
+      call note_late_change(seconds, motion)
       return
     end if
     associate (last => motion%timeline%segments(size(motion%timeline%segments)))
@@ -129,6 +128,13 @@ contains
     if (.not. happens) call append(motion%notes, 'late change: by t = '//shortest(seconds, 6)//' s the motion has grown out '// &
                                    'of the range of numbers, and nothing more happens to it')
   end function happens
+
+  subroutine note_late_change(seconds, motion)
+    real(dp), intent(in) :: seconds
+    type(case_motion), intent(inout) :: motion
+    call append(motion%notes, 'late change: what happens from t = '//shortest(seconds, 6)//' s on comes after the end of the '// &
+                'record, which shows nothing of it')
+  end subroutine note_late_change
 
   subroutine advance(time, motion, now)
     !! The state at a time, from the last segment.

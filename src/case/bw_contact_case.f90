@@ -14,12 +14,15 @@ module bw_contact_case
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors, &
     load_result, put_together
   use bw_case_spectrum, only: find_spectrum
+  use bw_changing_case, only: compose_modes
+  use bw_changing_errors, only: join_state_errors
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
   use bw_constants, only: two_pi
   use bw_missing, only: missing
   use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
   use bw_contact_errors, only: add_rounding, find_force_errors, find_history_errors, part_of_peak
+  use bw_event, only: contact_event
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type
   use bw_load_columns, only: placed_loads
@@ -28,7 +31,7 @@ module bw_contact_case
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: by_pieces, changes_shapes, is_loaded, scene_type, unit_velocity
+  use bw_scene, only: bodies_change, by_pieces, changes_shapes, is_loaded, scene_type, unit_velocity
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: string
@@ -154,6 +157,10 @@ contains
       call watch%lap(stage_events)
       errors = history_errors()
       call find_history_errors(run, half, quarter, resolves_contacts(motion, run), errors)
+      if (bodies_change(scene)) then
+        motion%timeline = run%timeline
+        call join_state_errors(counted, motion, errors)
+      end if
       call watch%lap(stage_response)
       if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
       motion%plan%reached = part_of_peak(run%response, errors)
@@ -201,7 +208,7 @@ contains
     type(run_type), intent(in) :: run
     real(dp), parameter :: some = 2.0_dp             ! periods
     integer :: largest
-    largest = maxloc(run%timeline%events%impulse, dim=1)
+    largest = maxloc(run%timeline%events%impulse, dim=1, mask=run%timeline%events%kind == contact_event)
     resolves = largest == 0                          ! nothing strikes the beam
     if (resolves) return
     associate (event => run%timeline%events(largest), square => motion%modes%configuration(alone)%set%beta_squared)
@@ -237,6 +244,11 @@ contains
     if (.not. motion%modes%resolved) result%status = case_not_converged
     result%approach_velocity = unit_velocity(scene)
     if (allocated(scene%hub)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
+    if (motion%modes%resolved) call move_alloc(run%result, result%contact)
+    if (bodies_change(scene)) then
+      call compose_modes(scene, motion, result)
+      return
+    end if
     moving = motion%modes%moving
     result%mode_count = merge(motion%modes%configuration(moving)%set%count, 0, motion%modes%resolved)
     if (by_tolerance(scene%modes)) then
@@ -247,7 +259,6 @@ contains
       if (moving /= alone) call move_alloc(motion%modes%configuration(alone)%set, result%before)
       call move_alloc(motion%modes%configuration(moving)%set, result%modes)
     end if
-    if (motion%modes%resolved) call move_alloc(run%result, result%contact)
   end subroutine compose
 
 end module bw_contact_case

@@ -4,7 +4,7 @@ module bw_contact_errors
   use bw_case_contacts, only: run_type
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_result, only: case_motion, history_errors
-  use bw_event, only: capture_event
+  use bw_event, only: arrival_event, capture_event, contact_event, departure_event, exchange_event
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing
@@ -44,23 +44,27 @@ contains
     type(run_type), intent(in) :: half, quarter
     logical, intent(in) :: resolved                  !! as that of `find_history_errors`
     real(dp) :: least
+    integer, allocatable :: these(:), of_half(:), of_quarter(:)   ! events that are contacts
     integer :: i, known
     least = least_ratio(run, half, quarter, resolved)
-    associate (events => run%timeline%events, kept => run%result, all => size(run%result%force_error))
-      known = min(all, size(half%result%force_error))
+    these = contacts_of(run)
+    of_half = contacts_of(half)
+    of_quarter = contacts_of(quarter)
+    known = min(size(these), size(of_half))
+    associate (events => run%timeline%events, kept => run%result, first => these(:known))
       kept%force_error = missing
-      kept%force_error(:known) = error_of(kept%force(:, :known), half%result%force, quarter%result%force, &
-                                           in_forces*run%step_tolerance, least)
-      events(:known)%time_error = error_of(one_row(events%time), one_row(half%timeline%events%time), &
-                                           one_row(quarter%timeline%events%time), 0.0_dp, least)
-      events(:known)%end_error = error_of(one_row(events%end_time), one_row(half%timeline%events%end_time), &
-                                          one_row(quarter%timeline%events%end_time), 0.0_dp, least)
-      do i = known + 1, all
-        events(i)%time_error = events(i)%time
-        events(i)%end_error = events(i)%end_time
+      kept%force_error(first) = error_of(kept%force(:, first), half%result%force(:, of_half), quarter%result%force(:, of_quarter), &
+                                         in_forces*run%step_tolerance, least)
+      events(first)%time_error = error_of(one_row(events(these)%time), one_row(half%timeline%events(of_half)%time), &
+                                          one_row(quarter%timeline%events(of_quarter)%time), 0.0_dp, least)
+      events(first)%end_error = error_of(one_row(events(these)%end_time), one_row(half%timeline%events(of_half)%end_time), &
+                                         one_row(quarter%timeline%events(of_quarter)%end_time), 0.0_dp, least)
+      do i = known + 1, size(these)
+        events(these(i))%time_error = events(these(i))%time
+        events(these(i))%end_error = events(these(i))%end_time
       end do
-      if (all == 0 .or. all == size(events)) return
-      if (events(all + 1)%kind == capture_event) events(all + 1)%time_error = events(all)%end_error
+      if (size(these) == 0) return
+      where (events%kind == capture_event) events%time_error = events(these(size(these)))%end_error
     end associate
   contains
     pure function one_row(times) result(row)
@@ -73,6 +77,16 @@ contains
     end function one_row
   end subroutine find_force_errors
 
+  pure function contacts_of(run) result(which)
+    !! Of its events.
+    type(run_type), intent(in) :: run
+    integer, allocatable :: which(:)
+    integer :: i
+    associate (kinds => run%timeline%events%kind)
+      which = pack([(i, i=1, size(kinds))], kinds == contact_event)
+    end associate
+  end function contacts_of
+
   pure real(dp) function least_ratio(run, half, quarter, resolved) result(least)
     !! Of what the last two steps change, as far as it is believed. How errors fall says little where modes hardly move within a contact,
     !! or where one of the motions has contacts that another has not.
@@ -81,6 +95,8 @@ contains
     real(dp), parameter :: usual = 0.1_dp, loaded = 0.35_dp, doubtful = 0.5_dp   ! tuned
     least = usual
     if (lets_go(run)) least = loaded
+    if (any(run%timeline%events%kind == arrival_event .or. run%timeline%events%kind == departure_event .or. &
+            run%timeline%events%kind == exchange_event)) least = doubtful
     if (.not. resolved .or. size(run%timeline%events) /= size(half%timeline%events) .or. &
         size(half%timeline%events) /= size(quarter%timeline%events)) least = doubtful
   end function least_ratio

@@ -8,7 +8,8 @@ module bw_result_layout
   use bw_modes_par, only: by_tolerance
   use bw_piece_beam, only: junctions_of
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, changes_in_time, counts_in_its_run, is_loaded, scene_type, varies_along_pieces
+  use bw_scene, only: answers_by_modes, changes_in_time, counts_in_its_run, has_configurations, is_loaded, scene_type, &
+    varies_along_pieces
   use bw_scene_cases, only: case_count
   use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_scene_resolved, only: numeric_input, numeric_inputs
@@ -126,7 +127,7 @@ contains
     layout%modal_model = scene%modes%modal_model
     layout%hub = allocated(scene%hub)
     layout%struck = allocated(scene%impact) .and. .not. allocated(scene%contact)
-    if (changes_in_time(scene)) layout%configurations = most_configurations(scene)
+    if (has_configurations(scene)) layout%configurations = most_configurations(scene)
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
     if (allocated(scene%contact)) then
@@ -174,7 +175,7 @@ contains
     after = largest(scene, 'modes', 'after', scene%modes%after)
     layout%modes = merge(after, before, allocated(scene%capture))
     if (counts_in_its_run(scene) .and. by_tolerance(scene%modes)) layout%modes = after
-    if (changes_in_time(scene)) layout%modes = max(before, after)
+    if (has_configurations(scene)) layout%modes = max(before, after)
     layout%modes_before = merge(before, 0, allocated(scene%capture))      ! 0 with a tolerance
   end subroutine count_modes
 

@@ -17,7 +17,7 @@ module bw_static_shape
   use bw_varying_beam, only: pull_at, varying_beam
   implicit none (type, external)
   private
-  public :: find_residual, static_shape, static_shapes
+  public :: find_motion_residual, find_residual, static_shape, static_shapes
 
   integer, parameter, public :: deflection = 1, moment = 2, shear = 3, hub_turn = 4, turning = 5   !! columns of a shape
   integer, parameter, public :: columns = 5
@@ -45,6 +45,28 @@ contains
       end associate
     end do
   end subroutine find_residual
+
+  function find_motion_residual(given, struck, modes, summed, xi) result(residual)
+    !! The same of deflection in the frame and of the turning of sections, (points, 2).
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: struck
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: summed
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: residual(size(xi), 2), whole(size(xi), columns), shape(modes%count, 2), part(summed), shift
+    integer :: i, p
+    residual = 0.0_dp
+    do i = 1, 2
+      shift = i*(2.0_dp*given%beam%spin_squared%hi + 1.0_dp)
+      whole = static_shape(given, struck, shift, xi)
+      part = modes%struck(:summed)/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + shift))
+      do p = 1, size(xi)
+        shape = modes%motion_at(xi(p))
+        residual(p, :) = residual(p, :) + (5 - 3*i)*([whole(p, deflection) + arm_of(given%beam, xi(p))*whole(p, hub_turn), &
+                                                      whole(p, turning)] - matmul(part, shape(:summed, :)))
+      end do
+    end do
+  end function find_motion_residual
 
   pure function sums_of(modes, summed, shift, xi) result(sums)
     !! ΣΦ_kΦ_k(ξ₀)/(M_k(β_k² + s²)), and the same with Φ_k'' and with the turn of a hub, (points, 3).

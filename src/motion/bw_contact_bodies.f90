@@ -3,15 +3,17 @@ module bw_contact_bodies
   !! a force between them drives, by Φ_k(ξ₀)/M_k and −1/m_j. The mass comes last; it runs in a guide that turns with the hub, y'' = ω²y
   !! in the plane of rotation. The gap v(ξ₀) − y is the sum with Φ_k(ξ₀) and −1. Units of bw_segment.
   use bw_acting_loads, only: acting_loads, gap_degree
+  use bw_change_of_bodies, only: beam_state
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_mode_set, only: first_struck, mean_rate, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
+  use bw_segment, only: shape_term
   use bw_signal, only: signal_of, signal_type
   implicit none (type, external)
   private
-  public :: bodies_of
+  public :: bodies_after, bodies_of
 
   type, public :: contact_bodies
     type(oscillators) :: parts
@@ -21,6 +23,9 @@ module bw_contact_bodies
     real(dp) :: turn_of_hub = 0.0_dp              !! in the first mode, of a hub that is free
     type(moving_state) :: state
     type(acting_loads), allocatable :: loads      !! unallocated: nothing but the contact acts
+    real(dp) :: held = 0.0_dp                     !! how far the beam rests from its line where it is struck
+    real(dp) :: level = 0.0_dp                    !! energy of the shape in which it does
+    type(shape_term), allocatable :: shape(:)     !! that shape; unallocated: the line
   contains
     procedure :: gap
     procedure :: rounding
@@ -36,6 +41,7 @@ module bw_contact_bodies
     !! What moves when the mass is let go beside the beam.
     real(dp), allocatable :: q(:), rate(:)        !! of the modes
     real(dp) :: speed = 1.0_dp                    !! of the mass
+    real(dp) :: others = 0.0_dp                   !! the largest speed of what comes later
     type(acting_loads), allocatable :: loads      !! unallocated: none act
   end type first_motion
 
@@ -75,6 +81,30 @@ contains
     call bodies%loads%begin(bodies%parts)
   end function bodies_of
 
+  pure type(contact_bodies) function bodies_after(modes, count, mass_ratio, omega, state, struck, beside) result(bodies)
+    !! After a change of the beam; the mass goes on as it was. Before it moves it touches the beam, wherever that is.
+    class(mode_set), intent(in) :: modes          !! of the beam alone, as it is now
+    integer, intent(in) :: count                  !! how many of them take part
+    real(dp), intent(in) :: mass_ratio
+    type(dd), intent(in) :: omega
+    type(beam_state), intent(in) :: state         !! of them
+    real(dp), intent(in) :: struck                !! how far that shape is from the line where the mass strikes
+    type(moving_state), intent(in) :: beside      !! the mass, and when
+    type(first_motion) :: first
+    first%q = state%q
+    first%rate = state%rate
+    first%speed = beside%v(1)
+    bodies = bodies_of(modes, count, mass_ratio, omega, first)
+    if (size(state%shape) > 0) bodies%shape = state%shape
+    bodies%held = struck
+    bodies%level = state%level
+    associate (mass => size(bodies%weight))
+      bodies%state%u(mass) = bodies%state%u(mass) + struck
+      if (beside%time%hi > 0.0_dp) bodies%state%u(mass) = beside%u(1)
+    end associate
+    bodies%state%time = beside%time
+  end function bodies_after
+
   pure real(dp) function pace(self)
     !! How fast the mass and the place that it strikes may meet: the mass at its speed, and all modes at their amplitudes, out of phase.
     class(contact_bodies), intent(in) :: self
@@ -85,14 +115,14 @@ contains
   pure real(dp) function gap(self)
     !! Negative where mass and beam are pressed into each other.
     class(contact_bodies), intent(in) :: self
-    gap = accurate_sum(self%weight*self%state%u)
+    gap = accurate_sum(self%weight*self%state%u) + self%held
     if (allocated(self%loads)) gap = gap + self%loads%gap(self%state%time%hi, 0)
   end function gap
 
   pure real(dp) function rounding(self)
     !! What of a gap no sum over the modes tells.
     class(contact_bodies), intent(in) :: self
-    rounding = 16*epsilon(rounding)*sum(abs(self%weight*self%state%u))
+    rounding = 16*epsilon(rounding)*(sum(abs(self%weight*self%state%u)) + abs(self%held))
   end function rounding
 
   pure real(dp) function separation(self)
@@ -105,7 +135,7 @@ contains
   pure real(dp) function energy(self)
     !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²).
     class(contact_bodies), intent(in) :: self
-    energy = 0.5_dp*accurate_sum(self%inertia*(self%state%v**2 + self%parts%beta_squared%hi*self%state%u**2))
+    energy = 0.5_dp*accurate_sum(self%inertia*(self%state%v**2 + self%parts%beta_squared%hi*self%state%u**2)) + self%level
   end function energy
 
   pure real(dp) function momentum(self)
@@ -161,7 +191,7 @@ contains
       if (self%gap() < 0.0_dp .and. damping > 0.0_dp) then
         found = damping*self%separation() <= 1.0_dp
         if (found) return
-        if (allocated(polynomial)) other = damping*[((m + 1)*polynomial(m + 1), m=0, gap_degree - 1)]
+        if (allocated(polynomial)) other = damping*[((m + 1)*polynomial(m + 1), m=0, ubound(polynomial, 1) - 1)]
         parts = oscillators_of([self%parts%beta_squared, to_dd(0.0_dp)], [self%parts%c, 0.0_dp])
         signal = signal_of(parts, weighted_sum([none, -1.0_dp], [damping*self%weight, 0.0_dp]), &
                            moving_state([free%u, 1.0_dp], [free%v, 0.0_dp], free%time), 0, other)
@@ -195,12 +225,15 @@ contains
     !! Motion that is free from now on, and what loads add to the gap in a calm time.
     type(contact_bodies), intent(in) :: self
     type(moving_state), intent(out) :: free
-    real(dp), allocatable, intent(out) :: polynomial(:)   !! in the time from now on; unallocated: no loads act, (0:degree)
+    real(dp), allocatable, intent(out) :: polynomial(:)   !! in the time from now on; unallocated: none, (0:degree)
     if (allocated(self%loads)) then
       allocate (polynomial(0:gap_degree))
       call self%loads%take_out(self%parts, self%weight, self%state, free, polynomial)
     else
       free = self%state
+      if (self%held == 0.0_dp) return
+      allocate (polynomial(0:most_orders), source=0.0_dp)
+      polynomial(0) = self%held
     end if
   end subroutine take_out_loads
 

@@ -8,7 +8,8 @@ module bw_lasting_contact
   !! ends, as far as the last coefficients of the force ask for. What is in the last step, 1e-7 of the contact, comes to less than
   !! rounding. A contact that is no deeper than the rounding of the gap is no event.
   !!
-  !! A free flight is exact, and the search for its end skips no contact (bw_signal). Units of bw_segment.
+  !! A free flight is exact, and the search for its end skips no contact (bw_signal). Where bodies come to the beam or leave it, contacts
+  !! and flights end for an instant: `follow_until` goes that far, `go_on` takes the state of the modes after it. Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies, first_motion
   use bw_contact_force, only: end_in_step, find_largest, first_zero
   use bw_contact_law, only: contact_law, held_force, solve_contact, stored_energy, usual_contact
@@ -25,9 +26,9 @@ module bw_lasting_contact
   use bw_segment, only: alone, growth_ends, largest_exponent, load_type, segment_type
   implicit none (type, external)
   private
-  public :: follow_lasting_contacts
+  public :: append_segment, begin_contacts, finish_contacts, follow_lasting_contacts, follow_until, go_on, load_of
 
-  integer, parameter :: levels = 20               !! of halving, from the longest step to the shortest
+  integer, parameter, public :: levels = 20       !! of halving, from the longest step to the shortest
 
   type, public :: demand_type
     !! How contacts are to be followed.
@@ -40,10 +41,10 @@ module bw_lasting_contact
 
   type, public :: lasting_contacts
     !! What became of the mass.
-    type(event_type), allocatable :: events(:)    !! contacts, in order, with times in l²/h
+    type(event_type), allocatable :: events(:)    !! contacts, and what happens meanwhile, as they begin, with times in l²/h
     type(segment_type), allocatable :: segments(:)   !! contacts and flights, in order
-    integer, allocatable :: segment_of(:)         !! (events)
-    type(step_end), allocatable :: ladder(:)      !! operators of their steps, by level
+    integer, allocatable :: event_of(:)           !! that a segment is of; 0: a flight, (segments)
+    type(step_end), allocatable :: ladder(:, :)   !! operators of their steps, (0:levels, configurations)
     real(dp) :: approach = 0.0_dp                 !! closing speed at the first contact, V
     real(dp) :: restitution = missing             !! separation over approach at the end of the first contact
     real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
@@ -58,21 +59,34 @@ module bw_lasting_contact
     real(dp) :: indentation = 0.0_dp              !! and this indentation
   end type lasting_contacts
 
-  type :: contact_run
+  type, public :: contact_run
+    !! Where contacts and flights have come to.
+    integer :: configuration = alone              !! whose modes move
     type(contact_bodies) :: bodies
     type(contact_law) :: law
     type(force_step) :: ladder(0:levels)          !! those that were needed have a length
     real(dp) :: unit = 0.0_dp                     !! the longest step
     real(dp) :: typical = 0.0_dp                  !! force, of which polynomials may lack a tolerance
     real(dp) :: tolerance = 0.0_dp
+    real(dp) :: in_range = huge(1.0_dp)           !! until when the motion is
     real(dp) :: last = 0.0_dp                     !! the end of the search
-    integer :: steps = 0                          !! of the contact at hand
+    integer :: most_contacts = 1
+    integer :: contacts = 0
+    integer :: event = 0                          !! of the contact at hand
+    integer :: steps = 0                          !! of its segment at hand
+    logical :: found = .false.                    !! a contact begins, or goes on
+    logical :: goes_on = .false.
+    logical :: changed = .false.                  !! the beam, so that the force may jump
+    logical :: cut = .false.
+    real(dp) :: gained(3) = 0.0_dp                !! energy, momentum and rate of the hub that changes meanwhile have brought
+    real(dp) :: approach = 0.0_dp, rate_before = 0.0_dp   !! of mass and beam, and of the hub, as the contact at hand began
     logical :: captures = .false., captured = .false.
     real(dp) :: last_indentation = 0.0_dp, last_force = 0.0_dp   !! at the end of the last step
     logical :: ended = .false., failed = .false.
     real(dp) :: impulse = 0.0_dp, deepest = 0.0_dp   !! of that contact
     real(dp) :: indentation = 0.0_dp              !! the deepest of all
     type(dd) :: end_time
+    real(dp), allocatable :: error(:, :)          !! as that of segment_type, of the next segment; unallocated: none
   end type contact_run
 
 contains
@@ -88,40 +102,150 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
     type(contact_run) :: run
-    type(segment_type) :: segment
+    call begin_contacts(free, mass_ratio, law, omega, demand, 1, run, contacts, first)
+    call follow_until(run, demand%longest, contacts, monitor)
+    if (stops(monitor)) return
+    call finish_contacts(run, demand, contacts)
+  end subroutine follow_lasting_contacts
+
+  subroutine begin_contacts(free, mass_ratio, law, omega, demand, configurations, run, contacts, first)
+    !! What is known before.
+    class(mode_set), intent(in) :: free
+    real(dp), intent(in) :: mass_ratio
+    type(contact_law), intent(in) :: law
+    type(dd), intent(in) :: omega
+    type(demand_type), intent(in) :: demand
+    integer, intent(in) :: configurations         !! how many there may be
+    type(contact_run), intent(out) :: run
+    type(lasting_contacts), intent(out) :: contacts
+    type(first_motion), intent(in), optional :: first
     real(dp) :: pace                              ! speed that contacts may have
-    logical :: found
-    integer :: i
     run%bodies = bodies_of(free, demand%modes, mass_ratio, omega, first)
     run%law = law
     pace = 1.0_dp
-    if (present(first)) pace = run%bodies%pace()
+    if (present(first)) pace = hypot(run%bodies%pace(), first%others)
     call usual_contact(law, mass_ratio, pace, run%unit, run%typical)
     run%unit = run%unit/pace*demand%tolerance**(1.0_dp/(force_degree + 1))
     run%tolerance = demand%tolerance
     run%captures = demand%captures
+    run%most_contacts = demand%most_contacts
     run%typical = 1.0e-3_dp*run%typical           ! far less than that is no contact that anybody would notice
-    run%last = min(demand%longest, growth_ends(free))
-    if (omega%hi > 0.0_dp) run%last = min(run%last, largest_exponent/omega%hi)
-    allocate (contacts%events(0), contacts%segments(0), contacts%segment_of(0))
-    found = run%bodies%separation() < 0.0_dp
-    if (allocated(run%bodies%loads)) found = found .and. run%bodies%loads%gap(0.0_dp, 0) <= 0.0_dp
+    run%in_range = range_of(free, omega)
+    allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0), contacts%ladder(0:levels, configurations))
     run%ended = .true.
+    call meet(run)
+  end subroutine begin_contacts
+
+  pure real(dp) function range_of(modes, omega) result(time)
+    !! How long a motion of the modes, and of a mass that nothing holds, is one of numbers.
+    class(mode_set), intent(in) :: modes
+    type(dd), intent(in) :: omega
+    time = growth_ends(modes)
+    if (omega%hi > 0.0_dp) time = min(time, largest_exponent/omega%hi)
+  end function range_of
+
+  pure subroutine meet(run)
+    !! A mass that touches the beam is pressed into it at once, or is not.
+    type(contact_run), intent(inout) :: run
+    run%found = run%bodies%separation() < 0.0_dp
+    if (allocated(run%bodies%loads)) run%found = run%found .and. run%bodies%loads%gap(0.0_dp, 0) <= 0.0_dp
+  end subroutine meet
+
+  subroutine follow_until(run, until, contacts, monitor)
+    !! Contacts and flights up to a time.
+    type(contact_run), intent(inout) :: run
+    real(dp), intent(in) :: until
+    type(lasting_contacts), intent(inout) :: contacts
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    type(segment_type) :: segment
+    run%last = min(until, run%in_range)
+    if (run%captured .or. run%last <= run%bodies%state%time%hi) return
+    run%goes_on = .not. run%ended
     do
-      if (found) call add_contact(run, free%count, contacts, monitor)
-      if (stops(monitor) .or. run%failed .or. run%captured .or. .not. run%ended) exit
-      segment = segment_of_state(run%bodies, free%count)
-      call run%bodies%fly(law%damping, run%last, found, monitor)
-      if (stops(monitor)) exit
-      contacts%segments = [contacts%segments, segment]
-      if (.not. found) exit
-      contacts%cut = size(contacts%events) == demand%most_contacts
-      if (contacts%cut) exit
+      if (run%found) call add_contact(run, contacts, monitor)
+      if (stops(monitor) .or. run%failed .or. run%captured .or. .not. run%ended) return
+      call start_segment(run, segment)
+      call run%bodies%fly(run%law%damping, run%last, run%found, monitor)
+      if (stops(monitor)) return
+      call append_segment(contacts, segment, 0)
+      if (.not. run%found) return
+      run%cut = run%contacts == run%most_contacts
+      if (run%cut) return
     end do
-    allocate (contacts%ladder(0:levels))
+  end subroutine follow_until
+
+  pure subroutine append_segment(contacts, segment, event)
+    type(lasting_contacts), intent(inout) :: contacts
+    type(segment_type), intent(in) :: segment
+    integer, intent(in) :: event                  !! that it is of, or 0
+    contacts%segments = [contacts%segments, segment]
+    contacts%event_of = [contacts%event_of, event]
+  end subroutine append_segment
+
+  pure subroutine go_on(run, contacts, configuration, modes, omega, bodies, residual, error)
+    !! After a change of the beam: other modes, in the state that they start from. What a contact that goes on has gained by it belongs to the
+    !! change. The force is that of the gap, of which a sum of modes may lack something, with the part 1 + cδ̇ that it had.
+    type(contact_run), intent(inout) :: run
+    type(lasting_contacts), intent(inout) :: contacts
+    integer, intent(in) :: configuration
+    class(mode_set), intent(in) :: modes
+    type(dd), intent(in) :: omega
+    type(contact_bodies), intent(in) :: bodies
+    real(dp), intent(in) :: residual              !! of these modes
+    real(dp), intent(in) :: error(:, :)           !! of their state, as that of segment_type
+    type(contact_law) :: law
+    real(dp) :: before(3)
+    before = balance_of(run)
+    call keep_ladder(run, contacts)
+    run%configuration = configuration
+    run%bodies = bodies
+    run%law%residual = residual
+    run%error = error
+    run%in_range = bodies%state%time%hi + range_of(modes, omega)
+    run%changed = .true.
+    if (.not. run%ended) then
+      run%found = .true.
+      law = run%law
+      if (law%damping > 0.0_dp) law%stiffness = run%last_force/max(run%last_indentation, tiny(residual))**law%exponent
+      run%last_force = held_force(law, -bodies%gap())
+      run%last_indentation = -bodies%gap() - residual*run%last_force
+      run%gained = run%gained + (balance_of(run) - before)
+      run%captured = run%captures .and. run%bodies%separation() >= 0.0_dp   ! its largest indentation is over at once
+    else if (bodies%state%time%hi <= 0.0_dp) then
+      call meet(run)
+    else
+      run%found = bodies%gap() < 0.0_dp
+    end if
+  end subroutine go_on
+
+  pure function balance_of(run) result(balance)
+    !! Energy, momentum and rate of the hub, with what a contact that goes on has stored, and modes that are not summed.
+    type(contact_run), intent(in) :: run
+    real(dp) :: balance(3)
+    balance = [run%bodies%energy(), run%bodies%momentum(), run%bodies%hub_rate()]
+    if (run%captured .or. .not. run%ended) balance(1) = balance(1) + stored_energy(run%law, run%last_indentation) &
+      + 0.5_dp*run%law%residual*run%last_force**2
+  end function balance_of
+
+  pure subroutine keep_ladder(run, contacts)
+    !! The operators that steps have needed; those of other modes are to be found anew.
+    type(contact_run), intent(inout) :: run
+    type(lasting_contacts), intent(inout) :: contacts
+    type(force_step) :: none
+    integer :: i
     do i = 0, levels
-      contacts%ladder(i) = run%ladder(i)%step_end
+      if (run%ladder(i)%length > 0.0_dp) contacts%ladder(i, run%configuration) = run%ladder(i)%step_end
+      run%ladder(i) = none
     end do
+  end subroutine keep_ladder
+
+  subroutine finish_contacts(run, demand, contacts)
+    !! How they ended.
+    type(contact_run), intent(inout) :: run
+    type(demand_type), intent(in) :: demand
+    type(lasting_contacts), intent(inout) :: contacts
+    call keep_ladder(run, contacts)
+    contacts%cut = run%cut
     contacts%failed = run%failed
     contacts%captured = run%captured
     contacts%largest_indentation = run%indentation
@@ -131,58 +255,89 @@ contains
       contacts%indentation = run%last_indentation
       return
     end if
-    contacts%out_of_range = .not. (contacts%cut .or. run%failed) .and. run%last < demand%longest
+    contacts%out_of_range = .not. (contacts%cut .or. run%failed) .and. run%in_range < demand%longest
     contacts%lasting = .not. (run%ended .or. contacts%out_of_range)
     if (contacts%cut .or. contacts%out_of_range .or. run%failed) contacts%known_until = run%bodies%state%time%hi
-  end subroutine follow_lasting_contacts
+  end subroutine finish_contacts
 
-  pure type(segment_type) function segment_of_state(bodies, count) result(segment)
+  pure subroutine start_segment(run, segment)
     !! What starts from the state at hand.
-    type(contact_bodies), intent(in) :: bodies
-    integer, intent(in) :: count                  !! modes
-    segment = segment_type(alone, bodies%state%time, count=count, q=bodies%state%u(:count), rate=bodies%state%v(:count))
-  end function segment_of_state
-
-  subroutine add_contact(run, count, contacts, monitor)
-    !! One contact: an event and a segment more.
     type(contact_run), intent(inout) :: run
-    integer, intent(in) :: count                  !! modes
+    type(segment_type), intent(out) :: segment
+    associate (state => run%bodies%state, count => size(run%bodies%weight) - 1)
+      segment = segment_type(run%configuration, state%time, count=count, q=state%u(:count), rate=state%v(:count))
+    end associate
+    if (allocated(run%bodies%shape)) segment%shape = run%bodies%shape
+    if (allocated(run%error)) call move_alloc(run%error, segment%error)
+  end subroutine start_segment
+
+  subroutine add_contact(run, contacts, monitor)
+    !! One contact: an event and a segment more; or one that goes on: a segment more.
+    type(contact_run), intent(inout) :: run
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
     type(event_type) :: event
-    real(dp) :: approach, rounding
-    segment = segment_of_state(run%bodies, count)
-    approach = -run%bodies%separation()
+    real(dp) :: balance(3), rounding
+    call start_segment(run, segment)
     rounding = run%bodies%rounding()
-    event%kind = contact_event
-    event%time = run%bodies%state%time%hi
-    event%energy_before = run%bodies%energy()
-    event%momentum_before = run%bodies%momentum()
-    event%hub_rate_change = -run%bodies%hub_rate()
+    if (run%goes_on) then
+      event = contacts%events(run%event)
+    else
+      run%approach = -run%bodies%separation()
+      run%gained = 0.0_dp
+      run%impulse = 0.0_dp
+      run%deepest = 0.0_dp
+      event%kind = contact_event
+      event%time = run%bodies%state%time%hi
+      event%energy_before = run%bodies%energy()
+      event%momentum_before = run%bodies%momentum()
+      run%rate_before = run%bodies%hub_rate()
+    end if
     allocate (segment%load)
     segment%load%taking_part = count_taking_part(run%bodies)
     call press(run, segment%load, monitor)
     if (stops(monitor) .or. run%failed) return
-    contacts%segments = [contacts%segments, segment]
     run%indentation = max(run%indentation, run%deepest)
-    if (run%ended .and. run%deepest <= rounding) return        ! by which alone the bodies may have met
+    if (run%ended .and. run%deepest <= rounding .and. .not. run%goes_on) then   ! by which alone the bodies may have met
+      call append_segment(contacts, segment, 0)
+      return
+    end if
+    if (.not. run%goes_on) then
+      run%contacts = run%contacts + 1
+      contacts%events = [contacts%events, event]
+      run%event = size(contacts%events)
+      if (run%contacts == 1) contacts%approach = run%approach
+    end if
+    run%goes_on = .false.
+    call append_segment(contacts, segment, run%event)
     event%end_time = run%end_time%hi
     event%impulse = run%impulse
-    event%energy_after = run%bodies%energy()
-    if (run%captured .or. .not. run%ended) event%energy_after = event%energy_after + stored_energy(run%law, run%last_indentation) &
-      + 0.5_dp*run%law%residual*run%last_force**2            ! of modes that are not summed
-    event%momentum_after = run%bodies%momentum()
-    event%hub_rate_change = event%hub_rate_change + run%bodies%hub_rate()
-    call find_largest(segment%load, event%largest_force, event%largest_force_time)
+    balance = balance_of(run) - run%gained
+    event%energy_after = balance(1)
+    event%momentum_after = balance(2)
+    event%hub_rate_change = balance(3) - run%rate_before
+    call find_largest(load_of(contacts, run%event), event%largest_force, event%largest_force_time)
     event%largest_force_time = event%largest_force_time + event%time
-    if (size(contacts%events) == 0) then
-      contacts%approach = approach
-      if (run%ended .and. .not. run%captured .and. approach > 0.0_dp) contacts%restitution = run%bodies%separation()/approach
-    end if
-    contacts%events = [contacts%events, event]
-    contacts%segment_of = [contacts%segment_of, size(contacts%segments)]
+    if (run%contacts == 1 .and. run%ended .and. .not. run%captured .and. run%approach > 0.0_dp) &
+      contacts%restitution = run%bodies%separation()/run%approach
+    contacts%events(run%event) = event
   end subroutine add_contact
+
+  pure type(load_type) function load_of(contacts, event) result(load)
+    !! The steps of a contact, over all its segments.
+    type(lasting_contacts), intent(in) :: contacts
+    integer, intent(in) :: event
+    integer :: i
+    allocate (load%length(0), load%force(0:force_degree, 0))
+    do i = 1, size(contacts%segments)
+      if (contacts%event_of(i) /= event) cycle
+      associate (part => contacts%segments(i)%load)
+        load%length = [load%length, part%length]
+        load%force = reshape([load%force, part%force], [force_degree + 1, size(load%length)])
+      end associate
+    end do
+  end function load_of
 
   pure integer function count_taking_part(bodies) result(count)
     !! Up to the last mode that does.
@@ -207,14 +362,16 @@ contains
       allocate (load(0:force_degree, size(run%bodies%loads%course)), by_loads(force_degree, 2))
       slope = load
       force(0) = force_now(run, 0.0_dp)
+    else if (run%changed .or. run%goes_on) then
+      force(0) = force_now(run, merge(run%last_force, 0.0_dp, run%goes_on))
     end if
+    run%changed = .false.
+    if (run%bodies%held /= 0.0_dp) by_loads = spread([-run%bodies%held, 0.0_dp], 1, force_degree)
     closing(0) = -run%bodies%separation()
     level = 0                                        ! a force that begins from rest is smooth: t^3
-    if (closing(0)*run%unit*0.5_dp**levels > run%bodies%rounding()) level = levels
+    if (run%goes_on .or. closing(0)*run%unit*0.5_dp**levels > run%bodies%rounding()) level = levels
     largest = run%typical
     run%steps = 0
-    run%impulse = 0.0_dp
-    run%deepest = 0.0_dp
     run%ended = .false.
     run%failed = .false.
     allocate (steps%length(64), steps%level(64), steps%force(0:force_degree, 64))
@@ -264,7 +421,7 @@ contains
           left = first_zero(closing)*merge(left, run%unit*0.5_dp**level, is_last)
           is_last = .true.
           call find_step(left, odd)
-          call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged)
+          call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged, by_loads)
           run%captured = .true.
           ends = .false.
         end if
@@ -301,6 +458,7 @@ contains
       real(dp), intent(in) :: length
       real(dp) :: expected(force_degree), last, slope
       expected = 0.0_dp
+      if (run%steps == 0 .and. run%goes_on) expected = force(0)
       if (run%steps == 0) return
       call force_in_step(polynomial_of(steps%force(:, run%steps)), 1.0_dp, last, slope)
       expected = last + slope*node_places(1:)*(length/steps%length(run%steps))

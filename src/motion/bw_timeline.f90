@@ -9,7 +9,7 @@ module bw_timeline
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
-  use bw_scene, only: at_start, changes_in_time, scene_type
+  use bw_scene, only: at_start, bodies_change, has_configurations, scene_type
   use bw_segment, only: alone, leaves_range, segment_type
   implicit none (type, external)
   private
@@ -110,17 +110,28 @@ contains
     type(scene_type), intent(in) :: scene
     type(carried_type), allocatable :: configurations(:)
     type(step_type), allocatable :: steps(:)
-    integer :: i
-    if (.not. changes_in_time(scene)) then
+    if (.not. has_configurations(scene)) then
       configurations = [carried_type(at_start(scene), .false.)]
       if (allocated(scene%capture)) configurations = [configurations, carried_type(at_start(scene), .true.)]
       return
     end if
     steps = steps_of(scene)
     allocate (configurations(0))
-    do i = 1, size(steps)
-      if (number_of(configurations, steps(i)%carried) == 0) configurations = [configurations, steps(i)%carried]
-    end do
+    if (allocated(scene%contact)) then             ! which captures the mass nobody knows when
+      steps%carried%captured = .false.
+      call add_new(steps, configurations)
+      steps%carried%captured = allocated(scene%capture)
+    end if
+    call add_new(steps, configurations)
+  contains
+    pure subroutine add_new(steps, configurations)
+      type(step_type), intent(in) :: steps(:)
+      type(carried_type), allocatable, intent(inout) :: configurations(:)
+      integer :: i
+      do i = 1, size(steps)
+        if (number_of(configurations, steps(i)%carried) == 0) configurations = [configurations, steps(i)%carried]
+      end do
+    end subroutine add_new
   end function configurations_of
 
   pure type(carried_type) function start_of(scene) result(carried)
@@ -167,7 +178,7 @@ contains
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: contacts                 !! that are followed, at most
     events = count([allocated(scene%impact), allocated(scene%capture), allocated(scene%release)])
-    if (changes_in_time(scene)) then
+    if (has_configurations(scene)) then
       events = size(steps_of(scene)) - 1
       if (size(scene%sweeps) > 0 .and. allocated(scene%bodies)) events = count([allocated(scene%impact), &
         allocated(scene%capture), allocated(scene%release), .not. is_missing(scene%bodies%from), &

@@ -13,7 +13,7 @@ module bw_report
   use bw_missing, only: is_missing, missing, scaled
   use bw_note, only: is_remark, unmarked
   use bw_record_report, only: report_record
-  use bw_scene, only: scene_type
+  use bw_scene, only: bodies_change, scene_type
   use bw_screen, only: note_hang, note_mark
   use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
@@ -39,7 +39,7 @@ contains
     if (allocated(result%configurations)) call report_configurations(result, lines)
     if (allocated(result%impact)) then
       call report_impact(scene, result, lines)
-    else if (allocated(result%configurations)) then
+    else if (allocated(result%configurations) .and. .not. allocated(result%contact)) then
       if (size(result%events) > 0) call report_events(result, lines)
     end if
     if (allocated(result%contact)) call report_contact(scene, result, lines)
@@ -200,25 +200,28 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: text
+    integer :: i
     call lines%append_line('')
-    if (size(result%events) == 0) then
-      if (scene%impact%mass_ratio > 0.0_dp .and. allocated(scene%initial)) then
+    if (all(result%events%kind /= contact_event)) then
+      if (scene%impact%mass_ratio > 0.0_dp .and. (allocated(scene%initial) .or. bodies_change(scene))) then
         call lines%append_line('  The mass does not meet the beam within the record.')
       else
         call lines%append_line('  Nothing strikes the beam: the mass or its velocity is 0.')
       end if
+      if (size(result%events) > 0) call report_events(result, lines)
       return
     end if
-    associate (first => result%events(1), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
+    i = findloc(result%events%kind, contact_event, dim=1)
+    associate (first => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
       text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
-        shortest(abs(contact%largest(1)), 6)//' N, '//shortest(1.0e6_dp*contact%largest_time(1), 4)// &
-        ' us after its beginning; impulse '//shortest(impulse(1), 6)//' N s'
+        shortest(abs(contact%largest(i)), 6)//' N, '//shortest(1.0e6_dp*(contact%largest_time(i) - first%time), 4)// &
+        ' us after its beginning; impulse '//shortest(impulse(i), 6)//' N s'
       if (any(result%events%kind == capture_event)) then
         call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
       else if (is_missing(contact%restitution)) then
         call lines%append_line(text//'.')
-        if (contact%lasting .and. size(result%events) == 1) &
+        if (contact%lasting .and. count(result%events%kind == contact_event) == 1) &
           call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
       else
         call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//'.')
@@ -229,7 +232,7 @@ contains
       end if
       if (count(result%events%kind == contact_event) > 1) call lines%append_line('  '// &
         text_of(count(result%events%kind == contact_event))//' contacts, with the impulse '// &
-        shortest(sum(impulse), 6)//' N s in all.')
+        shortest(sum(impulse, mask=result%events%kind == contact_event), 6)//' N s in all.')
     end associate
     call report_events(result, lines)
   end subroutine report_contact

@@ -39,7 +39,8 @@ module bw_scene
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
   public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, effects_text, &
-    at_start, changes_in_time, counts_in_its_run, has_parts, is_built_up, is_loaded, method_name, unit_velocity
+    at_start, bodies_change, changes_in_time, counts_in_its_run, has_configurations, has_parts, is_built_up, is_loaded, &
+    method_name, unit_velocity
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -203,7 +204,7 @@ contains
     !! What bodies that come or leave and a first motion have to do with other groups; and something has to move the beam.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    character(*), parameter :: elsewhere(3) = [character(9) :: 'contact', 'recontact', 'record']
+    character(*), parameter :: elsewhere(2) = [character(9) :: 'recontact', 'record']
     integer :: g, i, response
     logical :: moves, timed
     moves = any([(position_of(groups, trim(movers(i))) > 0, i=1, size(movers))])
@@ -217,7 +218,6 @@ contains
       do i = 1, size(elsewhere)
         if (position_of(groups, trim(elsewhere(i))) == 0) cycle
         if (has_word(group_table(groups(g)%row)%excludes, trim(elsewhere(i)))) cycle      ! told already
-        if (groups(g)%group == 'initial' .and. elsewhere(i) == 'contact') cycle           ! which follows any first motion
         call messages%add(groups(g)%line, '&'//trim(groups(g)%group), 'begins a motion that changes in time, which excludes &'// &
                           trim(elsewhere(i))//' of line '//text_of(groups(position_of(groups, trim(elsewhere(i))))%line)// &
                           '; accepted: without one of them, or &body without from and until')
@@ -432,10 +432,21 @@ contains
     type(scene_type), intent(in) :: scene
     changes = .false.
     if (allocated(scene%contact)) return
-    changes = allocated(scene%initial) .or. (allocated(scene%release) .and. is_loaded(scene))
-    if (allocated(scene%bodies)) &
-      changes = changes .or. any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
+    changes = allocated(scene%initial) .or. (allocated(scene%release) .and. is_loaded(scene)) .or. bodies_change(scene)
   end function changes_in_time
+
+  pure logical function bodies_change(scene) result(change)
+    !! Some come or leave.
+    type(scene_type), intent(in) :: scene
+    change = .false.
+    if (allocated(scene%bodies)) change = any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
+  end function bodies_change
+
+  pure logical function has_configurations(scene) result(has)
+    !! Any number of them: its beam changes in time, also while a contact of a finite duration lasts.
+    type(scene_type), intent(in) :: scene
+    has = changes_in_time(scene) .or. bodies_change(scene)
+  end function has_configurations
 
   pure logical function counts_in_its_run(scene)
     !! How many modes a tolerance takes is found in the run itself, by what more modes change, and not planned beforehand.

@@ -34,10 +34,10 @@ def contacts_of(case: xr.Dataset) -> list[Contact]:
     parts = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
     found = []
     events = zip(*(case[name].values for name in ("contact_force", "event_time", "event_end")))
-    for event, (force, begin, until) in enumerate(events):
+    for force, begin, until in events:
         until = until if np.isfinite(until) else end
         if np.isfinite(force).all() and begin < until:
-            found.append(Contact(event + 1, begin + (until - begin) * parts, force))
+            found.append(Contact(len(found) + 1, begin + (until - begin) * parts, force))
     if not found:
         raise NothingToDraw("no contact force is in the file")
     return found

@@ -28,9 +28,9 @@ module bw_contact_par
     'ball|&response duration = 0.02, samples = 4096, bending_moment = .true. /', &
     rules='Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere. K is then Hertz''s, with '// &
     'the moduli of sphere and beam, on a flat side (`surface_radius` = 0) or across the axis of a round beam. The mass '// &
-    'runs in a guide that turns with the hub, and every further contact is followed. The rebound is a result: '// &
-    '`restitution` of `&impact` is refused here. If there are more than `max_contacts`, the histories are missing from the '// &
-    'next one on.')
+    'runs in a guide that turns with the hub, and every further contact is followed, also while bodies come and leave. '// &
+    'The rebound is a result: `restitution` of `&impact` is refused here. If there are more than `max_contacts`, the '// &
+    'histories are missing from the next one on.')
 
   type(input_name), parameter, public :: contact_names(*) = [ &
     input_name('contact', 'stiffness', real_input, 'N', positive, swept=.true., &
@@ -67,9 +67,16 @@ contains
     !! Hertz's law needs the beam's material, and what &impact says of the rebound has no meaning beside it.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    integer :: beam, capture, contact, impact
+    integer :: beam, capture, contact, g, impact
     contact = position_of(groups, 'contact')
     if (contact == 0) return
+    do g = 1, size(groups)
+      if (groups(g)%group /= 'body') cycle
+      if (.not. (groups(g)%given('from') .or. groups(g)%given('until'))) cycle
+      if (position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0) call messages%add(groups(g)%line, '&body', &
+        'comes or leaves while a contact of finite duration is followed, and with that no loads are; accepted: without '// &
+        '&contact, without &force and &base, or without from and until')
+    end do
     capture = position_of(groups, 'capture')
     if (capture > 0 .and. (position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0)) &
       call messages%add(groups(capture)%line, '&capture', 'ends a contact of finite duration, and after that no loads are '// &

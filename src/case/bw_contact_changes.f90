@@ -1,0 +1,358 @@
+module bw_contact_changes
+  !! Contacts of a finite duration on a beam to which bodies come, or which they leave. Between two changes its modes are those of one
+  !! configuration, and contacts and flights are followed up to the next. There the motion goes over to other modes, as where nothing
+  !! strikes; in the middle of a contact with what the force moves at once of the modes that are not summed. A mass that is captured is one
+  !! of the bodies from then on.
+  use bw_case_bodies, only: bodies_of, presence
+  use bw_case_result, only: case_motion
+  use bw_change_of_bodies, only: beam_state, body_type, hand_over
+  use bw_changing_motion, only: kind_of_change, note_late_change
+  use bw_contact_bodies, only: bodies_after, first_motion
+  use bw_contact_law, only: contact_law_of, stored_energy
+  use bw_double_double, only: dd, to_dd, operator(-), operator(/)
+  use bw_event, only: capture_event, contact_event, event_type
+  use bw_force_response, only: force_degree
+  use bw_force_step, only: force_in_step, polynomial_of
+  use bw_kinds, only: dp
+  use bw_lasting_contact, only: append_segment, begin_contacts, contact_run, demand_type, finish_contacts, follow_until, go_on, &
+    lasting_contacts
+  use bw_missing, only: is_missing
+  use bw_mode_set, only: deflections, mode_set, turns
+  use bw_monitor, only: monitor_type
+  use bw_oscillators, only: moving_state
+  use bw_piece_beam, only: arm_of
+  use bw_rotation, only: full_speed_in_plane, speed_in_plane
+  use bw_scene, only: scene_type, unit_velocity
+  use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
+  use bw_segment, only: leaves_range, move, segment_type, shape_term
+  use bw_static_shape, only: find_motion_residual, find_residual
+  use bw_text, only: append
+  use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of
+  use bw_unhanded, only: unhanded_motion
+  use bw_varying_beam, only: varying_beam
+  implicit none (type, external)
+  private
+  public :: flexibility_of, follow_changing_contacts
+
+  type, public :: flexibility_type
+    !! What modes that are not summed give way by under a force of 1 at the place that the mass strikes.
+    real(dp) :: here = 0.0_dp                        !! that place
+    real(dp), allocatable :: seen(:, :)              !! as that of load_type, (points, 3)
+    real(dp), allocatable :: at_bodies(:, :)         !! deflection and turning, (bodies, 2)
+  end type flexibility_type
+
+  type :: now_type
+    integer :: configuration = 1
+    type(carried_type) :: carried
+    logical, allocatable :: there(:)                 !! which bodies are, (bodies)
+    type(body_type), allocatable :: bodies(:)        !! the mass is the last if it is captured
+    type(flexibility_type) :: flexibility
+    type(beam_state) :: state                        !! once the mass is captured, at the start of its last segment
+    real(dp) :: indentation = 0.0_dp                 !! with which it was
+    type(contact_run) :: run
+  end type now_type
+
+contains
+
+  subroutine follow_changing_contacts(scene, motion, demand, first, monitor, contacts)
+    !! From t = 0 to the end of the record.
+    type(scene_type), intent(in) :: scene            !! with counts of modes
+    type(case_motion), intent(inout) :: motion       !! its modes are known
+    type(demand_type), intent(in) :: demand
+    type(first_motion), intent(in) :: first
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(lasting_contacts), intent(out) :: contacts
+    type(step_type), allocatable :: steps(:)
+    type(now_type) :: now
+    type(dd) :: time
+    integer :: i
+    if (allocated(motion%notes)) deallocate (motion%notes)          ! those of a run with fewer modes
+    steps = steps_of(scene)
+    now%carried = steps(1)%carried
+    now%there = presence(scene, now%carried)
+    now%bodies = bodies_of(scene, motion%units)
+    where (.not. is_missing(now%bodies%velocity)) now%bodies%velocity = now%bodies%velocity/unit_velocity(scene)
+    steps = steps(size(steps) - count(.not. (steps(2:)%is_impact .or. steps(2:)%is_capture)) + 1:)
+    associate (set => motion%modes%configuration(1)%set, &
+               law => contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene))))
+      now%flexibility = flexibility_of(scene, motion, 1, now%carried, demand%modes, now%bodies)
+      call begin_contacts(set, scene%impact%mass_ratio, law, full_speed_in_plane(scene%rotation, motion%units), demand, &
+                          size(motion%modes%configuration), now%run, contacts, first)
+      now%run%law%residual = now%flexibility%here
+    end associate
+    now%run%captured = scene%impact%mass_ratio == 0.0_dp           ! nothing strikes the beam
+    if (now%run%captured) call begin_without(scene, motion, demand, first, now, contacts)
+    do i = 1, size(steps) + 1
+      time = to_dd(demand%longest)
+      if (i <= size(steps)) then
+        if (steps(i)%seconds < scene%response%duration) time = to_dd(steps(i)%seconds)/motion%units%time
+      end if
+      if (.not. now%run%captured) then
+        call follow_until(now%run, time%hi, contacts, monitor)
+        if (monitor%stop_requested()) return
+        call show_residual(now%flexibility, contacts)
+        if (now%run%failed .or. now%run%cut .or. now%run%in_range < time%hi) exit
+        if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor)
+        if (monitor%stop_requested()) return
+      end if
+      if (i > size(steps)) exit
+      if (steps(i)%seconds >= scene%response%duration) then
+        call note_late_change(steps(i)%seconds, motion)
+        exit
+      end if
+      call take_step(scene, demand, steps(i), time, motion, now, contacts, monitor)
+      if (monitor%stop_requested()) return
+    end do
+    call finish_contacts(now%run, demand, contacts)
+    contacts%captured = now%run%captured .and. scene%impact%mass_ratio > 0.0_dp
+  end subroutine follow_changing_contacts
+
+  subroutine begin_without(scene, motion, demand, first, now, contacts)
+    !! The beam moves, and no mass is there.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(demand_type), intent(in) :: demand
+    type(first_motion), intent(in) :: first
+    type(now_type), intent(inout) :: now
+    type(lasting_contacts), intent(inout) :: contacts
+    type(beam_state) :: state
+    state = beam_state(demand%modes, first%q, first%rate)
+    state%q(demand%modes + 1:) = 0.0_dp
+    state%rate(demand%modes + 1:) = 0.0_dp
+    allocate (state%shape(0))
+    call add_segment(scene, motion, now, state, to_dd(0.0_dp), spread(0.0_dp*first%q, 2, 2), contacts)
+  end subroutine begin_without
+
+  function flexibility_of(scene, motion, configuration, carried, summed, bodies) result(flexibility)
+    !! Of the modes of a configuration beyond those that are summed.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: configuration
+    type(carried_type), intent(in) :: carried
+    integer, intent(in) :: summed
+    type(body_type), intent(in) :: bodies(:)
+    type(flexibility_type) :: flexibility
+    type(struck_beam) :: pieces
+    type(varying_beam) :: given
+    real(dp) :: here(1, 3)
+    pieces = pieces_of(scene, motion%units, .false., carried%body)
+    given = varying_of(scene, motion%units, pieces)
+    associate (set => motion%modes%configuration(configuration)%set, points => scene%response%points)
+      allocate (flexibility%seen(size(points), 3))
+      call find_residual(given, pieces%struck, set, summed, [scene%impact%position], here)
+      call find_residual(given, pieces%struck, set, summed, points, flexibility%seen)
+      flexibility%here = max(0.0_dp, here(1, deflections) + arm_of(given%beam, scene%impact%position)*here(1, turns))
+      flexibility%at_bodies = find_motion_residual(given, pieces%struck, set, summed, bodies%position)
+    end associate
+  end function flexibility_of
+
+  pure subroutine show_residual(flexibility, contacts)
+    !! Of the segments that have none yet.
+    type(flexibility_type), intent(in) :: flexibility
+    type(lasting_contacts), intent(inout) :: contacts
+    integer :: i
+    do i = size(contacts%segments), 1, -1
+      if (.not. allocated(contacts%segments(i)%load)) cycle
+      if (allocated(contacts%segments(i)%load%residual)) return
+      contacts%segments(i)%load%residual = flexibility%seen
+    end do
+  end subroutine show_residual
+
+  pure integer function taking_part(motion, configuration, demand) result(count)
+    !! How many modes of a configuration do: as large a part of them as of the first.
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: configuration
+    type(demand_type), intent(in) :: demand
+    associate (all => motion%modes%configuration)
+      count = (demand%modes*all(configuration)%set%count + all(1)%set%count - 1)/all(1)%set%count
+    end associate
+  end function taking_part
+
+  subroutine take_step(scene, demand, step, time, motion, now, contacts, monitor)
+    !! What the scene makes happen at an instant.
+    type(scene_type), intent(in) :: scene
+    type(demand_type), intent(in) :: demand
+    type(step_type), intent(in) :: step
+    type(dd), intent(in) :: time
+    type(case_motion), intent(inout) :: motion
+    type(now_type), intent(inout) :: now
+    type(lasting_contacts), intent(inout) :: contacts
+    class(monitor_type), intent(inout), target :: monitor
+    type(carried_type) :: carried
+    type(beam_state) :: later
+    type(event_type) :: event
+    real(dp), allocatable :: error(:, :)
+    real(dp) :: held
+    integer :: i, mass
+    carried = carried_type(step%carried%body, now%carried%captured .and. .not. step%is_release)
+    if (step%is_release .and. .not. now%carried%captured) call append(motion%notes, &
+      'release: it comes before the capture, and releases nothing')
+    if (number_of([now%carried], carried) == 1) return
+    if (now%run%captured) then
+      if (.not. advance(motion, time, contacts, now%state)) return
+    else
+      now%state = state_of(now%run, taking_part(motion, now%configuration, demand))
+    end if
+    event%kind = kind_of_change(step, now%there, presence(scene, carried))
+    event%time = time%hi
+    call change(scene, demand, carried, motion, now, contacts, later, event, error, monitor)
+    if (monitor%stop_requested()) return
+    contacts%events = [contacts%events, event]
+    if (now%run%captured) then
+      call add_segment(scene, motion, now, later, time, error, contacts)
+      return
+    end if
+    now%flexibility = flexibility_of(scene, motion, now%configuration, carried, later%count, now%bodies)
+    held = 0.0_dp
+    do i = 1, size(later%shape)
+      associate (set => motion%modes%configuration(later%shape(i)%configuration)%set, amplitude => later%shape(i)%amplitude)
+        held = held + dot_product(set%struck(:size(amplitude)), amplitude)
+      end associate
+    end do
+    associate (set => motion%modes%configuration(now%configuration)%set, moved => now%run%bodies%state, &
+               omega => full_speed_in_plane(scene%rotation, motion%units))
+      mass = size(moved%u)
+      call go_on(now%run, contacts, now%configuration, set, omega, &
+                 bodies_after(set, later%count, scene%impact%mass_ratio, omega, later, held, &
+                              moving_state(moved%u(mass:), moved%v(mass:), time)), now%flexibility%here, error)
+    end associate
+    if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor)
+  end subroutine take_step
+
+  pure type(beam_state) function state_of(run, count) result(state)
+    !! Of the beam.
+    type(contact_run), intent(in) :: run
+    integer, intent(in) :: count                     !! modes that take part
+    state%count = count
+    associate (modes => size(run%bodies%weight) - 1)
+      state%q = run%bodies%state%u(:modes)
+      state%rate = run%bodies%state%v(:modes)
+    end associate
+    allocate (state%shape(0))
+    if (allocated(run%bodies%shape)) state%shape = run%bodies%shape
+    state%level = run%bodies%level
+  end function state_of
+
+  subroutine change(scene, demand, carried, motion, now, contacts, later, event, error, monitor)
+    !! The motion goes over to the modes of the beam with what it carries from now on.
+    type(scene_type), intent(in) :: scene
+    type(demand_type), intent(in) :: demand
+    type(carried_type), intent(in) :: carried
+    type(case_motion), intent(in) :: motion
+    type(now_type), intent(inout) :: now
+    type(lasting_contacts), intent(in) :: contacts
+    type(beam_state), intent(out) :: later
+    type(event_type), intent(inout) :: event
+    real(dp), allocatable, intent(out) :: error(:, :)
+    class(monitor_type), intent(inout), target :: monitor
+    real(dp) :: beyond(size(now%bodies), 2, 2), force(2)
+    logical, allocatable :: is(:)
+    integer :: next
+    next = number_of(configurations_of(scene), carried)
+    is = presence(scene, carried)
+    force = 0.0_dp
+    if (now%run%captured .neqv. now%carried%captured .or. .not. now%run%ended) force = last_force(contacts)
+    beyond(:, :, 1) = force(1)*now%flexibility%at_bodies
+    beyond(:, :, 2) = force(2)*now%flexibility%at_bodies
+    associate (configuration => motion%modes%configuration)
+      call hand_over(configuration, now%configuration, now%state, now%there, next, taking_part(motion, next, demand), is, &
+                     now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, beyond)
+      if (monitor%stop_requested()) return
+      associate (n => now%state%count)
+        error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
+                                configuration(next)%set, now%bodies, now%there, is)
+      end associate
+    end associate
+    event%end_time = event%time
+    now%configuration = next
+    now%carried = carried
+    now%there = is
+  end subroutine change
+
+  pure function last_force(contacts) result(force)
+    !! And its rate, at the end of the last segment.
+    type(lasting_contacts), intent(in) :: contacts
+    real(dp) :: force(2)
+    integer :: n
+    force = 0.0_dp
+    if (size(contacts%segments) == 0) return
+    associate (last => contacts%segments(size(contacts%segments)))
+      if (.not. allocated(last%load)) return
+      n = size(last%load%length)
+      call force_in_step(polynomial_of(last%load%force(:, n)), 1.0_dp, force(1), force(2))
+      force(2) = force(2)/last%load%length(n)
+    end associate
+  end function last_force
+
+  subroutine keep_mass(scene, demand, motion, now, contacts, monitor)
+    !! The mass stays. What the contact has stored, and modes that are not summed, is lost.
+    type(scene_type), intent(in) :: scene
+    type(demand_type), intent(in) :: demand
+    type(case_motion), intent(in) :: motion
+    type(now_type), intent(inout) :: now
+    type(lasting_contacts), intent(inout) :: contacts
+    class(monitor_type), intent(inout), target :: monitor
+    type(event_type) :: event
+    type(beam_state) :: later
+    real(dp), allocatable :: error(:, :)
+    real(dp) :: stored
+    associate (run => now%run)
+      event%kind = capture_event
+      event%time = run%bodies%state%time%hi
+      now%bodies(size(now%bodies))%velocity = run%bodies%state%v(size(run%bodies%state%v))
+      now%indentation = run%last_indentation
+      now%state = state_of(run, taking_part(motion, now%configuration, demand))
+      stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
+      call change(scene, demand, carried_type(now%carried%body, .true.), motion, now, contacts, later, event, error, monitor)
+      if (monitor%stop_requested()) return
+      event%energy_before = event%energy_before + stored
+      contacts%events = [contacts%events, event]
+      call add_segment(scene, motion, now, later, run%bodies%state%time, error, contacts)
+    end associate
+  end subroutine keep_mass
+
+  logical function advance(motion, time, contacts, state) result(happens)
+    !! The state at a time, from the last segment; where it has grown out of the range of numbers by then nothing more happens.
+    type(case_motion), intent(in) :: motion
+    type(dd), intent(in) :: time
+    type(lasting_contacts), intent(in) :: contacts
+    type(beam_state), intent(inout) :: state
+    associate (last => contacts%segments(size(contacts%segments)))
+      associate (set => motion%modes%configuration(last%configuration)%set)
+        happens = .not. leaves_range(set, time - last%start)
+        if (happens) call move(set, time - last%start, state%q, state%rate)
+      end associate
+    end associate
+  end function advance
+
+  subroutine add_segment(scene, motion, now, later, time, error, contacts)
+    !! Free motion about the equilibrium. A mass that was captured keeps its indentation δ: in the plane of rotation the centrifugal force
+    !! on that much moves the equilibrium, and with tension in the beam the body's pull, which acts δ beside the axis.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(now_type), intent(inout) :: now
+    type(beam_state), intent(in) :: later
+    type(dd), intent(in) :: time
+    real(dp), intent(in) :: error(:, :)
+    type(lasting_contacts), intent(inout) :: contacts
+    type(segment_type) :: segment
+    real(dp), allocatable :: rest(:)
+    real(dp) :: speed
+    speed = speed_in_plane(scene%rotation, motion%units)
+    now%state = later
+    associate (set => motion%modes%configuration(now%configuration)%set, state => now%state, n => later%count)
+      if (speed > 0.0_dp .and. now%carried%captured) then
+        rest = 0.0_dp*state%q
+        where (set%beta_squared%hi /= 0.0_dp) rest = now%indentation*(scene%impact%mass_ratio*speed**2*set%struck &
+          - now%bodies(size(now%bodies))%pull*set%turnings())/(set%modal_mass*set%beta_squared%hi)
+        state%q(:n) = state%q(:n) - rest(:n)
+        state%shape = [state%shape, shape_term(now%configuration, now%there, rest(:n))]
+      end if
+      segment = segment_type(now%configuration, time, count=set%count, q=state%q, rate=state%rate)
+      if (size(state%shape) > 0) segment%shape = state%shape
+    end associate
+    segment%error = error
+    call append_segment(contacts, segment, 0)
+  end subroutine add_segment
+
+end module bw_contact_changes

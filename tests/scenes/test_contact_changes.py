@@ -1,0 +1,118 @@
+"""Bodies come and leave while a mass strikes the beam for some time, against an integration of its own, limits and balances."""
+
+import contact_reference
+import numpy as np
+import pytest
+from contact_changes_reference import Body, Change, follow
+from workplace import group_text
+
+UNIT_BEAM = {"length": 1.0, "mass_per_length": 1.0, "bending_stiffness": 1.0}
+COUNT, MASS, STIFFNESS = 20, 0.06, 2e5
+HISTORY = {"duration": 0.05, "samples": 200, "points": [0.4, 1.0], "velocity": True}
+BLOW = (("impact", {"mass": MASS, "approach_velocity": 1.0}), ("contact", {"stiffness": STIFFNESS, "exponent": 1.5}))
+CONTACT, CAPTURE, ARRIVAL = 4, 2, 5
+
+
+def run(here, name, *groups, count=COUNT, blow=BLOW, beam=UNIT_BEAM, history=HISTORY):
+    counts = ("modes", {"before": count, "after": count})
+    here.write(
+        f"{name}.nml",
+        "".join(group_text(*group) for group in (("beam", beam), *blow, *groups, counts, ("response", history))),
+    )
+    return here.run(name)
+
+
+def of_body(position, **values):
+    return "body", {"position": position, **values}
+
+
+SPRINGS = {"stiffness": 300.0, "rotational_stiffness": 50.0}
+CHANGES = {
+    "a body leaves between two contacts": (0.6, of_body(0.6, mass=0.3, until=0.0201), Body(0.6, 0.3), None, 0.0201),
+    "a body comes with a velocity in a contact": (
+        0.6,
+        of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4),
+        None,
+        Body(0.6, 0.3, velocity=-0.4),
+        0.0041,
+    ),
+    "a joint locks at the tip in a contact": (
+        1.0,
+        of_body(1.0, mass=0.0, **{"from": 0.0041}, **SPRINGS),
+        None,
+        Body(1.0, 0.0, 300.0, 50.0),
+        0.0041,
+    ),
+    "a joint locks between two contacts": (
+        0.6,
+        of_body(0.6, mass=0.1, **{"from": 0.0201}, **SPRINGS),
+        None,
+        Body(0.6, 0.1, 300.0, 50.0),
+        0.0201,
+    ),
+    "a body comes at the struck place": (1.0, of_body(1.0, mass=0.1, **{"from": 0.0031}), None, Body(1.0, 0.1), 0.0031),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_contacts_and_changes_are_those_of_an_integration(here, name):
+    place, group, before, after, time = CHANGES[name]
+    result = run(here, "a", group)
+    times = np.arange(200) * 0.05 / 200
+    blow = contact_reference.Blow(
+        1, 1, 1, COUNT, MASS, 1.0, 1.0, STIFFNESS, 1.5, 0, 0, 0, False, [0.4, 1.0], times, 0.05, 100
+    )
+    motion = follow(blow, place, [Change(0.0, before, False), Change(time, after, after is not None)], COUNT)
+    contacts = result["event_kind"] == CONTACT
+    assert contacts.sum() == len(motion.start) and (result["event_kind"] > 0).sum() == len(motion.start) + 1
+    for quantity, expected, limit in (
+        ("displacement", motion.displacement, 1e-9),
+        ("velocity", motion.velocity, 2e-6),
+    ):  # F' after 0.3 us
+        expected = np.array(expected).T
+        np.testing.assert_allclose(result[quantity], expected, rtol=0, atol=limit * np.abs(expected).max())
+    for quantity, expected in (
+        ("event_time", motion.start),
+        ("event_end", motion.end),
+        ("event_impulse", motion.impulse),
+    ):
+        np.testing.assert_allclose(result[quantity][contacts], expected, rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(result["event_force"][contacts], motion.largest, rtol=1e-8)
+
+
+@pytest.mark.parametrize("time", [0.0, 0.0041, 0.0201])
+def test_a_body_of_no_mass_changes_nothing(here, time):
+    beside = run(here, "beside", of_body(0.6, mass=0.0))
+    result = run(here, "a", of_body(0.6, mass=0.0, **{"from": time}))
+    for quantity in ("displacement", "velocity"):
+        limit = 1e-12 if quantity == "displacement" else 1e-9  # of a sample in the last of the contact
+        np.testing.assert_allclose(
+            result[quantity], beside[quantity], rtol=0, atol=limit * np.abs(beside[quantity]).max()
+        )
+    there = result["event_kind"] == CONTACT
+    np.testing.assert_allclose(result["event_impulse"][there], beside["event_impulse"][: there.sum()], rtol=1e-10)
+    np.testing.assert_allclose(result["energy_after"][there], beside["energy_after"][: there.sum()], rtol=1e-10)
+
+
+def test_a_change_in_a_contact_takes_no_part_in_its_balance(here):
+    """Nothing damps: the contact loses nothing, and what the body brings is that of the change."""
+    result = run(here, "a", of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4), count=60)
+    assert list(result["event_kind"][:2]) == [CONTACT, ARRIVAL]
+    np.testing.assert_allclose(
+        result["energy_after"][0], result["energy_before"][0], rtol=1e-4
+    )  # the force jumps by what modes lack
+    np.testing.assert_allclose(result["momentum_after"][1], result["momentum_before"][1], rtol=1e-11)
+
+
+def test_a_stiff_contact_that_captures_is_the_capture_at_once(here):
+    """Also when a further body comes; how the modes share what is left when the mass leaves differs for long."""
+    groups = (("capture", {}), of_body(0.5, mass=0.2, **{"from": 0.0201}, velocity=0.3), ("release", {"time": 0.04}))
+    blow = (BLOW[0], ("contact", {"stiffness": 1e13, "exponent": 1.0}))
+    history = HISTORY | {"velocity": False}
+    at_once = run(here, "once", *groups, blow=BLOW[:1], count=400, history=history)["displacement"]
+    apart = []
+    for count in (16, 64):
+        result = run(here, f"n{count}", *groups, blow=blow, count=count, history=history)
+        assert list(result["event_kind"][:4]) == [CONTACT, CAPTURE, ARRIVAL, 3]
+        apart.append(np.abs(result["displacement"] - at_once)[:, :160].max() / np.abs(at_once).max())
+    assert apart[1] < 2e-4 and apart[1] < 0.15 * apart[0]  # as count^(-3/2)
