@@ -98,6 +98,8 @@ def test_the_head_says_what_differs(two):
         first, second.assign_attrs(effects="rotation impact capture stiffening")
     )
     assert differences(first, first) == "effects and inputs are the same"
+    out, within = (first.assign_attrs(scene=f"&rotation plane = '{plane}' /") for plane in ("out", "in"))
+    assert differences(out, within) == "they differ in rotation plane\u00a0=\u00a0out and in"
 
 
 def test_sweeps_over_the_same_values_are_compared_case_by_case(paper_results):

@@ -27,15 +27,16 @@ FINE = 2000  # moments at which they are drawn
 
 @styled
 def contact_force(ds: xr.Dataset, *, ax: Given = None) -> Figure:
-    """Draw the force over time of the contacts of the largest impulse, each on axes of its own, with one scale of forces.
+    """Draw the force over time of the contact of the largest force and of those of the largest impulse, each on axes of its own.
 
-    Below them stand mass and beam at the struck place, where that is one of the points. Of a sweep the first case is drawn.
+    All have one scale of forces. Below them stand mass and beam at the struck place, where that is one of the points. Of a sweep the first case is drawn.
     """
     require(ds, "contact_force")
     case, note = one_case(ds)
     every = contacts_of(case)
-    strongest = sorted(every, key=lambda contact: -contact.impulse)[: columns_for(MOST, MOST, WIDTH)]
-    shown = sorted(strongest, key=lambda contact: contact.number)
+    hardest = max(every, key=lambda contact: contact.force.max())
+    strongest = sorted(every, key=lambda contact: (contact is hardest, contact.impulse), reverse=True)
+    shown = sorted(strongest[: columns_for(MOST, MOST, WIDTH)], key=lambda contact: contact.number)
     point = _struck_point(case)
     letters = "".join(chr(ord("A") + i) for i in range(len(shown)))
     layout, ratios = ([letters], [1.0]) if point is None else ([letters, "z" * len(shown)], [1.0, 1.1])
@@ -43,7 +44,8 @@ def contact_force(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     _draw_forces(sheet.axes[: len(shown)], case, shown)
     if point is not None:
         _draw_motion(sheet.axes[-1], case, point, every[-1].time[-1])
-    return sheet.finish(case, [note, left_out(len(shown), len(every), "contacts, those of the largest impulse")])
+    rest = " and those of the largest impulse" if len(shown) > 1 else ""
+    return sheet.finish(case, [note, left_out(len(shown), len(every), f"contacts, that of the largest force{rest}")])
 
 
 def _draw_forces(row: list[Axes], case: xr.Dataset, contacts: list[Contact]) -> None:

@@ -65,7 +65,7 @@ def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
     if error.min() / MARGIN < floor:
         axes.axvspan(error.min() / MARGIN, floor, color="0.93", zorder=0, label="not resolved by the converged run")
     axes.invert_xaxis()
-    axes.set_xlabel("Largest error of the displacement over its peak")
+    axes.set_xlabel("Largest error of any history over its peak")
     axes.set_ylabel("Seconds (median)")
 
 

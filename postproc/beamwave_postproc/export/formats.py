@@ -91,7 +91,7 @@ def write_unv(model: ModalModel, path: Path, title: str) -> None:
     try:
         import pyuff
     except ImportError as missing:
-        why = "writing universal files takes the Python package pyuff: pip install 'beamwave_postproc[records]'"
+        why = "writing universal files takes the Python package pyuff: pip install './postproc[records]'"
         raise NothingToDraw(why) from missing
     name = "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in title)[:80] or "NONE"
     sets = [*_heads(pyuff, model, name), *(_mode(pyuff, model, name, k) for k in range(model.mass.size))]

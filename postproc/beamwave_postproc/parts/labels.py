@@ -74,7 +74,7 @@ QUANTITIES = {
     "largest_stress": "Largest bending stress",
     "largest_contact_force": "Largest contact force",
     "largest_indentation": "Largest indentation",
-    "restitution": "Restitution",
+    "restitution": "Restitution of the first contact",
     "impulse": "Impulse on the beam",
     "critical_angular_velocity": "Critical angular velocity",
     "time": "Time $t$",

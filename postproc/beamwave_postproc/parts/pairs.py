@@ -90,7 +90,21 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> str:
             continue
         if mine.shape != other.shape or not np.array_equal(mine.values, other.values):
             words.append(f"{input_name(name)}\u00a0=\u00a0{_values(mine)} and {_values(other)}")
+    told, others = (_words(ds, groups) for ds in (first, second))
+    for name in [name for name in told if told[name] != others.get(name, told[name])]:
+        words.append(f"{input_name(name)}\u00a0=\u00a0{told[name]} and {others[name]}")
     return f"they differ in {', '.join(words)}" if words else "effects and inputs are the same"
+
+
+def _words(ds: xr.Dataset, groups: set[str]) -> dict[str, str]:
+    """The inputs of these groups that are no numbers: words, and what is chosen or not."""
+    found: dict[str, list[str]] = {}
+    for group in groups_of(ds):
+        for name, values in group.inputs.items() if group.name in groups else ():
+            words = [value for value in values if not isinstance(value, float)]
+            texts = [("no", "yes")[word] if isinstance(word, bool) else word.lower() for word in words]
+            found.setdefault(f"{group.name}_{name}", []).extend(texts)
+    return {name: ", ".join(texts) for name, texts in found.items() if texts}
 
 
 def _values(variable: xr.DataArray) -> str:

@@ -53,7 +53,7 @@ def needed(module: str, files: str) -> ModuleType:
         return import_module(module)
     except ImportError as missing:
         raise NotARecord(
-            f"reading {files} takes the Python package {module}: pip install 'beamwave_postproc[records]'"
+            f"reading {files} takes the Python package {module}: pip install './postproc[records]'"
         ) from missing
 
 

@@ -6,6 +6,7 @@ import pytest
 from beamwave_postproc import NothingToDraw, contact_force, open_result
 from beamwave_postproc.film.motion import motion
 from beamwave_postproc.parts.contacts import mass_at_beam, mass_in_contact, struck_mass
+from beamwave_postproc.parts.sheet import of_size
 
 BEGIN, END, PEAK = 0.2, 0.3, 5.0  # s, s, N: half a sine, of the impulse 2 PEAK (END − BEGIN)/π
 SAMPLES = 128
@@ -46,6 +47,18 @@ def test_force_and_way_of_the_mass_are_drawn(touched):
     assert {line.get_label() for line in motion_of_both.lines} >= {"mass", "beam at the struck place"}
     (alone,) = contact_force(touched.isel(point=[0])).axes  # no history where the mass strikes
     assert alone.get_ylabel() == "Contact force (N)"
+
+
+def test_the_contact_of_the_largest_force_is_drawn_where_there_is_room_for_one(touched):
+    force = touched["contact_force"].copy()
+    force[1] = 3.0 * force[0].values
+    times = {"event_time": ("event", [BEGIN, 0.4]), "event_end": ("event", [END, 0.41])}  # shorter: of less impulse
+    two = touched.assign(**times, event_kind=("event", [4.0, 4.0], touched["event_kind"].attrs), contact_force=force)
+    with of_size((85 / 25.4, 120 / 25.4)):
+        fig = contact_force(two)
+    assert fig.axes[0].get_title(loc="left").startswith("contact 2")
+    assert fig.axes[0].lines[0].get_ydata().max() == pytest.approx(3.0 * PEAK, rel=1e-3)
+    assert any("1 of 2 contacts, that of the largest force" in text.get_text() for text in fig.texts)
 
 
 def test_a_beam_on_a_hub_that_turns_is_where_the_mass_meets_it(touched):

@@ -56,6 +56,11 @@ def test_a_case_without_a_number_is_counted_and_leaves_a_gap():
     assert np.isnan([line[1] for line in lines(fig.axes[0]).values()]).any()
 
 
+def test_the_restitution_is_named_as_that_of_the_first_contact():
+    (axes,) = outcomes(swept("impact_mass", [1.0, 2.0, 3.0], "kg", restitution=("case", [0.3, 0.4, 0.5], "1"))).axes
+    assert axes.get_ylabel() == "Restitution of the first contact"
+
+
 def test_two_inputs_or_two_cases_are_no_curve():
     ds = struck()
     with pytest.raises(NothingToDraw, match="vary one input alone"):

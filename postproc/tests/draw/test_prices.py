@@ -33,6 +33,7 @@ def study():
 
 def test_each_ladder_is_a_curve_of_its_timed_rungs(study):
     axes = work_precision(study).axes[0]
+    assert axes.get_xlabel() == "Largest error of any history over its peak"
     curves = {line.get_label(): line for line in axes.lines}
     drawn = sorted(len(box.lines[0].get_xdata()) for box in axes.containers)
     assert drawn == [2, 2]
