@@ -4,6 +4,8 @@ import base64
 import re
 from html.parser import HTMLParser
 
+import numpy as np
+import pytest
 import synthetic
 
 from beamwave_postproc import cli, dispersion, open_result, page_of, velocity_jump
@@ -69,7 +71,7 @@ def test_tables_hold_the_numbers_of_the_file(full_result):
         tables = {table.title: table for table in tables_of(ds)}
         peaks = ds["measured_wavenumber"].values
     assert set(tables) == {
-        "Modes after the capture", "Impact and critical speed", "Events", "Histories", "Measured in the histories"
+        "Modes after the capture", "Outcomes", "Events", "Histories", "Measured in the histories"
     }  # fmt: skip
     assert len(tables["Modes after the capture"].rows) == MAX_MODES
     assert [row[0] for row in tables["Events"].rows] == ["impact", "capture"]
@@ -77,6 +79,32 @@ def test_tables_hold_the_numbers_of_the_file(full_result):
     column = next(i for i, name in enumerate(measured.columns) if name.startswith("wavenumber"))
     assert [row[column].split(" ± ")[0] for row in measured.rows] == [number(value) for value in peaks]
     assert all(len(row) == len(table.columns) for table in tables.values() for row in table.rows)
+
+
+def test_of_many_histories_the_largest_of_each_quantity_stay(full_result):
+    with open_result(full_result) as ds:
+        case = ds.isel(point=[0] * 21).load()
+    share = np.linspace(0.0, 1.0, 21)  # the largest at the last point
+    along = case["displacement"].dims
+    shape = share[:, None] * np.ones(case.sizes["time"])
+    case = case.assign(bending_moment=(along, shape[::-1], {"units": "N m"}), displacement=(along, shape, {"units": "m"}))
+    case = case.drop_vars(["velocity", "point_position"]).assign_coords(point_position=("point", share))
+    (table,) = (table for table in tables_of(case) if table.title == "Histories")
+    assert len(table.rows) == 20 and table.note.startswith("20 of 42")
+    places = {name: [float(row[1]) for row in table.rows if row[0] == name] for name in ("displacement", "bending moment")}
+    assert places["displacement"] == pytest.approx(share[-10:]) and places["bending moment"] == pytest.approx(share[:10])
+
+
+def test_outcomes_are_the_largest_values_with_their_places_and_no_critical_speed_of_a_beam_at_rest(full_result):
+    with open_result(full_result) as ds:
+        largest = {"largest_stress": ("point", [3e6, 1e6], {"units": "Pa"}), "largest_stress_time": ("point", [0.25, 0.5])}
+        case = ds.assign(**largest, restitution=0.4, largest_contact_force=((), 50.0, {"units": "N"})).load()
+    (rows,) = ({row[0]: row[1:] for row in table.rows} for table in tables_of(case) if table.title == "Outcomes")
+    assert rows["largest bending stress"] == ["3000000", "Pa", f"{float(case['point_position'][0]):.4g}", "0.25"]
+    assert rows["largest contact force"][:2] == ["50", "N"] and rows["restitution of the first contact"][0] == "0.4"
+    assert "critical angular velocity" in rows
+    still = case.drop_vars("rotation_angular_velocity")
+    assert not any(row[0] == "critical angular velocity" for table in tables_of(still) for row in table.rows)
 
 
 def test_what_does_not_exist_is_a_dash(full_result):

@@ -10,6 +10,8 @@ import xarray as xr
 
 from ..parts.describe import effects_of
 from ..parts.events import events_of
+from ..parts.labels import quantity
+from ..parts.outcome import CRITICAL, LARGEST, SPEED
 from ..parts.sensors import status_words
 from ..parts.units import number_text, unit_text, units_of
 
@@ -28,7 +30,7 @@ class Table(NamedTuple):
 
 def tables_of(case: xr.Dataset) -> list[Table]:
     """The tables of one case that its result has the numbers for."""
-    found = [_modes(case), _impact(case), _events(case), _histories(case), _peaks(case)]
+    found = [_modes(case), _outcomes(case), _events(case), _histories(case), _peaks(case)]
     return [table for table in found if table is not None and table.rows]
 
 
@@ -55,22 +57,32 @@ def _modes(case: xr.Dataset) -> Table | None:
     return Table(title, columns, rows, note)
 
 
-def _impact(case: xr.Dataset) -> Table | None:
-    """What the impact leaves, and the critical speed."""
-    words = {
+def _outcomes(case: xr.Dataset) -> Table | None:
+    """What the impact leaves, the largest values with their places and times, and the critical speed of a beam that rotates."""
+    words = {name: quantity(case[name]) for name in (*LARGEST, "largest_indentation", "restitution") if name in case}
+    words |= {
         "impulse": "impulse of the impact",
         "mass_velocity": "velocity of the mass just after the impact",
         "tip_velocity": "velocity of the tip just after the impact",
-        "critical_angular_velocity": "critical angular velocity",
     }
-    rows = [[text, number(float(case[name])), _unit(case, name)] for name, text in words.items() if name in case]
-    return Table("Impact and critical speed", ["quantity", "value", "unit"], rows)
+    words |= {CRITICAL: "critical angular velocity"} if SPEED in case else {}
+    rows = []
+    for name, text in words.items():
+        if name not in case or not np.isfinite(case[name].values).any():
+            continue
+        values = np.atleast_1d(case[name].values)
+        most, along = int(np.nanargmax(values)), "point" in case[name].dims
+        time = f"{name}_time"
+        when = number(float(case[time].values.flat[most])) if time in case else "–"
+        place = f"{float(case['point_position'][most]):.4g}" if along else "–"
+        rows.append([text[:1].lower() + text[1:], number(float(values[most])), _unit(case, name), place, when])
+    return Table("Outcomes", ["quantity", "value", "unit", "at ξ", "time (s)"], rows)
 
 
 def _events(case: xr.Dataset) -> Table | None:
     """Times, impulses, energies and momenta of the events."""
     events = events_of(case)
-    names = [name for name in ("energy_before", "energy_after", "momentum_before", "momentum_after") if name in case]
+    names = [name for name in ("event_force", "energy_before", "energy_after", "momentum_before", "momentum_after") if name in case]
     rows = [
         [
             event.kind,
@@ -86,17 +98,23 @@ def _events(case: xr.Dataset) -> Table | None:
         "time (s)",
         "end (s)",
         "impulse (N s)",
-        *(f"{name.replace('_', ' ')} ({_unit(case, name)})" for name in names),
+        *(f"{name.replace('event_', 'largest ').replace('_', ' ')} ({_unit(case, name)})" for name in names),
     ]
     return Table("Events", columns, rows, f"{MAX_ROWS} of {len(events)} events" if len(events) > MAX_ROWS else "")
 
 
 def _histories(case: xr.Dataset) -> Table | None:
-    """Peak and estimated error of each history at each point, and what is proved of it."""
-    rows = []
+    """Peak and estimated error of each history at each point, and what is proved of it.
+
+    Of many rows those stay that hold the largest of each quantity, as many of one as of another.
+    """
+    rows: list[list[str]] = []
+    peaks: list[list[float]] = []
     for name in ("displacement", "velocity", "acceleration", "bending_moment", "shear_force"):
+        peaks.append([])
         for point in range(case.sizes.get("point", 0) if name in case else 0):
             peak = float(np.nanmax(np.abs(case[name][point].values), initial=0.0))
+            peaks[-1].append(peak)
             error = float(case[f"{name}_error"][point]) if f"{name}_error" in case else math.nan
             share = number_text(error / peak if peak > 0.0 else math.nan, 2)
             place = f"{float(case['point_position'][point]):.4g}"
@@ -112,7 +130,10 @@ def _histories(case: xr.Dataset) -> Table | None:
                 ]
             )
     columns = ["history", "at ξ", "largest", "unit", "estimated error", "error over the largest", "surely below"]
-    return Table("Histories", columns, rows[:MAX_ROWS], f"{MAX_ROWS} of {len(rows)}" if len(rows) > MAX_ROWS else "")
+    ranks = np.concatenate([np.argsort(np.argsort(-np.array(found), kind="stable")) for found in peaks])
+    shown = np.sort(np.argsort(ranks, kind="stable")[:MAX_ROWS])
+    note = f"{MAX_ROWS} of {len(rows)}, those of the largest of each quantity" if len(rows) > MAX_ROWS else ""
+    return Table("Histories", columns, [rows[i] for i in shown], note)
 
 
 def _peaks(case: xr.Dataset) -> Table | None:
