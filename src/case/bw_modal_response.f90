@@ -9,7 +9,8 @@ module bw_modal_response
   !!
   !! On a hub that is free Φ_k(ξ_f) is the whole motion of the place in the frame, which the force works on, and Φ_k(ξ) that from the hub's
   !! line. There r follows from the answers to forces that grow as e^(st), which have no poles (bw_static_shape): as a polynomial in s², through
-  !! four of them, at s² = −Ω² + ic_nΩ.
+  !! four of them, at s² = −Ω² + ic_nΩ; with Rayleigh's damping at s² = (−Ω² + iaΩ)/(1 + ibΩ), and r over 1 + ibΩ.
+  use bw_damping, only: damping_law
   use bw_forced_beam, only: forced_beam
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
@@ -38,6 +39,7 @@ module bw_modal_response
     integer :: n = 0
     real(dp), allocatable :: grown(:, :)             !! under forces that grow with s², 2s², …, (points, nodes); of a beam on a free hub
     real(dp) :: shift = 0.0_dp                       !! s²
+    type(damping_law) :: law
     real(dp), allocatable :: rounding(:, :)          !! of β², and of M over it, (modes, 2); where `grown` is there
   contains
     procedure :: at => sum_modes
@@ -117,7 +119,8 @@ contains
     real(dp), intent(in) :: highest                  !! Ω
     real(dp) :: shapes(size(points), 5, 1)
     integer :: i
-    self%shift = max(0.25_dp*highest**2, 2.0_dp*given%beam%spin_squared%hi + 0.25_dp)
+    if (allocated(modes%law)) self%law = modes%law
+    self%shift = max(0.25_dp*abs(node_at(self, modes%count, highest)), 2.0_dp*given%beam%spin_squared%hi + 0.25_dp)
     allocate (self%grown(size(points), nodes))
     do i = 1, nodes
       shapes = static_shapes(given, [position], [.false.], .false., i*self%shift, points)
@@ -145,14 +148,26 @@ contains
     integer, intent(in) :: point                     !! 0: all
     complex(dp) :: rest(merge(1, size(self%own%weight, 2), point > 0)), node, weight
     integer :: i, j
-    node = cmplx(-omega**2, self%own%damping(self%n)*omega, dp)/self%shift
+    node = node_at(self, self%n, omega)/self%shift
     rest = 0.0_dp
     do i = 1, nodes
       weight = product([((node - j)/(i - j), j=1, i - 1), ((node - j)/(i - j), j=i + 1, nodes)])
       rest = rest + weight*(chosen(cmplx(self%grown(:, i), 0.0_dp, dp), point) &
                             - sum_of(self%own, self%n, cmplx(-i*self%shift, 0.0_dp, dp), 0.0_dp, point))
     end do
+    rest = rest/cmplx(1.0_dp, self%law%stiffness*omega, dp)
   end function rest_of_growth
+
+  pure complex(dp) function node_at(self, n, omega) result(node)
+    !! s² at which the growing responses are those at Ω.
+    class(modal_response), intent(in) :: self
+    integer, intent(in) :: n                         !! modes that are summed
+    real(dp), intent(in) :: omega
+    real(dp) :: rate
+    rate = self%law%mass
+    if (self%law%ratio > 0.0_dp) rate = self%own%damping(n)
+    node = cmplx(-omega**2, rate*omega, dp)/cmplx(1.0_dp, self%law%stiffness*omega, dp)
+  end function node_at
 
   pure function chosen(values, point) result(some)
     !! That of a point, or all.

@@ -166,3 +166,16 @@ def test_a_harmonic_force_moves_beam_and_hub_under_tension_as_a_model_of_their_o
         own = np.array([beam.from_line(point) @ answer for point in asked["points"]])
         assert (np.abs(found[:, j] - own) <= result["frequency_response_error"] + 1e-8 * np.abs(own)).all(), (omega, found[:, j] - own)
     assert (result["frequency_response_error"] < 1e-10 * np.abs(found).max(axis=1)).all()
+
+
+@pytest.mark.parametrize("damping", [{"mass_proportional": 8.0, "stiffness_proportional": 1e-6}, {"ratio": 0.05}, None], ids=str)
+def test_a_very_heavy_hub_answers_a_harmonic_force_as_the_boundary_problem_of_a_root_that_is_held(here, damping):
+    asked = {"points": [0.4, 1.0], "position": 0.7, "first": 1.0, "last": 100.0, "count": 40}
+    groups = {"frequency_response": asked, "support": {"rotational_stiffness": 1e5}, "shear": {}, "damping": damping, "response": None, "modes": None}
+    here.scene("heavy", hubbed(**groups) | {"hub": {"rotary_inertia": 1e17}})
+    here.scene("held", hubbed(**groups, hub=None))
+    heavy, held = ((r["frequency_response_real"] + 1j * r["frequency_response_imag"], r) for r in (here.run("heavy"), here.run("held")))
+    peak = np.abs(held[0]).max(axis=1)
+    given = heavy[1]["frequency_response_error"] + (held[1]["frequency_response_error"] if "frequency_response_error" in held[1] else 0.0)
+    assert (np.abs(heavy[0] - held[0]).max(axis=1) <= 2 * given + 1e-13 * peak).all()
+    assert (heavy[1]["frequency_response_error"] <= 1e-11 * peak).all()
