@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from PIL import Image
 
+from ..parts.events import Event
 from ..parts.head import MARGIN, Head, grow_by_head
 from ..parts.units import number_text, si_prefix
 from ..style import COLOURS, GREY, RC
@@ -115,6 +116,8 @@ def _key(shown: Motion) -> list[Line2D]:
     key = [Line2D([], [], color=BEAM, linewidth=3.0, label="beam")]
     if shown.mass is not None:
         key.append(Line2D([], [], linestyle="", marker="o", color=MASS, markersize=9, label="mass that strikes"))
+        if (beyond := shown.mass[np.abs(shown.mass) > EDGE * limits(shown)]).size:
+            key.append(Line2D([], [], linestyle="", **_arrow(beyond[0]), color=MASS, markersize=9, label="mass beyond the picture"))
     if not shown.clamped:
         key.append(Line2D([], [], linestyle="", **JOINT, label="joint"))
     if shown.carried.locked.any():
@@ -122,6 +125,11 @@ def _key(shown: Motion) -> list[Line2D]:
     if shown.carried.place.size:
         key.append(Line2D([], [], linestyle="", marker="s", color=BODIES, markersize=8, label="body"))
     return key
+
+
+def _arrow(place: float) -> dict[str, str]:
+    """The mark of a mass that is beyond the picture, pointing there."""
+    return {"marker": "^" if place > 0.0 else "v", "markerfacecolor": "white"}
 
 
 class _BeamView:
@@ -174,19 +182,19 @@ class _BeamView:
         """The mass on the beam or in its guide; at the picture's edge, as an arrow head, once it is beyond."""
         place = self.shown.mass[frame]
         beyond = abs(place) > EDGE * limit
-        self.mass.set_marker(("^" if place > 0.0 else "v") if beyond else "o")
-        self.mass.set_markerfacecolor("white" if beyond else MASS)
+        self.mass.set(**_arrow(place) if beyond else {"marker": "o", "markerfacecolor": MASS})
         self.mass.set_data([self.shown.struck], [np.clip(place, -EDGE * limit, EDGE * limit) * self.factor])
 
     def _place_events(self, frame: int) -> None:
-        """Rings that widen where the latest events are, and their names."""
-        ages = [age for age in range(min(WORDS, frame + 1)) if self.shown.events[frame - age]]
-        self.words.set_text(_names(self.shown, frame - ages[0]) if ages else "")
+        """Rings that widen where the latest events are, and their names: of a contact no longer than it lasts."""
+        shown = self.shown
+        ages = [age for age in range(min(WORDS, frame + 1)) if _told(shown, frame - age, frame)]
+        self.words.set_text(_names(_told(shown, frame - ages[0], frame)) if ages else "")
         flashing = bool(ages) and ages[0] < FLASH
         self.flash.set_visible(flashing)
         if flashing:
-            there = self.shown.flashes[frame - ages[0]]
-            self.flash.set_data(there, _on_line(self.shown, frame, there) * self.factor)
+            there = shown.flashes[frame - ages[0]]
+            self.flash.set_data(there, _on_line(shown, frame, there) * self.factor)
             self.flash.set(markersize=14 + 7 * ages[0], markeredgewidth=3.0 * (1.0 - ages[0] / FLASH))
 
 
@@ -261,8 +269,14 @@ def limits(shown: Motion) -> np.ndarray:
     return ROOM * np.maximum(so_far, start)
 
 
-def _names(shown: Motion, frame: int) -> str:
-    """Kinds of the events of a frame, several contacts counted."""
-    kinds = [event.kind for event in shown.events[frame]]
+def _told(shown: Motion, begin: int, frame: int) -> list[Event]:
+    """The events of frame `begin` that are told in `frame`: moments, and what lasts until it ends, but at least once."""
+    now = shown.time[frame]
+    return [event for event in shown.events[begin] if frame == begin or event.end <= event.time or now < event.end]
+
+
+def _names(events: list[Event]) -> str:
+    """Kinds of events, several of one kind counted."""
+    kinds = [event.kind for event in events]
     counts = {kind: kinds.count(kind) for kind in kinds}
     return ", ".join(kind if count == 1 else f"{count} {kind}s" for kind, count in counts.items())

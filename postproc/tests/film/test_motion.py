@@ -14,6 +14,7 @@ from beamwave_postproc.film.frames import Film
 from beamwave_postproc.film.frames import limits as film_limits
 from beamwave_postproc.film.mass_path import Tip, mass_path
 from beamwave_postproc.film.moments import chosen_samples
+from beamwave_postproc.parts.events import Event
 
 POINTS = [round(0.05 * i, 2) for i in range(21)]
 
@@ -244,8 +245,28 @@ def test_the_key_names_what_the_film_shows(film_result):
 
     with open_result(film_result) as ds:
         shown = motion(ds, frames=5)
+    shown = replace(shown, mass=np.zeros_like(shown.time))
     assert words(shown) == ["beam", "mass that strikes"]
     carried = replace(shown.carried, place=np.array([0.4]), there=np.ones((shown.time.size, 1), bool), locked=shown.time > 0.0)
     jointed = replace(shown, mass=None, clamped=False, carried=carried)
     assert words(jointed) == ["beam", "joint", "locked joint", "body"]
     assert Film(jointed).beam.joint.get_visible() and not Film(shown).beam.joint.get_visible()
+    leaves = replace(shown, mass=np.where(shown.time > 0.0, 10.0 * film_limits(shown), 0.0))
+    assert words(leaves) == ["beam", "mass that strikes", "mass beyond the picture"]
+
+
+def test_word_and_ring_of_a_contact_end_with_it_and_those_of_a_moment_stay_a_while(film_result):
+    with open_result(film_result) as ds:
+        shown = motion(ds)
+    still = [[] for _ in shown.events]
+    begin = int(np.flatnonzero(shown.time >= 0.0)[0]) + 5
+    step = shown.time[begin + 1] - shown.time[begin]
+    for end, last in ((2.5 * step, 2), (0.1 * step, 0), (0.0, 15)):
+        event = Event(shown.time[begin], shown.time[begin] + end, "contact", 1.0)
+        film = Film(replace(shown, events=[*still[:begin], [event], *still[begin + 1 :]]))
+        told = []
+        for frame in range(begin, begin + 20):
+            film.image(frame)
+            told += [frame - begin] if film.beam.words.get_text() == "contact" else []
+            assert not film.beam.flash.get_visible() or told[-1:] == [frame - begin]
+        assert told == list(range(last + 1))
