@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.labels import in_units, quantity
-from ..parts.outcome import LARGEST, SPEED, as_frequency, input_axis, varied_inputs
+from ..parts.outcome import LARGEST, SPEED, as_frequency, input_axis, varied_inputs, varies
 from ..parts.select import left_out, spread
 from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import number_text, si_prefix, units_of
@@ -23,7 +23,6 @@ MODES = 3
 POINTS = 4  # of numbers along the beam
 NUMBERS = (*LARGEST, "restitution", "impulse")
 MANY = 1e3  # between the least and the largest number of an axis, from where on it is logarithmic
-SAME = 1e-9  # of the largest: rounding
 
 
 class Panel(NamedTuple):
@@ -76,7 +75,7 @@ def _frequencies(ds: xr.Dataset) -> list[Panel]:
         return []
     hertz = as_frequency(ds["angular_frequency"]).isel(mode=slice(MODES))
     rows = zip(hertz["mode"].values, hertz.values.T)
-    return [Panel(hertz, f"Frequency of mode {number}", row[None], [0]) for number, row in rows if _varies(row)]
+    return [Panel(hertz, f"Frequency of mode {number}", row[None], [0]) for number, row in rows if varies(row)]
 
 
 def _numbers(ds: xr.Dataset, points: list[int]) -> list[Panel]:
@@ -95,12 +94,7 @@ def _moving(variable: xr.DataArray) -> list[int]:
     """Indices of the points at which a number of each case varies; 0 of one without points that does."""
     if variable.dims not in {("case",), ("case", "point")}:
         return []
-    return [i for i, row in enumerate(np.atleast_2d(variable.values.T)) if _varies(row)]
-
-
-def _varies(values: np.ndarray) -> bool:
-    known = values[np.isfinite(values)]
-    return known.size > 1 and float(np.ptp(known)) > SAME * float(np.abs(known).max())
+    return [i for i, row in enumerate(np.atleast_2d(variable.values.T)) if varies(row)]
 
 
 def _draw(axes: Axes, given: xr.DataArray, panel: Panel) -> None:

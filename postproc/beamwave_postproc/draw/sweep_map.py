@@ -9,6 +9,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from ..parts.labels import input_label
+from ..parts.outcome import varies
 from ..parts.select import Chosen, chosen, left_out
 from ..parts.sheet import Given, columns_for, sheet_for
 from ..result import NothingToDraw, require, require_numbers, swept_inputs, to_grid
@@ -38,6 +39,9 @@ def sweep_map(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figu
     held = [name for name in ("angular_frequency", "growth_rate") if name in ds]
     grid = to_grid(ds[held].isel(mode=slice(MAX_MODES if modes is None else None)))
     require_numbers(grid["angular_frequency"].values, "angular_frequency")
+    grown = (grid["growth_rate"] > 0.0).any() if "growth_rate" in grid else False
+    if not grown and not any(varies(mode.values) for mode in grid["angular_frequency"].transpose("mode", ...)):
+        raise NothingToDraw("no frequency that differs from case to case")
     numbers = grid["mode"].values
     columns = columns_for(numbers.size)
     rows = -(-numbers.size // columns)
@@ -57,6 +61,7 @@ def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:
     frequency = mode["angular_frequency"] / (2.0 * np.pi)
     y, x = (mode[name] for name in frequency.dims)
     axes.grid(visible=False)
+    edges = _edges(x.values), _edges(y.values)
     masked = np.ma.masked_invalid(frequency.values)
     grows = np.nan_to_num(mode["growth_rate"].values) > 0.0 if "growth_rate" in mode else masked.mask & False
     if grows.any():
@@ -64,20 +69,25 @@ def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:
         axes.fill_between([], [], label="grows", **GROWS)
     lacks = masked.mask & ~grows
     if lacks.any():
-        axes.pcolormesh(x, y, np.ma.masked_array(lacks, ~lacks), shading="nearest", cmap=ListedColormap([LACKS]))
+        axes.pcolormesh(*edges, np.ma.masked_array(lacks, ~lacks), cmap=ListedColormap([LACKS]))
         axes.fill_between([], [], label="no numbers", color=LACKS)
     if masked.count():
-        mesh = axes.pcolormesh(x, y, masked, shading="nearest", cmap="cividis", rasterized=True)
+        mesh = axes.pcolormesh(*edges, masked, cmap="cividis", rasterized=True)
         axes.figure.colorbar(mesh, ax=axes, label="Frequency (Hz)")
-    for coordinate, which in ((x, "x"), (y, "y")):
-        few = coordinate.size <= FEW
-        half = 0.5 * np.diff(coordinate.values)[[0, -1]] if few else np.zeros(2)
-        ends = coordinate.values[0] - half[0], coordinate.values[-1] + half[1]
-        axes.set(**{f"{which}label": input_label(coordinate), f"{which}lim": ends})
-        if few:
+    for coordinate, which, ends in zip((x, y), "xy", edges):
+        axes.set(**{f"{which}label": input_label(coordinate), f"{which}lim": ends[[0, -1]]})
+        if coordinate.size <= FEW:
             axes.set(**{f"{which}ticks": coordinate.values})
         elif _log_spaced(coordinate.values):
-            logarithmic(axes, which, coordinate.values[0], coordinate.values[-1])
+            logarithmic(axes, which, *ends[[0, -1]])
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Where the cells of these values meet, and where the first and the last end: as far from their values as on the other side."""
+    if values.size > FEW and _log_spaced(values):
+        return values[0] * (values[1] / values[0]) ** (np.arange(values.size + 1) - 0.5)
+    middles = 0.5 * (values[1:] + values[:-1])
+    return np.array([2.0 * values[0] - middles[0], *middles, 2.0 * values[-1] - middles[-1]])
 
 
 def _draw_critical_speed(axes: Axes, ds: xr.Dataset, names: list[str]) -> None:

@@ -24,6 +24,7 @@ CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary
 BY_CHANCE = 4.0  # … unless it is within so many standard deviations, 1/√cases, of inputs that do
 DECADES = 30.0  # between the least and the largest value of an input, from where on its axis is logarithmic
 MARGIN = 1.2  # of a logarithmic axis
+SAME = 1e-9  # of the largest: rounding
 
 
 @dataclass
@@ -102,6 +103,12 @@ def rankings(ds: xr.Dataset) -> pd.DataFrame:
     if not tables:
         raise NothingToDraw(f"fewer than {FEWEST} cases that differ")
     return pd.concat(tables, ignore_index=True)
+
+
+def varies(values: np.ndarray) -> bool:
+    """Whether numbers of the cases differ by more than rounding; those that are not known do not count."""
+    known = values[np.isfinite(values)]
+    return known.size > 1 and float(np.ptp(known)) > SAME * float(np.abs(known).max())
 
 
 def varied_inputs(ds: xr.Dataset) -> list[str]:

@@ -63,3 +63,19 @@ def test_the_line_of_critical_speed_parts_what_oscillates_from_what_grows(grid_r
     drawn = dict(zip(line.get_ydata(), line.get_xdata()))
     for value, omega, frequency in zip(ratio.values, speed.values, first.values):
         assert np.isnan(frequency) == (omega > drawn[value])
+
+
+def test_frequencies_that_no_input_changes_are_no_map(grid_result):
+    with open_result(grid_result) as ds:
+        alike = ds.assign(angular_frequency=ds["angular_frequency"].isel(case=0) + 0.0 * ds["case"]).drop_vars("growth_rate")
+        with pytest.raises(NothingToDraw, match="no frequency that differs from case to case"):
+            sweep_map(alike.assign(angular_frequency=alike["angular_frequency"].transpose("case", "mode")))
+
+
+def test_cells_at_the_edge_are_as_large_as_the_others(grid_result):
+    with open_result(grid_result) as ds:
+        axes = sweep_map(ds).axes[0]
+        decades = ds.assign_coords(rotation_angular_velocity=("case", 10.0 ** (ds["rotation_angular_velocity"].values / 30.0)))
+        in_decades = sweep_map(decades.drop_vars("critical_angular_velocity", errors="ignore")).axes[0]
+    assert axes.get_xlim() == pytest.approx((-5.0, 155.0))  # speeds 0, 10 … 150
+    assert in_decades.get_xscale() == "log" and in_decades.get_xlim() == pytest.approx((10.0 ** (-1 / 6), 10.0 ** (31 / 6)))
