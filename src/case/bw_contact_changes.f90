@@ -9,12 +9,12 @@ module bw_contact_changes
   use bw_changing_motion, only: kind_of_change, note_late_change
   use bw_contact_bodies, only: bodies_after, first_motion
   use bw_contact_law, only: contact_law_of, stored_energy
+  use bw_contact_steps, only: contact_run
   use bw_double_double, only: dd, to_dd, operator(-), operator(/)
-  use bw_event, only: capture_event, contact_event, event_type
-  use bw_force_response, only: force_degree
+  use bw_event, only: capture_event, event_type
   use bw_force_step, only: force_in_step, polynomial_of
   use bw_kinds, only: dp
-  use bw_lasting_contact, only: append_segment, begin_contacts, contact_run, demand_type, finish_contacts, follow_until, go_on, &
+  use bw_lasting_contact, only: append_segment, begin_contacts, demand_type, finish_contacts, follow_until, go_on, &
     lasting_contacts
   use bw_missing, only: is_missing
   use bw_mode_set, only: deflections, mode_set, turns

@@ -170,7 +170,9 @@ contains
     !! That a scene that changes in time may have.
     type(scene_type), intent(in) :: scene
     configurations = size(configurations_of(scene))
-    if (size(scene%sweeps) > 0) configurations = 1 + most_events(scene, 0)     ! cases may have fewer
+    if (size(scene%sweeps) == 0) return
+    configurations = 1 + most_events(scene, 0)     ! cases may have fewer
+    if (allocated(scene%contact) .and. allocated(scene%capture)) configurations = 2*configurations
   end function most_configurations
 
   pure integer function most_events(scene, contacts) result(events)

@@ -22,7 +22,7 @@ ABSENT = {
     ],
     "contact": [
         *("bw_lasting_contact", "bw_contact_bodies", "bw_contact_law"),
-        *("bw_contact_force", "bw_contact_changes"),
+        *("bw_contact_force", "bw_contact_steps", "bw_contact_changes"),
         *("bw_force_step", "bw_force_response", "bw_loaded_sum", "bw_static_shape"),
     ],
     "loads": ["bw_case_loads", "bw_load_courses", "bw_load_course", "bw_load_step", "bw_load_modes", "bw_load_sum"],

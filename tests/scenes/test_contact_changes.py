@@ -104,6 +104,38 @@ def test_a_change_in_a_contact_takes_no_part_in_its_balance(here):
     np.testing.assert_allclose(result["momentum_after"][1], result["momentum_before"][1], rtol=1e-11)
 
 
+def test_a_contact_that_damps_goes_on_when_a_body_comes(here):
+    """The force is nearly what it was: the new modes lack little of the gap, and the indentation goes on closing as it did."""
+    blow = (
+        ("impact", {"mass": 0.12538, "approach_velocity": -1.0}),
+        ("contact", {"stiffness": 6.18e7, "exponent": 1.5, "damping": 0.14}),
+    )
+    history = HISTORY | {"duration": 0.003}
+    groups = (of_body(0.681, mass=0.08, stiffness=157.0, rotational_stiffness=9.8, **{"from": 0.0023}),)
+    result = run(here, "a", *groups, blow=blow, count=44, history=history)
+    fine = run(here, "fine", *groups, blow=blow, count=176, history=history)
+    assert list(result["event_kind"][:2]) == [CONTACT, ARRIVAL]
+    peak = np.abs(fine["contact_force"][0]).max()
+    np.testing.assert_allclose(result["contact_force"][0], fine["contact_force"][0], rtol=0, atol=0.15 * peak)
+    assert (np.abs(result["displacement"] - fine["displacement"]).max(axis=1) <= result["displacement_error"]).all()
+
+
+def test_a_tolerance_is_kept_where_a_body_comes_in_a_contact(here):
+    groups = (of_body(0.6, mass=0.1, stiffness=300.0, **{"from": 0.0041}),)
+    history = HISTORY | {"duration": 0.02, "velocity": False}
+    fine = run(here, "fine", *groups, count=512, history=history)["displacement"]
+    here.write(
+        "a.nml",
+        "".join(
+            group_text(*group)
+            for group in (("beam", UNIT_BEAM), *BLOW, *groups, ("modes", {"tolerance": 1e-4}), ("response", history))
+        ),
+    )
+    result = here.run("a")
+    assert result["displacement_error"].max() <= 1e-4 * np.abs(fine).max() * 1.01
+    assert (np.abs(result["displacement"] - fine).max(axis=1) <= result["displacement_error"]).all()
+
+
 def test_a_stiff_contact_that_captures_is_the_capture_at_once(here):
     """Also when a further body comes; how the modes share what is left when the mass leaves differs for long."""
     groups = (("capture", {}), of_body(0.5, mass=0.2, **{"from": 0.0201}, velocity=0.3), ("release", {"time": 0.04}))
