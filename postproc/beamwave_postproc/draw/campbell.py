@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -60,13 +61,19 @@ def campbell(
     rows = -(-len(shown) // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
     limits = _limits(np.concatenate(branches), linear)
+    multiples = []
     for axes, part, values in zip(sheet.axes, parts, branches):
-        limit = _draw(axes, part, numbers, values, limits, orders)
+        limit, drawn_here = _draw(axes, part, numbers, values, limits, orders)
+        multiples += drawn_here
         axes.set_title(", ".join(filter(None, [value_text(part[other[0]][0]) if other else "", limit])))
     for axes in sheet.axes[len(shown) :]:
         axes.set_visible(False)
     of_modes = left_out(numbers.size, ds["mode"].size, "modes in the file") if modes is None else ""
-    return sheet.finish(ds, [left_out(len(shown), len(held), "values"), of_modes])
+    fig = sheet.finish(ds, [left_out(len(shown), len(held), "values"), of_modes])
+    if sheet.own:
+        fig.get_layout_engine().execute(fig)
+    _thin(multiples)
+    return fig
 
 
 def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] = ORDERS) -> pd.DataFrame:
@@ -120,8 +127,8 @@ def _draw(
     values: np.ndarray,
     limits: tuple[float, float, bool],
     orders: Sequence[float],
-) -> str:
-    """One diagram of cases that differ in their speed, which ascends; the critical speed in words, if there is one.
+) -> tuple[str, list[list[Artist]]]:
+    """One diagram of cases that differ in their speed, which ascends; the critical speed in words, and what each multiple is drawn of.
 
     `values` are the eigenvalues (case, mode) of the modes `numbers`, and `limits` those of all diagrams.
     """
@@ -134,12 +141,9 @@ def _draw(
     else:
         axes.set_ylim(bottom, top)
     axes.set_xlim(RPM * speed[0], RPM * speed[-1])
-    named = _draw_orders(axes, orders)
-    for branch in range(numbers.size):
-        met = np.array([place for order in named for place in _meetings(speed, values[:, branch], order)]).reshape(-1, 2)
-        axes.plot(RPM * met[:, 0], met[:, 1], linestyle="", marker="D", markersize=5, color=GREY, fillstyle="none")
+    multiples = [_draw_order(axes, order, speed, values) for order in sorted(orders)]
     axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)")
-    return _mark_growth(axes, cases, speed, values)
+    return _mark_growth(axes, cases, speed, values), list(filter(None, multiples))
 
 
 def _draw_mode(axes: Axes, speed: np.ndarray, values: np.ndarray, label: str, number: int) -> None:
@@ -208,26 +212,34 @@ def _limits(values: np.ndarray, linear: bool) -> tuple[float, float, bool]:
     return 0.0, 1.1 * float(known.max()), False
 
 
-def _draw_orders(axes: Axes, orders: Sequence[float]) -> list[float]:
-    """Multiples of the speed, named where they leave the picture, the low ones first where names have no room."""
+def _draw_order(axes: Axes, order: float, speed: np.ndarray, values: np.ndarray) -> list[Artist]:
+    """A multiple of the speed, its name where it leaves the picture, and its meetings with modes; nothing of one outside."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    speed = np.linspace(left, right, FINE)
+    fine = np.linspace(left, right, FINE)
+    line = order * np.abs(fine) / 60.0
+    inside = np.flatnonzero((line > bottom) & (line < top))
+    if not inside.size:
+        return []
+    name = axes.annotate(f"{order:g}P", (fine[inside[-1]], line[inside[-1]]), xytext=(3, 0), textcoords="offset points",
+                         fontsize=8, color=GREY, va="center", annotation_clip=False)  # fmt: skip
+    met = np.array([place for branch in values.T for place in _meetings(speed, branch, order)]).reshape(-1, 2)
+    return [
+        name,
+        *axes.plot(fine, line, color=GREY, linewidth=0.7, linestyle=":", zorder=1),
+        *axes.plot(RPM * met[:, 0], met[:, 1], linestyle="", marker="D", markersize=5, color=GREY, fillstyle="none"),
+    ]
+
+
+def _thin(multiples: list[list[Artist]]) -> None:
+    """Take away multiples whose names meet that of a lower one, all axes having their final places."""
     named: list[np.ndarray] = []
-    drawn = []
-    for order in sorted(orders):
-        line = order * np.abs(speed) / 60.0
-        inside = np.flatnonzero((line > bottom) & (line < top))
-        if not inside.size:
+    for name, *others in multiples:
+        end = name.axes.transData.transform(name.xy) * 72.0 / name.figure.dpi
+        if all(np.abs(end - other).max() >= NAME for other in named):
+            named.append(end)
             continue
-        end = axes.transData.transform((speed[inside[-1]], line[inside[-1]])) * 72.0 / axes.figure.dpi
-        if any(np.abs(end - other).max() < NAME for other in named):
-            continue
-        named.append(end)
-        drawn.append(order)
-        axes.plot(speed, line, color=GREY, linewidth=0.7, linestyle=":", zorder=1)
-        axes.annotate(f"{order:g}P", (speed[inside[-1]], line[inside[-1]]), xytext=(3, 0), textcoords="offset points",
-                      fontsize=8, color=GREY, va="center", annotation_clip=False)  # fmt: skip
-    return drawn
+        for artist in (name, *others):
+            artist.remove()
 
 
 def _mark_growth(axes: Axes, cases: xr.Dataset, speed: np.ndarray, values: np.ndarray) -> str:

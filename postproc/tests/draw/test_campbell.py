@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.patches import Polygon
 
 from beamwave_postproc import NothingToDraw, campbell, crossings, open_result
+from beamwave_postproc.parts.sheet import of_size
 
 RPM = 30.0 / np.pi
 SPEEDS = [float(speed) for speed in range(0, 201, 20)]
@@ -155,13 +156,15 @@ def test_all_panels_of_a_second_input_have_one_scale_that_shows_every_mode(grid_
     assert any("5 of 6 modes in the file" in text.get_text() for text in fig.texts)
 
 
-def test_names_of_multiples_stand_apart():
+@pytest.mark.parametrize(("beta", "size"), [([2200.0, 3100.0], None), ([55.0, 300.0, 1500.0], (3.35, 2.0))])
+def test_names_of_multiples_stand_apart(beta, size):
     speed = np.linspace(0.0, 60.0, 11)  # to 573 rpm, below modes that are near each other and far above the multiples
     ds = xr.Dataset(
-        {"angular_frequency": (("case", "mode"), np.tile([2200.0, 3100.0], (11, 1)))},
-        {"case": np.arange(1, 12), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)},
+        {"angular_frequency": (("case", "mode"), np.tile(beta, (11, 1)))},
+        {"case": np.arange(1, 12), "mode": np.arange(len(beta)) + 1, "rotation_angular_velocity": ("case", speed)},
     )
-    (axes,) = campbell(ds).axes
+    with of_size(size):
+        (axes,) = campbell(ds).axes
     axes.figure.draw_without_rendering()
     boxes = [text.get_window_extent() for text in axes.texts]
     assert axes.texts[0].get_text() == "1P" and len(boxes) > 1
