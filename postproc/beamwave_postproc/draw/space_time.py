@@ -46,11 +46,11 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
     held = samples_held(case, name)
     ends = [end for end in (start, float(case["time"][held - 1])) if end is not None]
     columns = columns_for(len(ends))
-    sheet = sheet_for(ax, len(ends) // columns, columns, width=6.4 if len(ends) == 1 else 9.6, height=3.6, share="y")
+    sheet = sheet_for(ax, len(ends) // columns, columns, width=6.4 if len(ends) == 1 else 9.6, height=3.6)
     for axes, end in zip(sheet.axes, ends):
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
-    sheet.axes[0].set_ylabel(r"Place $\xi$ (0 root, 1 tip)")
+        axes.set_ylabel(r"Place $\xi$ (0 root, 1 tip)")  # on each, or the words of the bar before it would be taken for it
     return sheet.finish(ds, [note, end_note([case], name)], warning=error_warning([case], name))
 
 

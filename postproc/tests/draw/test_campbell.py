@@ -156,7 +156,7 @@ def test_all_panels_of_a_second_input_have_one_scale_that_shows_every_mode(grid_
     assert any("5 of 6 modes in the file" in text.get_text() for text in fig.texts)
 
 
-@pytest.mark.parametrize(("beta", "size"), [([2200.0, 3100.0], None), ([55.0, 300.0, 1500.0], (3.35, 2.0))])
+@pytest.mark.parametrize(("beta", "size"), [([2200.0, 3100.0], None), ([55.0, 200.0, 600.0, 1000.0, 1500.0], (3.35, 2.2))])
 def test_names_of_multiples_stand_apart(beta, size):
     speed = np.linspace(0.0, 60.0, 11)  # to 573 rpm, below modes that are near each other and far above the multiples
     ds = xr.Dataset(

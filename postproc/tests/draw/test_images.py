@@ -59,7 +59,8 @@ def test_what_may_be_nothing_but_error_carries_a_warning(whole, draw):
 
 def test_the_first_part_stands_beside_a_long_record_alone_and_not_on_a_given_axes(whole):
     first, record = (axes for axes in space_time(whole).axes if axes.images and axes.get_xlabel())
-    assert first.get_xlim()[1] < 0.2 * record.get_xlim()[1]
+    assert first.get_xlim()[1] < 0.2 * record.get_xlim()[1] and first.get_ylim() == record.get_ylim()
+    assert first.get_ylabel() == record.get_ylabel() == r"Place $\xi$ (0 root, 1 tip)"
     assert len([axes for axes in space_time(whole.sel(time=slice(0.0, 0.004))).axes if axes.get_xlabel()]) == 1
 
 
