@@ -7,8 +7,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from .classic import needed_length
 from .terminal import Refusal, reason
 
+NOT_RUN = -1  # of `case_status`
+RAN = "cases_that_ran"  # attribute of a draft
 FORMAT_VERSIONS = (1, 2)  # NetCDF-4; classic NetCDF
 DIMENSIONS = {
     *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
@@ -32,6 +35,8 @@ def open_result(path: str | Path) -> xr.Dataset:
     """
     if not Path(path).is_file():
         raise NotAResult(f"{path}: no such file")
+    if why := _why_cut_short(Path(path)):
+        raise NotAResult(f"{path}: {why}")
     try:
         ds = xr.open_dataset(netcdf_path(Path(path)), engine="netcdf4")
     except Exception as failure:  # whatever xarray stumbles over
@@ -40,7 +45,35 @@ def open_result(path: str | Path) -> xr.Dataset:
     if why:
         ds.close()
         raise NotAResult(f"{path}: {why}")
-    return _with_contact_unit(ds)
+    return _of_cases_that_ran(_with_contact_unit(ds), str(path))
+
+
+def _why_cut_short(path: Path) -> str:
+    """That a file ends before what its header tells of; empty where it does not, or its library has to tell."""
+    length = path.stat().st_size
+    try:
+        needed = needed_length(path) or 0
+    except EOFError:
+        return f"damaged, cut short: its header does not end within {length} bytes"
+    except (OSError, KeyError, IndexError):
+        return ""
+    return f"damaged, cut short: {length} of {needed} bytes" if length < needed else ""
+
+
+def _of_cases_that_ran(ds: xr.Dataset, path: str) -> xr.Dataset:
+    """The draft of a sweep without the cases that have not run, which have no numbers yet; `RAN` says how many have."""
+    if "case_status" not in ds or ds["case_status"].dims != ("case",):
+        return ds
+    ran = np.flatnonzero(ds["case_status"].values != NOT_RUN)
+    if ran.size == ds.sizes["case"]:
+        return ds
+    if not ran.size:
+        ds.close()
+        raise NotAResult(f"{path}: none of its {ds.sizes['case']} cases has run yet")
+    gapless = ran[-1] - ran[0] + 1 == ran.size
+    some = ds.isel(case=slice(ran[0], ran[-1] + 1) if gapless else ran)
+    some.set_close(ds.close)
+    return some.assign_attrs({RAN: f"{ran.size} of {ds.sizes['case']} cases have run"})
 
 
 def _with_contact_unit(ds: xr.Dataset) -> xr.Dataset:

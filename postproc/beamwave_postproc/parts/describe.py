@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from ..result import RAN
 from .labels import symbol_of, value_text
 from .scene import Group, Value, given_in, groups_of, word_of
 from .units import LONG, number_text, si_prefix, unit_text, units_of
@@ -38,13 +39,18 @@ def description_of(ds: xr.Dataset) -> str:
     Inputs that were identified are left out: what the scene gives for them is where the search began.
     """
     beam, effects, others = _told(ds)
-    return "; ".join(filter(None, [*beam, *effects, *others, file_of(ds)]))
+    return "; ".join(filter(None, [*beam, *effects, *others, _ran(ds), file_of(ds)]))
 
 
 def brief_of(ds: xr.Dataset) -> list[str]:
     """The file of a result, its beam, and the other groups of its scene, those first that tell one scene from another: effects."""
     beam, effects, others = _told(ds)
-    return list(filter(None, [file_of(ds), *beam, *effects, *others]))
+    return list(filter(None, [file_of(ds), _ran(ds), *beam, *effects, *others]))
+
+
+def _ran(ds: xr.Dataset) -> str:
+    """How many cases have run, of a sweep that is not finished."""
+    return str(ds.attrs.get(RAN, ""))
 
 
 def _told(ds: xr.Dataset) -> tuple[list[str], list[str], list[str]]:
