@@ -69,6 +69,9 @@ def read_blade(path: Path) -> Blade:
         raise NotABlade(f"{path}:{scalars['NBlInpSt'][0]}: NBlInpSt is {count:g}; accepted: 2 to {MOST_STATIONS}")
     table = _stations(path, lines, int(count))
     factors = {name: scalar(name) for name in ("AdjBlMs", "AdjFlSt", "AdjEdSt")}
+    for name, value in factors.items():
+        if value <= 0:
+            raise NotABlade(f"{path}:{scalars[name][0]}: {name} is {value:g}; accepted: above 0")
     tuners = {
         name: scalar(name) for name in ("FlStTunr(1)", "FlStTunr(2)", "FlStTunr1", "FlStTunr2")
     }  # both spellings occur

@@ -60,12 +60,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     """Draw what was asked for; the highest exit status of any file."""
-    given.only = [name for names in given.only for name in names.split(",") if name]
+    names = [name for names in given.only for name in names.split(",") if name]
+    if given.only and not names:
+        raise WrongWords("--only names no picture; accepted: one or more names, or leave it out")
+    given.only = names
     files, status = results_in(given, tool)
     _check(given, files)
+    if not given.compare:
+        refuse_repeated(files, given.output)
     if given.output is not None:
-        if not given.compare:
-            refuse_repeated(files)
         make_directory(given.output)
     return max([status, *_drawn(given, tool, files)])
 

@@ -66,11 +66,13 @@ def command(words: Words, work: Callable[[Namespace, Tool], int], argv: Sequence
     return tool.run(run)
 
 
-def refuse_repeated(files: Iterable[Path]) -> None:
-    """Raise `WrongWords` where files of one name would write the same file."""
-    twice = sorted(stem for stem, count in Counter(file.stem for file in files).items() if count > 1)
+def refuse_repeated(files: Iterable[Path], output: Path | None) -> None:
+    """Raise `WrongWords` where files of one name would write the same file, in `output` or beside each."""
+    targets = Counter((output or file.parent).resolve() / file.stem for file in files)
+    twice = sorted(target.name for target, count in targets.items() if count > 1)
     if twice:
-        raise WrongWords(f"several files would write the same: {', '.join(twice)}; accepted: each without --output")
+        other = "each by itself, with its own --output" if output is None else "each without --output"
+        raise WrongWords(f"several files would write the same: {', '.join(twice)}; accepted: {other}")
 
 
 class Tool(Streams):

@@ -230,6 +230,7 @@ def test_a_constant_angle_is_refused_only_of_a_blade_that_rotates(tmp_path):
         (("FlpStff", "FlpStiff"), ":13: has no column FlpStff"),
         (("3.8000000E+02", "-3.8000000E+02"), ":17: BMassDen is -380; accepted: above 0"),
         (("3.0000000E-01", "5.0000000E-02"), ":17: BlFract is 0.05 after 0.1; accepted: it rises"),
+        (("1.05   AdjBlMs", "0.0    AdjBlMs"), "AdjBlMs is 0; accepted: above 0"),
         (("1.0000000E+00", "9.0000000E-01"), ":20: BlFract is 0.9; accepted: 1"),
     ],
 )

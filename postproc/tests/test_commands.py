@@ -232,3 +232,17 @@ def test_a_size_without_room_for_the_words_is_refused_and_the_one_that_is_named_
     assert cli.main([*words, size]) == 3
     told = re.search(r"its words have no room; (\d+x\d+) mm suffices", capfd.readouterr().err)
     assert told and cli.main([*words, told[1]]) == 0
+
+
+@pytest.mark.parametrize("output", [False, True])
+def test_results_that_would_write_the_same_picture_are_refused(tmp_path, capfd, output):
+    paths = [synthetic.write(tmp_path / name, synthetic.scene()) for name in ("q.nc", "q.nc4")]
+    words = ["--output", str(tmp_path)] if output else []
+    assert cli.main([*map(str, paths), "--only", "dispersion", *words]) == 2
+    assert "several files would write the same: q" in capfd.readouterr().err and not list(tmp_path.glob("*.png"))
+
+
+@pytest.mark.parametrize("name", ["", ",,"])
+def test_a_choice_of_no_picture_is_refused(modes_only, name):
+    assert cli.main([str(modes_only), "--only", name]) == 2
+    assert not list(modes_only.parent.glob("*.png"))

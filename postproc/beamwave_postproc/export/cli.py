@@ -38,8 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     files, status = results_in(given, tool)
+    refuse_repeated(files, given.output)
     if given.output is not None:
-        refuse_repeated(files)
         make_directory(given.output)
     return max([status, *(_export(given, tool, file) for file in files)])
 

@@ -59,8 +59,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(given: argparse.Namespace, tool: Tool) -> int:
     """Convert each file; the highest exit status of any."""
     _check(given)
+    refuse_repeated(given.files, given.output)
     if given.output is not None:
-        refuse_repeated(given.files)
         make_directory(given.output)
     places = [(file, given.output or file.parent) for file in given.files]
     return max(tool.each([file], place, partial(_convert, file, place, given, tool)) for file, place in places)
