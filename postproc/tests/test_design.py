@@ -248,6 +248,11 @@ def test_an_input_that_acts_with_others_alone_is_not_taken_for_one_that_acts_by_
     assert beyond <= 8  # of 40 draws at 5 %: more than 8 once in 4000
 
 
+def test_indices_of_values_whose_squares_overflow_are_those_of_smaller_ones():
+    x, y = ishigami(64)
+    np.testing.assert_array_equal(*(first_order_indices(x, y * scale).first_order for scale in (1.0, 2.0**700)))
+
+
 def test_inputs_that_cannot_be_told_apart_or_are_too_many_have_no_index():
     dice = np.random.default_rng(1)
     x = dice.normal(size=(3, 200))

@@ -26,7 +26,7 @@ from ..parts.points import (
 )
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given
-from ..parts.units import si_prefix, units_of
+from ..parts.units import LARGEST, si_prefix, units_of
 from ..result import NothingToDraw, require
 from ..stress import factors
 from ..style import COLOURS, say_zero, sparse_markers, styled
@@ -163,7 +163,8 @@ def _add_stress(column: list[Axes], cases: list[xr.Dataset], points: list[int], 
     for axes, own, peak, scale, (prefix, times) in zip(
         column, of_moment, peaks, scales, common_prefixes(list(of_moment * peaks), "Pa")
     ):
-        if peak > 0.0:
+        highest = np.abs(axes.get_ylim()).max()
+        if peak > 0.0 and np.log10([own, times / scale, highest]).sum() < np.log10(LARGEST):
             _add_axis(axes, own * times / scale, f"Outermost fibre's\nstress ({prefix}Pa)")
 
 

@@ -13,7 +13,7 @@ from ..parts.labels import in_units, quantity
 from ..parts.outcome import LARGEST, SPEED, as_frequency, input_axis, varied_inputs, varies
 from ..parts.select import left_out, spread
 from ..parts.sheet import Given, columns_for, sheet_for
-from ..parts.units import number_text, si_prefix, units_of
+from ..parts.units import drawable, number_text, si_prefix, units_of
 from ..result import NothingToDraw
 from ..style import curve_style, logarithmic, styled
 
@@ -46,6 +46,7 @@ def outcomes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     if len(names) != 1 or ds.sizes["case"] < FEWEST:
         raise NothingToDraw("needs three cases or more that vary one input alone")
     ds = ds.isel(case=np.argsort(ds[names[0]].values, kind="stable"))
+    ds = ds.assign({name: drawable(ds[name]) for name in NUMBERS if name in ds})
     moving = sorted({point for name in NUMBERS if name in ds and "point" in ds[name].dims for point in _moving(ds[name])})
     points = [moving[i] for i in spread(len(moving), POINTS)]
     panels = [*(_frequencies(ds) if names[0] != SPEED else []), *_numbers(ds, points)]

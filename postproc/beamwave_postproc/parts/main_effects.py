@@ -42,6 +42,7 @@ def first_order_indices(inputs: np.ndarray, values: np.ndarray) -> Indices:
         drawn = np.random.default_rng(SEED).choice(values.size, MOST_CASES, replace=False)
         inputs, values = inputs[:, drawn], values[drawn]
     cases = values.size
+    values = np.ldexp(values, -int(np.frexp(np.abs(values).max(initial=0.0))[1]))  # whose squares do not overflow
     values = values - values.mean()
     if cases < CASES_PER_INPUT * len(inputs) or np.ptp(values) == 0.0:
         return absent

@@ -14,7 +14,7 @@ from ..result import NothingToDraw, swept_inputs
 from ..style import logarithmic
 from .labels import input_label, quantity
 from .main_effects import first_order_indices, ranks
-from .units import si_prefix, units_of
+from .units import drawable, si_prefix, units_of
 
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
 QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
@@ -43,7 +43,7 @@ def outcomes_of(ds: xr.Dataset) -> list[Outcome]:
         summed = [name for name in summed if name != CRITICAL]
     found = []
     for name in [one for one in summed if one in ds] or [one for one in LARGEST if one in ds]:
-        one = _outcome(ds, ds[name])
+        one = _outcome(ds, drawable(ds[name]))
         values = one.variable.values
         finite = values[np.isfinite(values)]
         if finite.size >= 2 and np.ptp(finite) > 0.0:

@@ -19,6 +19,7 @@ TAKES = {
     "J": ("", "m", "µ", "n"),
     "rad": ("", "m", "µ"),
 }
+LARGEST = 1e300  # beyond which the margins of an axis may overflow
 LEAST = 0.5  # a prefix suits if the largest number is at least this in it, k and beyond from 1 on
 LONG = 1e6  # numbers from here on have a power of ten
 RAISED = str.maketrans("0123456789.", "⁰¹²³⁴⁵⁶⁷⁸⁹·")
@@ -44,6 +45,11 @@ def unit_text(units: str) -> str:
         return " ".join(above)
     bottom = " ".join(below)
     return f"{' '.join(above) or '1'}/" + (f"({bottom})" if len(below) > 1 else bottom)
+
+
+def drawable(variable: xr.DataArray) -> xr.DataArray:
+    """The same, where what no axis can hold is missing."""
+    return variable.where(np.abs(variable) < LARGEST)
 
 
 def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:

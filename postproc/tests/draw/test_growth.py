@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import synthetic
 
-from beamwave_postproc import displacement, open_result
+from beamwave_postproc import bending_moment, displacement, open_result
 
 
 def notes(fig):
@@ -46,6 +46,14 @@ def test_numbers_up_to_the_largest_have_an_axis(growing):
     fig = displacement(case.assign(displacement=case["displacement"] * share))
     fig.draw_without_rendering()
     assert all(np.isfinite(axes.get_ylim()).all() for axes in fig.axes)
+
+
+def test_a_moment_whose_stress_overflows_is_drawn_without_it(growing):
+    case = growing.isel(case=1)
+    moment = (case["displacement"] * (1e302 / np.abs(case["displacement"]).max())).assign_attrs(units="N m")
+    fig = bending_moment(case.assign(bending_moment=moment))
+    fig.draw_without_rendering()
+    assert all(not axes.child_axes and np.isfinite(axes.get_ylim()).all() for axes in fig.axes)
 
 
 def test_a_bounded_history_has_a_linear_axis_and_no_note(growing):

@@ -56,6 +56,13 @@ def test_a_case_without_a_number_is_counted_and_leaves_a_gap():
     assert np.isnan([line[1] for line in lines(fig.axes[0]).values()]).any()
 
 
+def test_a_number_that_no_axis_holds_counts_as_missing():
+    force = ("case", [1.0, 1.6e308, 2.0], "N")
+    fig = outcomes(swept("impact_mass", [1.0, 2.0, 3.0], "kg", largest_contact_force=force))
+    fig.draw_without_rendering()
+    assert fig.axes[0].get_ylim()[1] < 10.0 and any("up to 1 without numbers" in text.get_text() for text in fig.texts)
+
+
 def test_the_restitution_is_named_as_that_of_the_first_contact():
     (axes,) = outcomes(swept("impact_mass", [1.0, 2.0, 3.0], "kg", restitution=("case", [0.3, 0.4, 0.5], "1"))).axes
     assert axes.get_ylabel() == "Restitution of the first contact"
