@@ -262,3 +262,13 @@ def test_the_program_reads_what_was_written(beamwave, tmp_path):
     assert "even, 2048 Hz" in done.stdout
     assert "acc_2, acceleration at xi = 1: -0.2" in done.stdout
     assert "warning" not in done.stderr
+
+
+def test_arrays_are_as_consistent_as_tables(tmp_path):
+    path = tmp_path / "a.mat"
+    scipy.io.savemat(path, {"t": TIMES, "a": HISTORIES[:, 0]})
+    with pytest.raises(NotARecord, match="has times of its own, t"):
+        read_channels(path, Wanted(sample_rate=5.0))
+    scipy.io.savemat(path, {"t": TIMES[::-1], "a": HISTORIES[:, 0]})
+    with pytest.raises(NotARecord, match="row 2: the time is"):
+        read_channels(path)

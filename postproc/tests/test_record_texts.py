@@ -172,3 +172,31 @@ def test_dates_that_may_be_read_either_way_are_refused(tmp_path):
 def test_a_single_date_need_not_be_told(tmp_path):
     (channel,) = read(tmp_path / "record.csv", "t,acc\n" + rows(lambda n, y: f"01/02/2024 12:00:{n:02d},{y}"))
     np.testing.assert_allclose(channel.times, np.arange(COUNT))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("1.0,", "0.75,"), "line 6: the time is 0.75 s after 0.75 s"),
+        (("1.0,", "0.5,"), "line 6: the time is 0.5 s after 0.75 s"),
+        (("1.0,", ","), "line 6: the time is nan s after 0.75 s"),
+        (("1.0,-0.942", "1.0,inf"), "line 6: a is infinite"),
+        (("1.0,-0.942", "1.0,OVR"), "line 6: 'OVR' stands among numbers"),
+    ],
+)
+def test_inconsistent_rows_are_refused_with_their_line(tmp_path, change, said):
+    text = "time,a\n" + rows(lambda n, y: f"{n / 4},{y}")
+    assert change[0] in text
+    with pytest.raises(NotARecord) as failure:
+        read(tmp_path / "a.csv", text.replace(*change, 1))
+    assert str(failure.value).startswith(said)
+
+
+@pytest.mark.parametrize("clock", [lambda n: n / 4, lambda n: n // 4])
+def test_a_sampling_rate_is_for_files_whose_times_do_not_rise(tmp_path, clock):
+    text = "time,a\n" + rows(lambda n, y: f"{clock(n)},{y}")
+    if clock(1):
+        with pytest.raises(NotARecord, match="has times of its own, column time"):
+            read(tmp_path / "a.csv", text, Wanted(sample_rate=5.0))
+    else:
+        assert read(tmp_path / "a.csv", text, Wanted(sample_rate=5.0))[0].times[1] == 0.2

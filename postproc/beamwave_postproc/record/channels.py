@@ -32,6 +32,7 @@ class Channel:
     description: str = ""
     position: float | None = None  # x/l
     record: str = ""  # what it is part of, where a file holds several records
+    line: int = 0  # of its first sample in a text
 
 
 @dataclass
@@ -55,6 +56,34 @@ def needed(module: str, files: str) -> ModuleType:
         raise NotARecord(
             f"reading {files} takes the Python package {module}: pip install './postproc[records]'"
         ) from missing
+
+
+def refuse_inconsistent(channel: Channel) -> None:
+    """Raise `NotARecord` where times do not rise, or a value is infinite, naming its line or row."""
+
+    def place(number: int) -> str:
+        return f"line {channel.line + number}" if channel.line else f"row {number + 1}"
+
+    times = channel.times
+    if (falls := np.flatnonzero(~(np.diff(times) > 0.0))).size:
+        after = int(falls[0]) + 1
+        raise NotARecord(
+            f"{place(after)}: the time is {times[after]:g} s after {times[after - 1]:g} s; accepted: times that rise, or --sample-rate"
+        )
+    if (wrong := np.flatnonzero(np.isinf(channel.values))).size:
+        raise NotARecord(f"{place(int(wrong[0]))}: {channel.name} is infinite; accepted: numbers")
+
+
+def own_times(times: np.ndarray, wanted: Wanted, clock: str) -> np.ndarray:
+    """The times that a file has, or by the caller's sampling rate where they do not rise, as clocks of whole seconds.
+
+    Raises `NotARecord` where he gives one and they do.
+    """
+    if wanted.sample_rate is None:
+        return times
+    if (np.diff(times) > 0.0).all():
+        raise NotARecord(f"has times of its own, {clock}; accepted: without --sample-rate")
+    return even_times(times.size, 1.0 / wanted.sample_rate)
 
 
 def even_times(count: int, interval: float, start: float = 0.0) -> np.ndarray:
@@ -84,7 +113,7 @@ def channels_of(arrays: Mapping[str, np.ndarray], wanted: Wanted, source: str) -
     found = []
     for scope, clock in clocks.items():
         mine = {name: array for name, array in numbers.items() if _nearest(name, clocks) == scope}
-        here = Wanted(None, None, [name for name in wanted.variables if name in mine], wanted.time_scale)
+        here = Wanted(wanted.sample_rate, None, [name for name in wanted.variables if name in mine], wanted.time_scale)
         if here.variables or not wanted.variables:
             found += _one_record(mine, clock, here, scope)
     outside = [name for name in wanted.variables if _nearest(name, clocks) is None]
@@ -96,7 +125,9 @@ def channels_of(arrays: Mapping[str, np.ndarray], wanted: Wanted, source: str) -
 
 def _one_record(numbers: Mapping[str, np.ndarray], clock: str, wanted: Wanted, record: str) -> list[Channel]:
     """The histories that share one time, whose array `clock` names; empty where the sampling rate tells it."""
-    times = None if not clock or wanted.sample_rate else numbers[clock].astype(float).ravel() * wanted.time_scale
+    times = None
+    if clock:
+        times = own_times(numbers[clock].astype(float).ravel() * wanted.time_scale, wanted, clock)
     names = wanted.variables or [name for name in numbers if name != clock]
     long = {name: _columns(numbers[name], None if times is None else times.size) for name in names}
     long = {name: columns for name, columns in long.items() if columns is not None}
@@ -156,10 +187,7 @@ def _clocks(numbers: Mapping[str, np.ndarray], wanted: Wanted, source: str) -> d
                 f"no array of numbers called {wanted.time} in {source}; there: {', '.join(numbers) or 'none'}"
             )
     else:
-        found = list(_named(numbers, TIME_NAMES))
-        if wanted.sample_rate is not None:
-            return {"": found[0]} if found else {}
-        found = [name for name in found if _is_row(numbers[name])]
+        found = [name for name in _named(numbers, TIME_NAMES) if _is_row(numbers[name])]
     clocks: dict[str, str] = {}
     for name in found:
         clocks.setdefault(_scope(name), name)

@@ -12,7 +12,7 @@ import scipy.io
 import scipy.io.wavfile
 
 from ..terminal import reason
-from .channels import Channel, NotARecord, Wanted, channels_of, even_times, needed
+from .channels import Channel, NotARecord, Wanted, channels_of, even_times, needed, refuse_inconsistent
 from .tables import text_channels
 from .universal import universal_channels
 
@@ -28,7 +28,10 @@ def read_channels(path: Path, wanted: Wanted | None = None) -> list[Channel]:
         start = file.read(600)
     kind, read = _reader(start, path.suffix.lower())
     try:
-        return read(path, wanted)
+        channels = read(path, wanted)
+        for channel in channels:
+            refuse_inconsistent(channel)
+        return channels
     except (OSError, MemoryError, NotARecord):
         raise
     except Exception as failure:  # whatever a library stumbles over in a damaged file

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from .channels import Channel, NotARecord, Wanted, even_times
+from ..terminal import printable
+from .channels import Channel, NotARecord, Wanted, even_times, own_times
 
 SEPARATORS = ("\t", ";", ",", None)  # None: any number of blanks
 PROBED = 2000  # lines that tell the form
@@ -44,6 +45,7 @@ class Table:
     names: list[str]  # (columns), empty where nothing stands above a column
     units: list[str]  # (columns)
     comma: bool  # the decimal mark
+    line: int  # of the first row
 
 
 def text_channels(path: Path, wanted: Wanted) -> list[Channel]:
@@ -84,11 +86,14 @@ def tables_of(lines: Sequence[str]) -> list[Table]:
     def cells(separator: str | None) -> int:
         return sum(len(table.rows) * len(table.names) for table in _tables(lines[:PROBED], separator))
 
-    return _tables(lines, max(SEPARATORS, key=cells))
+    return _tables(lines, max(SEPARATORS, key=cells), chosen=True)
 
 
-def _tables(lines: Sequence[str], separator: str | None) -> list[Table]:
-    """Runs of lines with as many cells, of which the first and at least one more line are numbers or clocks."""
+def _tables(lines: Sequence[str], separator: str | None, *, chosen: bool = False) -> list[Table]:
+    """Runs of lines with as many cells, of which the first and at least one more line are numbers or clocks.
+
+    Raises `NotARecord` by the chosen separator where a word stands among the numbers, as a logger writes OVR.
+    """
     comma = separator != "," and _has_decimal_commas(lines, separator)
     cells = [_cells(line, separator) for line in lines]
     is_row = [any(row) and all(_tells(cell, comma) for cell in row) for row in cells]
@@ -98,11 +103,26 @@ def _tables(lines: Sequence[str], separator: str | None) -> list[Table]:
         last = first
         while last < len(cells) and is_row[last] and len(cells[last]) == len(cells[first]):
             last += 1
+        if chosen and last > first:
+            _refuse_words(cells, is_row, first, last, comma)
         if last - first >= LEAST_ROWS:
-            found.append(_table(cells[first:last], cells[max(end, first - NEAR) : first], comma))
+            found.append(_table(cells[first:last], cells[max(end, first - NEAR) : first], comma, first + 1))
             end = last
         first = max(last, first + 1)
     return found
+
+
+def _refuse_words(cells: list[list[str]], is_row: list[bool], first: int, last: int, comma: bool) -> None:
+    """Raise `NotARecord` where the rows of a table go on behind lines of as many cells that begin as a row."""
+    width = len(cells[first])
+    behind = last
+    while behind < len(cells) and not is_row[behind] and len(cells[behind]) == width:
+        if not cells[behind][0] or not _tells(cells[behind][0], comma):
+            return
+        behind += 1
+    if last < behind < len(cells) and len(cells[behind]) == width:
+        word = next(cell for cell in cells[last] if not _tells(cell, comma))
+        raise NotARecord(f"line {last + 1}: {printable(word)!r} stands among numbers; accepted: a number, or nothing")
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
@@ -144,7 +164,7 @@ def _is_clock(cell: str) -> bool:
     return bool(CLOCK.fullmatch(cell))
 
 
-def _table(rows: list[list[str]], header: list[list[str]], comma: bool) -> Table:
+def _table(rows: list[list[str]], header: list[list[str]], comma: bool, line: int) -> Table:
     """Rows with the names and units that stand above them."""
     count = max(column + 1 for row in rows for column, cell in enumerate(row) if cell)  # rows may end in separators
     above = [(row + [""] * count)[:count] for row in header if len(row) <= len(rows[0])]
@@ -159,7 +179,7 @@ def _table(rows: list[list[str]], header: list[list[str]], comma: bool) -> Table
         if said and not units[column]:
             names[column] = said["name"]
             units[column] = next(part for part in (said["round"], said["square"], said["slash"]) if part is not None)
-    return Table([row[:count] for row in rows], names, units, comma)
+    return Table([row[:count] for row in rows], names, units, comma, line)
 
 
 def _is_unit(cell: str) -> bool:
@@ -186,14 +206,15 @@ def _channels(table: Table, wanted: Wanted, record: str) -> list[Channel]:
             )
         times = even_times(len(table.rows), 1.0 / wanted.sample_rate)
     else:
-        times = _times(table, clock, numbers[clock], wanted)
+        own = _times(table, clock, numbers[clock], wanted)
+        times = own_times(own, wanted, f"column {table.names[clock] or clock + 1}")
     found = []
     for column, values in enumerate(numbers):
         name = table.names[column] or f"column_{column + 1}"
         asked = not wanted.variables or name in wanted.variables or str(column + 1) in wanted.variables
         if column == clock or not asked or values is None or not np.isfinite(values).any():
             continue
-        found.append(Channel(name, values, times, unit=table.units[column], record=record))
+        found.append(Channel(name, values, times, unit=table.units[column], record=record, line=table.line))
     if not found:
         raise NotARecord(f"no column of numbers beside the times among {_listed(table)}")
     return found
@@ -211,15 +232,13 @@ def _column(table: Table, column: int) -> np.ndarray | None:
 
 
 def _clock_of(table: Table, wanted: Wanted) -> int | None:
-    """The column of the times; none where the sampling rate tells them."""
+    """The column of the times; none where nothing tells that one is."""
     if wanted.time is not None:
         if wanted.time in table.names:
             return table.names.index(wanted.time)
         if wanted.time.isdecimal() and 1 <= int(wanted.time) <= len(table.names):
             return int(wanted.time) - 1
         raise NotARecord(f"no column called {wanted.time} among {_listed(table)}")
-    if wanted.sample_rate is not None:
-        return None
     for column, name in enumerate(table.names):
         if name.lower() in NAMES_OF_TIME:
             return column
@@ -337,9 +356,7 @@ def _part(
         if values.size == 0:
             continue
         times = table[: values.size, column - 1 if x_columns == "multi" else 0]
-        if wanted.sample_rate is not None:
-            times = even_times(values.size, 1.0 / wanted.sample_rate)
-        elif x_columns == "no" or not np.isfinite(times).all():
+        if x_columns == "no" or not np.isfinite(times).all():
             times = even_times(values.size, _cell(head, "Delta_X", channel, comma), _cell(head, "X0", channel, comma))
         name = names[column] if column < len(names) and names[column] else f"channel_{channel + 1}"
         if not wanted.variables or name in wanted.variables:
