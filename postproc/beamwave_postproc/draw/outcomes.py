@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ FEWEST = 3  # cases
 FEW_CASES = 40  # up to which each is marked
 MODES = 3
 POINTS = 4  # of numbers along the beam
+FREQUENCY = "angular_frequency"
 NUMBERS = (*LARGEST, "restitution", "impulse")
 MANY = 1e3  # between the least and the largest number of an axis, from where on it is logarithmic
 
@@ -35,21 +37,24 @@ class Panel(NamedTuple):
 
 
 @styled
-def outcomes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
+def outcomes(ds: xr.Dataset, *, only: Sequence[str] | None = None, ax: Given = None) -> Figure:
     """Draw the frequencies of the lowest modes, largest displacement, stress and contact force, restitution and impulse over the
     one input that a sweep or a design varies, as far as they differ from case to case.
 
     Numbers along the beam have a curve for each point, at most four. Frequencies over the angular velocity are left to
-    `campbell`. Raises `NothingToDraw` unless three cases vary one input.
+    `campbell`. With `only`, names of variables as `largest_stress`, the others are left out. Raises `NothingToDraw` unless three
+    cases vary one input.
     """
     names = varied_inputs(ds) if "case" in ds.dims else []
     if len(names) != 1 or ds.sizes["case"] < FEWEST:
         raise NothingToDraw("needs three cases or more that vary one input alone")
     ds = ds.isel(case=np.argsort(ds[names[0]].values, kind="stable"))
-    ds = ds.assign({name: drawable(ds[name]) for name in NUMBERS if name in ds})
-    moving = sorted({point for name in NUMBERS if name in ds and "point" in ds[name].dims for point in _moving(ds[name])})
+    drawn = [name for name in NUMBERS if name in ds and (only is None or name in only)]
+    ds = ds.assign({name: drawable(ds[name]) for name in drawn})
+    moving = sorted({point for name in drawn if "point" in ds[name].dims for point in _moving(ds[name])})
     points = [moving[i] for i in spread(len(moving), POINTS)]
-    panels = [*(_frequencies(ds) if names[0] != SPEED else []), *_numbers(ds, points)]
+    modes = names[0] != SPEED and (only is None or FREQUENCY in only)
+    panels = [*(_frequencies(ds) if modes else []), *_numbers(ds, drawn, points)]
     if not panels:
         raise NothingToDraw("no frequency, largest value, restitution or impulse that differs from case to case")
     columns = columns_for(len(panels))
@@ -72,17 +77,17 @@ def outcomes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
 
 def _frequencies(ds: xr.Dataset) -> list[Panel]:
     """Frequencies of the lowest modes, each on axes of its own."""
-    if "angular_frequency" not in ds or ds["angular_frequency"].dims != ("case", "mode"):
+    if FREQUENCY not in ds or ds[FREQUENCY].dims != ("case", "mode"):
         return []
-    hertz = as_frequency(ds["angular_frequency"]).isel(mode=slice(MODES))
+    hertz = as_frequency(ds[FREQUENCY]).isel(mode=slice(MODES))
     rows = zip(hertz["mode"].values, hertz.values.T)
     return [Panel(hertz, f"Frequency of mode {number}", row[None], [0]) for number, row in rows if varies(row)]
 
 
-def _numbers(ds: xr.Dataset, points: list[int]) -> list[Panel]:
-    """Numbers of each case, those along the beam at these points, each with a look of its own."""
+def _numbers(ds: xr.Dataset, names: list[str], points: list[int]) -> list[Panel]:
+    """These numbers of each case, those along the beam at these points, each with a look of its own."""
     found = []
-    for name in filter(ds.__contains__, NUMBERS):
+    for name in names:
         values, along = ds[name].values.T, "point" in ds[name].dims
         shown = [point for point in _moving(ds[name]) if point in points or not along]
         if shown:

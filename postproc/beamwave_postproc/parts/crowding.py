@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from itertools import combinations
 
@@ -12,24 +13,39 @@ from matplotlib.transforms import Bbox
 
 LEAST_ROW = 0.9  # inches, of a row of axes with its words
 TOUCH = 1.0  # pixels, by which boxes may overlap
-STEP, STEPS = 1.1, 16  # by which sizes grow that are tried, and how often
+STEP, STEPS = 1.1, 16  # by which widths grow that are tried, and how often
+HIGHER, MOST = 5, 4.0  # mm, by which heights grow that are tried, and how many times its own they are at most
+MM = 25.4  # in an inch
 
 
 def sufficient_size(fig: Figure, head: float) -> tuple[float, float]:
-    """The least of some sizes (width, height; inches) at which all words of `fig` have room below a head of so many inches.
+    """The size (width, height; inches) at which all words of `fig` have room below a head of so many inches.
 
-    That of the figure itself if it suffices; else higher, wider or both. (inf, inf) if none that is tried does.
+    That of the figure itself if it suffices; else the least height, in steps of 5 mm, at its width, which is that of a column; and
+    only where no height helps a larger width. (inf, inf) if none does.
     """
-    own, least = fig.get_size_inches(), head + LEAST_ROW * fig.axes[0].get_gridspec().nrows
-    steps = [(0, 0), *(step for n in range(1, STEPS) for step in ((0, n), (n, 0), (n, n)))]
+    own, least = tuple(fig.get_size_inches()), head + LEAST_ROW * fig.axes[0].get_gridspec().nrows
+
+    def suffices(width: float, height: float) -> bool:
+        """Whether words have room at this size (mm)."""
+        fig.set_size_inches(width / MM, height / MM)
+        if fig.get_figheight() < least:
+            return False
+        fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - head / fig.get_figheight()))
+        return not is_crowded(fig) and not is_crowded(fig)  # nor from where the first layout has put the axes
+
     try:
-        for wider, higher in sorted(steps, key=sum):  # by their areas
-            fig.set_size_inches(own[0] * STEP**wider, own[1] * STEP**higher)
-            if fig.get_figheight() < least:
+        if suffices(MM * own[0], MM * own[1]):
+            return own
+        for wider in range(STEPS):
+            width, low = math.ceil(MM * own[0] * STEP**wider), math.ceil(MM * own[1] / HIGHER) - 1
+            high = math.ceil(MOST * MM * own[1] / HIGHER)
+            if not suffices(width, HIGHER * high):
                 continue
-            fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - head / fig.get_figheight()))
-            if not is_crowded(fig):
-                return tuple(fig.get_size_inches())
+            while high - low > 1:
+                middle = (low + high) // 2
+                low, high = (low, middle) if suffices(width, HIGHER * middle) else (middle, high)
+            return width / MM, HIGHER * high / MM
     finally:
         fig.set_size_inches(*own)
     return np.inf, np.inf

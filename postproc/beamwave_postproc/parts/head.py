@@ -10,12 +10,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ..terminal import Refusal
-from .crowding import sufficient_size
+from .crowding import MM, sufficient_size
 from .describe import brief_of, description_of, title_of
 from .labels import plain
 from .text import broken, fitting, width_of
 
-MM = 25.4  # in an inch
 MARGIN = 0.12  # inches, left and right and at the top
 LINES = 2  # of what a scene has
 GAP = 0.05  # inches, between the parts
@@ -62,10 +61,10 @@ def add_head(fig: Figure, head: Head, *, grow: bool = True) -> None:
 
 
 def _in_words(size: tuple[float, float]) -> str:
-    """A size in mm, rounded up, and what it is good for."""
+    """A size, which is of whole mm, and what it is good for."""
     if not all(map(math.isfinite, size)):
         return "draw it larger"
-    return f"{math.ceil(MM * size[0])}x{math.ceil(MM * size[1])} mm suffices"
+    return f"{MM * size[0]:.0f}x{MM * size[1]:.0f} mm suffices"
 
 
 def grow_by_head(fig: Figure, head: Head, *, grow: bool = True) -> float:

@@ -68,6 +68,13 @@ def test_the_restitution_is_named_as_that_of_the_first_contact():
     assert axes.get_ylabel() == "Restitution of the first contact"
 
 
+def test_some_outcomes_can_be_drawn_alone():
+    (axes,) = outcomes(struck(), only=["largest_stress"]).axes
+    assert axes.get_ylabel().startswith("Largest bending stress") and len(lines(axes)) == 2  # the tip has none
+    with pytest.raises(NothingToDraw, match="no frequency"):
+        outcomes(struck(), only=["restitution"])
+
+
 def test_two_inputs_or_two_cases_are_no_curve():
     ds = struck()
     with pytest.raises(NothingToDraw, match="vary one input alone"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from beamwave_postproc.parts.crowding import is_crowded, sufficient_size
+from beamwave_postproc.parts.crowding import MM, is_crowded, sufficient_size
 from beamwave_postproc.parts.sheet import columns_for, new_figure, of_size
 from beamwave_postproc.style import label_decades
 
@@ -37,8 +37,21 @@ def test_axes_without_any_room_are_crowded():
 def test_a_size_is_found_at_which_the_words_have_room_and_the_figure_keeps_its_own():
     fig = beside(4.0, "a title that is longer than two inches")
     wide, high = sufficient_size(fig, 0.5)
-    assert tuple(fig.get_size_inches()) == (4.0, 2.0) and wide > 4.0 and high == 2.0
+    assert tuple(fig.get_size_inches()) == (4.0, 2.0) and wide > 4.0 and high == 55.0 / MM  # no height helps
     assert sufficient_size(beside(wide, "short"), 0.5) == (wide, 2.0)
+
+
+def test_of_sizes_that_suffice_the_least_height_at_the_width_that_is_given_is_named():
+    def stacked(height: float) -> Figure:
+        """Eight axes below each other in a column, of this height in mm."""
+        fig = new_figure(90.0 / MM, height / MM)
+        for axes in fig.subplots(8, 1):
+            axes.set(xlabel="abscissa", title="title")
+        return fig
+
+    wide, high = (round(MM * length) for length in sufficient_size(stacked(120.0), 0.0))
+    assert wide == 90 and high > 120
+    assert not is_crowded(stacked(high)) and (is_crowded(stacked(high - 5.0)) or high <= 8 * 0.9 * MM + 5.0)
 
 
 @pytest.mark.parametrize(("width", "columns"), [(None, 2), (6.7, 2), (3.3, 1), (1.6, 1)])
