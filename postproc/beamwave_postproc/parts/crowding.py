@@ -32,7 +32,7 @@ def sufficient_size(fig: Figure, head: float) -> tuple[float, float]:
         if fig.get_figheight() < least:
             return False
         fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - head / fig.get_figheight()))
-        return not is_crowded(fig) and not is_crowded(fig)  # nor from where the first layout has put the axes
+        return not is_crowded(fig)
 
     try:
         if suffices(MM * own[0], MM * own[1]):
@@ -52,7 +52,10 @@ def sufficient_size(fig: Figure, head: float) -> tuple[float, float]:
 
 
 def is_crowded(fig: Figure) -> bool:
-    """Whether axes with their words overlap or are cut, or numbers of an axis meet."""
+    """Whether axes with their words overlap or are cut, or numbers of an axis meet, wherever the axes were before."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        fig.get_layout_engine().execute(fig)  # whose outcome depends a little on the places that it starts from
     with warnings.catch_warnings(record=True) as said:  # that axes have no room at all
         warnings.simplefilter("always")
         fig.get_layout_engine().execute(fig)
