@@ -36,7 +36,7 @@ def velocity_jump(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> 
     notes = [same, *drawn.notes]
     for axes, panel in zip(sheet.axes, drawn.panels):
         notes += [draw_jump(axes, position, curve) for curve in panel.curves]
-        mark_places(axes, ds, "x")
+        mark_places(axes, ds, "x", first=True)
         axes.set_title(panel.title)
         axes.set_ylabel(axis_label(ds["velocity_jump"]))
         axes.set_xlim(position.min(), position.max())

@@ -59,7 +59,7 @@ def _draw_one(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[int],
     words = [_frequency(curve.data, row) if named else "" for row in range(count)]
     words = [word if _unit_shape(curve.data, row).any() else "\nturn of the whole" for row, word in enumerate(words)]
     axes.set_yticks(range(count), [f"mode {number}{word}" for number, word in zip(ds["mode"].values, words)])
-    mark_places(axes, ds, "x")
+    mark_places(axes, ds, "x", first=True)
     axes.grid(visible=False)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
@@ -81,7 +81,7 @@ def _draw_several(ax: Given, ds: xr.Dataset, curves: list[Curve], coarse: list[i
         words = " and ".join(dict.fromkeys(_frequency(curves[i].data, row).strip() for i in (0, -1)))
         axes.set_title(f"mode {number}" + (f", {words.replace(' and ', ' … ')}" if words and named else "") + (": all alike" if alike else ""))
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=ABOVE_GRID)
-        mark_places(axes, ds, "x")
+        mark_places(axes, ds, "x", first=True)
         axes.set(xlim=(position.min(), position.max()), ylim=(-1.15, 1.15), yticks=[-1.0, 0.0, 1.0])
     for axes in sheet.axes[count:]:
         axes.set_visible(False)

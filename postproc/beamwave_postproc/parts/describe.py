@@ -122,7 +122,7 @@ def _group(ds: xr.Dataset, group: Group, hidden: set[str], only_given: bool, lab
         values = group.inputs.get(name, [])
         numeric = before + name in ds.variables and not (values and isinstance(values[0], str))
         variable = ds[before + name] if numeric else None
-        if variable is not None and {"unknown", "event"} & set(variable.dims):  # of all groups together, or found
+        if variable is not None and {"unknown", "event", "time"} & set(variable.dims):  # of all groups together, or found
             variable = None
         if name in WORDS and values and values[0] in WORDS[name]:
             words.append(WORDS[name][values[0]])

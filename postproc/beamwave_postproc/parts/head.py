@@ -78,6 +78,9 @@ def grow_by_head(fig: Figure, head: Head, *, grow: bool = True) -> float:
     for text, style in [(head.title, TITLE), (plain(head.warning), WARNING), *((line, SMALL) for line in small)]:
         if text:
             artist = fig.text(0.0, 0.0, broken(text, width, **style), va="top", linespacing=1.25, **style)
+            longer = artist.get_window_extent().width / fig.dpi / width
+            if longer > 1.0:  # of a film, whose dots are coarser than those on which words are measured
+                artist.set_text(broken(text, width / longer, **style))
             placed.append((artist, above))
             above += artist.get_window_extent().height / fig.dpi + GAP
     if head.handles:

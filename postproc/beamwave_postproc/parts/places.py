@@ -43,10 +43,20 @@ def struck_inside(ds: xr.Dataset) -> float | None:
     return float(places[0]) if places.size == 1 and places[0] < TIP else None
 
 
-def mark_places(axes: Axes, ds: xr.Dataset, along: Literal["x", "y"]) -> None:
-    """Lines across the axes at the bodies and at the struck place, ξ being on the axis `along`; named in the legend."""
+def bodies_at_first(ds: xr.Dataset) -> np.ndarray:
+    """Those of `body_places` at which something is attached at t = 0, the time of the modes; of a sweep over it all."""
+    if any("case" in ds[name].dims for name in ("body_from", "body_until") if name in ds):
+        return body_places(ds)
+    return body_places(ds)[bodies_there(ds, np.zeros(1))[0]]
+
+
+def mark_places(axes: Axes, ds: xr.Dataset, along: Literal["x", "y"], *, first: bool = False) -> None:
+    """Lines across the axes at the bodies and at the struck place, ξ being on the axis `along`; named in the legend.
+
+    With `first` the bodies are those at t = 0.
+    """
     draw = axes.axvline if along == "x" else axes.axhline
-    bodies, struck = body_places(ds), struck_inside(ds)
+    bodies, struck = bodies_at_first(ds) if first else body_places(ds), struck_inside(ds)
     for place in bodies:
         draw(place, label="body" if bodies.size == 1 else "bodies", zorder=ABOVE_GRID if along == "x" else 2.0, **BODY)
     if struck is not None:

@@ -40,6 +40,14 @@ def test_forces_and_times_of_events_are_no_inputs(full_result):
         assert "force error" not in description_of(found)
 
 
+def test_the_turn_of_a_hub_is_no_input(full_result):
+    with open_result(full_result) as ds:
+        turned = ds.assign_attrs(effects=f"hub {ds.attrs['effects']}").assign(
+            hub_angle=("time", np.ones(ds.sizes["time"]), {"units": "rad"}), hub_radius=((), 0.3, {"units": "m"})
+        )
+        assert "radius" in description_of(turned) and "angle" not in description_of(turned)
+
+
 def test_a_swept_input_is_told_by_its_values_or_their_range(paper_results, grid_result):
     with open_result(paper_results / "fig6.nc") as ds:
         assert "rotation ω = 0, 50, 100 rad/s;" in read(description_of(ds))

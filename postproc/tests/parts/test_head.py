@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 import synthetic
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from beamwave_postproc import dispersion, displacement, measured, open_result, spectrum, velocity_jump
-from beamwave_postproc.parts.head import MARGIN
+from beamwave_postproc.film.frames import DPI as FILM_DPI
+from beamwave_postproc.parts.head import MARGIN, Head, grow_by_head
 from beamwave_postproc.parts.text import broken
 
 SEVEN = {
@@ -90,3 +93,11 @@ def test_labels_of_neighbouring_panels_do_not_meet(many_points, points):
     assert len(boxes) == min(points, 6)
     assert all(upper.y0 > lower.y1 for upper, lower in zip(boxes, boxes[1:]))
     assert any("6 of 100 points" in text.get_text() for text in fig.texts) == (points == 100)
+
+
+def test_lines_of_a_film_are_inside_it_though_its_dots_are_coarse():
+    for count in range(60, 160):
+        fig = Figure(figsize=(8.6, 3.0), dpi=FILM_DPI)
+        FigureCanvasAgg(fig)
+        grow_by_head(fig, Head("", [f"{'ω = 50 rad/s; ' * 20}"[:count]]))
+        assert fig.texts[0].get_window_extent().x1 < fig.bbox.x1

@@ -111,3 +111,9 @@ def test_a_beam_that_nothing_strikes_is_filmed_with_its_bodies(laden):
     alone = laden.drop_vars([name for name in laden if name.startswith("impact_")])
     shown = motion(alone.assign(event_kind=kinds, body_from=("body", [0.1, np.nan, 0.0])))
     assert shown.mass is None and not shown.carried.there[0, 1] and shown.carried.there[-1].all()
+
+
+def test_bodies_that_come_later_are_no_part_of_the_modes_at_first(laden):
+    later = laden.assign(body_from=("body", [0.1, np.nan, 0.2]))
+    for draw in (mode_shapes, velocity_jump):
+        assert marks(draw(later).axes[0])["body"] == [0.4] and "bodies" in marks(draw(laden).axes[0])
