@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from .draw.campbell import MAX_MODES, RPM, curve_of, limits_of, over_speed
 from .draw.jump import draw_jump
 from .parts.curves import Curve
 from .parts.labels import axis_label, in_units
@@ -197,6 +198,31 @@ def spectra(first: xr.Dataset, second: xr.Dataset) -> Figure:
     return sheet.finish_with(head_of_both(first, second, [note, rf"at $\xi$ = {xi:.4g}", *folding]))
 
 
+@styled
+def campbells(first: xr.Dataset, second: xr.Dataset) -> Figure:
+    """The lowest modes that both have over the angular velocity, in one diagram."""
+    for ds in (first, second):
+        require(ds, "angular_frequency", "mode")
+    numbers = np.intersect1d(first["mode"], second["mode"])[:MAX_MODES]
+    sides = [over_speed(ds, numbers) for ds in (first, second)]
+    if not any((values > 0.0).any() for _, values in sides):
+        raise NothingToDraw("no mode oscillates")
+    sheet = sheet_for(None, height=4.4)
+    (axes,) = sheet.axes
+    for (speed, values), look, name in zip(sides, _looks(0, 1), names_of(first, second)):
+        look = {**look, "marker": ""}
+        drawn = [curve_of(speed, branch) for branch in values.T if np.isfinite(branch).sum() > 1]
+        for number, (at, hertz) in enumerate(drawn):
+            axes.plot(RPM * at, hertz, label="" if number else name, **look)
+    bottom, top, decades = limits_of(np.concatenate([values for _, values in sides]), linear=False)
+    axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)", ylim=(bottom, top))
+    if decades:
+        logarithmic(axes, "y", bottom, top)
+    axes.set_xlim(RPM * min(speed[0] for speed, _ in sides), RPM * max(speed[-1] for speed, _ in sides))
+    of_modes = left_out(numbers.size, max(ds.sizes["mode"] for ds in (first, second)), "modes")
+    return sheet.finish_with(head_of_both(first, second, [of_modes]))
+
+
 def _both(first: xr.Dataset, second: xr.Dataset, *names: str) -> tuple[list[Pair], str]:
     """The pairs of two results that both hold `names`."""
     for ds in (first, second):
@@ -227,6 +253,7 @@ def _labels(pair: Pair, names: tuple[str, str]) -> list[str]:
 
 COMPARED: dict[str, Callable[[xr.Dataset, xr.Dataset], Figure]] = {
     "frequencies": frequencies,
+    "campbell": campbells,
     "velocity_jump": jumps,
     **{
         name: partial(histories, name=name)

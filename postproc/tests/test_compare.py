@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import synthetic
+import xarray as xr
 
 from beamwave_postproc import NothingToDraw, compare, open_result
 from beamwave_postproc.compare import COMPARED
@@ -144,3 +145,21 @@ def test_a_and_b_are_told_apart_without_colour(two):
     for kind, fig in compare(*two).items():
         lines = [line for line in fig.axes[0].lines if line.get_label()[0] in "AB"]
         assert len({(str(line.get_linestyle()), line.get_marker(), line.is_dashed()) for line in lines}) == 2, kind
+
+
+def test_two_sweeps_over_the_speed_have_one_campbell_diagram():
+    speed = np.linspace(0.0, 60.0, 7)
+
+    def sweep(growth):
+        """Modes whose β² grows by so many times ω² from that at rest."""
+        beta = np.sqrt(np.array([50.0, 300.0]) ** 2 + growth * speed[:, None] ** 2)
+        inputs = {"case": np.arange(1, 8), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)}
+        ds = xr.Dataset({"angular_frequency": (("case", "mode"), beta)}, inputs)
+        ds.encoding["source"] = "sweep.nc"
+        return ds
+
+    (axes,) = compare(sweep(1.2), sweep(0.2))["campbell"].axes
+    for line, (rest, growth) in zip(axes.lines, ((50.0, 1.2), (300.0, 1.2), (50.0, 0.2), (300.0, 0.2))):
+        omega = line.get_xdata() * np.pi / 30.0
+        np.testing.assert_allclose(2.0 * np.pi * line.get_ydata(), np.sqrt(rest**2 + growth * omega**2), rtol=1e-9)
+    assert [line.is_dashed() for line in axes.lines] == [False, False, True, True]

@@ -60,7 +60,7 @@ def campbell(
     columns = columns_for(len(shown))
     rows = -(-len(shown) // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
-    limits = _limits(np.concatenate(branches), linear)
+    limits = limits_of(np.concatenate(branches), linear)
     multiples = []
     for axes, part, values in zip(sheet.axes, parts, branches):
         limit, drawn_here = _draw(axes, part, numbers, values, limits, orders)
@@ -82,15 +82,8 @@ def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] =
     A row for each: `mode`, `order`, `angular_velocity` (rad/s), `rpm` and `frequency` (Hz), in the order of speed. Between the
     speeds of the sweep the square of the frequency is interpolated over that of the speed, in which it is nearly linear.
     """
-    require(ds, "angular_frequency", SPEED)
-    if [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1] != [SPEED]:
-        raise NothingToDraw("needs a sweep over the angular velocity alone")
-    numbers = chosen(ds, modes=modes)["mode"].values
-    held = _lines_of(ds, [])
-    if not held:
-        raise NothingToDraw("needs three values of the angular velocity or more")
-    cases = chosen(ds)[[name for name in HELD if name in ds]].load().isel(case=held[0])
-    speed, values = cases[SPEED].values, _branches(cases, numbers)
+    numbers = chosen(ds, modes=modes)["mode"].values if "mode" in ds else np.empty(0)
+    speed, values = over_speed(ds, numbers)
     rows = [
         (int(number), order, at, RPM * at, frequency)
         for branch, number in enumerate(numbers)
@@ -99,6 +92,18 @@ def crossings(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] =
     ]
     table = pd.DataFrame(rows, columns=["mode", "order", "angular_velocity", "rpm", "frequency"])
     return table.sort_values(["angular_velocity", "mode"], ignore_index=True)
+
+
+def over_speed(ds: xr.Dataset, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds (rad/s) of a sweep over the angular velocity alone, and eigenvalues (case, mode) of the modes `numbers`, followed."""
+    require(ds, "angular_frequency", SPEED)
+    if [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1] != [SPEED]:
+        raise NothingToDraw("needs a sweep over the angular velocity alone")
+    held = _lines_of(ds, [])
+    if not held:
+        raise NothingToDraw("needs three values of the angular velocity or more")
+    cases = chosen(ds)[[name for name in HELD if name in ds]].load().isel(case=held[0])
+    return cases[SPEED].values, _branches(cases, numbers)
 
 
 def _lines_of(ds: xr.Dataset, other: list[str]) -> list[np.ndarray]:
@@ -151,13 +156,19 @@ def _draw_mode(axes: Axes, speed: np.ndarray, values: np.ndarray, label: str, nu
     known = np.isfinite(values)
     if np.count_nonzero(known) < 2:
         return
-    fine = np.linspace(speed[known][0], speed[known][-1], FINE)
-    smooth = _between(speed, values)(fine)
+    fine, smooth = curve_of(speed, values)
     colour, dash = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
     label = label if (values > 0.0).any() else f"{label}: grows at all of these speeds"
-    axes.plot(RPM * fine, _hertz(smooth), color=colour, linestyle=dash, linewidth=1.5, label=label)
+    axes.plot(RPM * fine, smooth, color=colour, linestyle=dash, linewidth=1.5, label=label)
     if speed.size <= FEW_CASES:
         axes.plot(RPM * speed, _hertz(values), linestyle="", marker="o", markersize=3, color=colour)
+
+
+def curve_of(speed: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds and frequencies (Hz) along the curve of one mode, of which two eigenvalues or more are known."""
+    known = np.isfinite(values)
+    fine = np.linspace(speed[known][0], speed[known][-1], FINE)
+    return fine, _hertz(_between(speed, values)(fine))
 
 
 def _between(speed: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -197,7 +208,7 @@ def _hertz(values: np.ndarray) -> np.ndarray:
     return np.sqrt(np.where(values >= 0.0, values, np.nan)) / (2.0 * np.pi)
 
 
-def _limits(values: np.ndarray, linear: bool) -> tuple[float, float, bool]:
+def limits_of(values: np.ndarray, linear: bool) -> tuple[float, float, bool]:
     """Lowest and highest frequency (Hz) of the axis for eigenvalues (case, mode), and whether it is logarithmic.
 
     It starts at 0, or where the modes are far apart below the lowest of them. A mode that comes to a halt goes below
