@@ -43,7 +43,7 @@ def estimates(here: Workplace, scenes: range) -> None:
             for name, ratio in estimates_over_errors(result, finest).items():
                 found[name].append(ratio)
     print("| quantity | points | below 1 | lowest | median | 95 % |\n|---|---|---|---|---|---|")
-    for name, parts in found.items():
+    for name, parts in found.items() if scenes else ():
         ratio = np.concatenate(parts)
         print(f"| {name} | {ratio.size} | {(ratio < 1).sum()} | {ratio.min():.2f} | {np.median(ratio):.1f} | {np.quantile(ratio, 0.95):.0f} |")
     print(f"{refused} runs did not end in order.")

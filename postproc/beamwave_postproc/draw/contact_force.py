@@ -11,6 +11,7 @@ from ..parts.contacts import Contact, contacts_of, mass_at_beam
 from ..parts.events import ROW, events_of, mark_events
 from ..parts.labels import axis_label
 from ..parts.passage import blow_at
+from ..parts.places import turn_of_line
 from ..parts.select import left_out, one_case
 from ..parts.sheet import Given, columns_for, mosaic_for
 from ..parts.units import si_prefix, units_of, with_unit
@@ -67,7 +68,7 @@ def _draw_forces(row: list[Axes], case: xr.Dataset, contacts: list[Contact]) -> 
 
 def _draw_motion(axes: Axes, case: xr.Dataset, point: int, end: float) -> None:
     """Positions of the mass and of the beam where it strikes, from the blow to some time after the last contact or the capture."""
-    time, beam = case["time"].values, _in_frame(case, point)
+    time, beam = case["time"].values, case["displacement"].values[point] + turn_of_line(case, point)
     end = min(max(ROOM * end, time[min(LEAST, time.size) - 1]), time[-1])
     moments = np.linspace(0.0, end, FINE)
     mass = mass_at_beam(case, moments, np.interp(moments, time, beam))
@@ -78,15 +79,6 @@ def _draw_motion(axes: Axes, case: xr.Dataset, point: int, end: float) -> None:
     axes.set(xlim=(0.0, ticks * end), xlabel=axis_label(case["time"], clock), ylabel=f"Position ({prefix}m)")
     captured = any(event.kind == "capture" for event in events_of(case))
     axes.set_title("", pad=6.0 + ROW * mark_events(axes, [case], ticks, words=captured))
-
-
-def _in_frame(case: xr.Dataset, point: int) -> np.ndarray:
-    """Displacement of a point with what the turn of a hub that is free moves it by, as the mass is not bound to the hub's line."""
-    beam = case["displacement"].values[point]
-    if "hub_angle" not in case:
-        return beam
-    arm = float(case["hub_radius"]) + float(case["point_position"][point]) * float(np.sum(case["beam_length"].values))
-    return beam + arm * case["hub_angle"].values
 
 
 def _struck_point(case: xr.Dataset) -> int | None:

@@ -12,6 +12,7 @@ from ..parts.events import Event, events_of
 from ..parts.growth import grows, samples_held
 from ..parts.line import FEW_POINTS, SAME_PLACE, beam_line, is_clamped, moving_points, places_of_line
 from ..parts.passage import blow_at, length_of
+from ..parts.places import turn_of_line
 from ..parts.points import error_warning
 from ..parts.select import one_case
 from ..result import require, require_numbers
@@ -112,12 +113,15 @@ def _lead(case: xr.Dataset, time: np.ndarray) -> np.ndarray:
 def _mass(
     case: xr.Dataset, order: np.ndarray, time: np.ndarray, moments: np.ndarray
 ) -> tuple[np.ndarray | None, np.ndarray]:
-    """Position of the mass and whether the beam holds it; None without one, or without a point where it strikes."""
+    """Position of the mass from the beam's straight line, and whether the beam holds it; None without one, or without a
+    point where it strikes."""
     near = order[np.abs(case["point_position"].values[order] - blow_at(case)) < SAME_PLACE]
     if not _is_struck(case) or not events_of(case) or not near.size or time.size < 3:
         return None, np.zeros(moments.size, dtype=bool)
-    velocity = case["velocity"].values[near[0], : time.size] if "velocity" in case else None
-    return mass_path(case, Tip(time, case["displacement"].values[near[0], : time.size], velocity), moments)
+    velocity = case["velocity"].values[near[0], : time.size] if "velocity" in case and "hub_angle" not in case else None
+    turn = turn_of_line(case, int(near[0]))[: time.size]
+    position, held = mass_path(case, Tip(time, case["displacement"].values[near[0], : time.size] + turn, velocity), moments)
+    return position - np.interp(moments, time, turn), held
 
 
 def _is_struck(ds: xr.Dataset) -> bool:

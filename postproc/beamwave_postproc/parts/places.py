@@ -61,3 +61,11 @@ def mark_places(axes: Axes, ds: xr.Dataset, along: Literal["x", "y"], *, first: 
         draw(place, label="body" if bodies.size == 1 else "bodies", zorder=ABOVE_GRID if along == "x" else 2.0, **BODY)
     if struck is not None:
         draw(struck, label="struck place", zorder=ABOVE_GRID if along == "x" else 2.0, **STRUCK)
+
+
+def turn_of_line(case: xr.Dataset, point: int) -> np.ndarray:
+    """By how much the line of a hub that is free, from which displacements are measured, has moved a point (m, over the samples)."""
+    if "hub_angle" not in case:
+        return np.zeros(case.sizes["time"])
+    arm = float(case["hub_radius"]) + float(case["point_position"][point]) * float(np.sum(case["beam_length"].values))
+    return arm * case["hub_angle"].values

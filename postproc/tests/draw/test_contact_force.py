@@ -69,6 +69,8 @@ def test_a_beam_on_a_hub_that_turns_is_where_the_mass_meets_it(touched):
     moved = ours.lines[1].get_ydata() - held.lines[1].get_ydata()
     arm = 0.5 + float(touched["beam_length"])  # of the tip
     np.testing.assert_allclose(moved, 1e3 * arm * turn[: moved.size], rtol=1e-9, atol=1e-12)
+    film, fixed = motion(turned, frames=40), motion(touched, frames=40)  # which has the beam at rest
+    np.testing.assert_allclose(film.mass - fixed.mass, -arm * 1e-3 * np.maximum(film.time, 0.0), rtol=1e-9, atol=1e-12)
 
 
 def test_a_captured_mass_goes_on_with_the_beam_and_keeps_its_indentation(touched):
