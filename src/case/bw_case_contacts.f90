@@ -24,6 +24,7 @@ module bw_case_contacts
   use bw_load_columns, only: find_drive, placed_loads, quantities
   use bw_load_course, only: scaled_course
   use bw_load_modes, only: find_residuals
+  use bw_missing, only: scaled
   use bw_mode_set, only: deflections, first_numbers, first_struck, mean_rate, mode_set, turns
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
@@ -334,6 +335,7 @@ contains
       kept%restitution = contacts%restitution
       kept%approach = unit_velocity(scene)*contacts%approach
       kept%indentation = contacts%largest_indentation*abs(unit_velocity(scene))*unit
+      kept%leaving = scaled(contacts%leaving, unit_velocity(scene))
       kept%lasting = contacts%lasting
       events%time = min(events%time*unit, duration)
       events%end_time = min(events%end_time*unit, duration)

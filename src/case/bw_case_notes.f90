@@ -281,8 +281,8 @@ contains
     !! The default tolerance was out of reach.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
-    if (is_relaxed(scene%modes)) call remark(notes, 'tolerance: the default '//shortest(default_tolerance, 6)// &
-      ' is out of reach; the displacement is found to '//shortest(scene%modes%tolerance, 6)//' of its peak instead')
+    if (is_relaxed(scene%modes)) call remark(notes, 'tolerance: the displacement is found to '// &
+      shortest(scene%modes%tolerance, 6)//' of its peak; the default '//shortest(default_tolerance, 6)//' is out of reach')
   end subroutine note_relaxed
 
 end module bw_case_notes

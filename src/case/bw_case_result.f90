@@ -116,6 +116,7 @@ module bw_case_result
     real(dp) :: restitution = missing               !! of the first contact, whatever it is followed by
     real(dp) :: approach = 0.0_dp                   !! closing speed then, m/s
     real(dp) :: indentation = 0.0_dp                !! the largest, m
+    real(dp) :: leaving = missing                   !! velocity of the mass after the last contact, m/s
     logical :: lasting = .false.                    !! the last contact had not ended when the record did
   end type contact_result
 

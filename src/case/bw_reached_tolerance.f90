@@ -29,8 +29,8 @@ contains
       call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: '//instead// &
                   ', or before = '//text_of(count))
     else
-      call remark(errors%notes, 'tolerance: the default '//shortest(modes%tolerance, 6)//' is out of reach; the histories are '// &
-                  'found to '//shortest(relaxed_tolerance(reached), 6)//' of their peaks instead')
+      call remark(errors%notes, 'tolerance: the histories are found to '//shortest(relaxed_tolerance(reached), 6)//' of their '// &
+                  'peaks; the default '//shortest(modes%tolerance, 6)//' is out of reach')
     end if
   end subroutine judge_tolerance
 

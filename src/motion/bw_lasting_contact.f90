@@ -45,6 +45,7 @@ module bw_lasting_contact
     type(step_end), allocatable :: ladder(:, :)   !! operators of their steps, (0:levels, configurations)
     real(dp) :: approach = 0.0_dp                 !! closing speed at the first contact, V
     real(dp) :: restitution = missing             !! separation over approach at the end of the first contact
+    real(dp) :: leaving = missing                 !! velocity of the mass after the last contact that has ended, V
     real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
     real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
     logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
@@ -289,6 +290,8 @@ contains
     event%largest_force_time = event%largest_force_time + event%time
     if (run%contacts == 1 .and. run%ended .and. .not. run%captured .and. run%approach > 0.0_dp) &
       contacts%restitution = run%bodies%separation()/run%approach
+    contacts%leaving = missing
+    if (run%ended .and. .not. run%captured) contacts%leaving = run%bodies%state%v(size(run%bodies%state%v))
     contacts%events(run%event) = event
   end subroutine add_contact
 

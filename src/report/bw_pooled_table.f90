@@ -1,9 +1,9 @@
 module bw_pooled_table
   !! The printed table of the lines that repeats of a record share.
-  use bw_columns, only: most_rows, note_rest, pair_cells, table_of, text_table
+  use bw_columns, only: most_rows, note_rest, pair_cells, short, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, scaled
+  use bw_missing, only: is_missing, missing, scaled
   use bw_random_effects, only: pooled_value
   use bw_record, only: sensor_type
   use bw_record_report, only: short_name
@@ -32,12 +32,13 @@ contains
     call lines%append_line('')
     call lines%append_line('  Repeats pooled; +/- is half an interval of '//shortest(100*confidence, 6)// &
                            ' % about what they share, next +/- holds what one more repeat measures')
-    table = table_of('line|repeats|frequency|+/-|next +/-|scatter|decay rate|+/-|next +/-|scatter|what', &
-                     '||Hz|Hz|Hz|Hz|1/s|1/s|1/s|1/s', [6, 9, 14, 12, 12, 12, 12, 12, 12, 12, 0])
+    table = table_of('line|repeats|frequency|+/-|next +/-|scatter|decay rate|+/-|next +/-|scatter|damping|what', &
+                     '||Hz|Hz|Hz|Hz|1/s|1/s|1/s|1/s|%', [6, 9, 14, 12, 12, 12, 12, 12, 12, 12, 10, 0])
     call table%put_head(lines)
     do k = 1, min(most_rows, size(pooled%count))
       call table%put_row(lines, text_of(k)//'|'//text_of(pooled%count(k))//' of '//text_of(cases)//'|'// &
-                         value_cells(pooled%frequency(k), 1/two_pi)//'|'//value_cells(pooled%decay(k), 1.0_dp), &
+                         value_cells(pooled%frequency(k), 1/two_pi)//'|'//value_cells(pooled%decay(k), 1.0_dp)//'|'// &
+                         short(damping_part(pooled%frequency(k)%value, pooled%decay(k)%value), 3), &
                          status_text(pooled%status(k)))
     end do
     call note_rest(lines, size(pooled%count), most_rows)
@@ -94,6 +95,13 @@ contains
         shortest(hypot(pooled%h2_real(j, s), pooled%h2_imag(j, s)), 4)//'|'//shortest(pooled%coherence(j, s), 5)//'|'//text_of(s))
     end do
   end subroutine report_responses
+
+  pure real(dp) function damping_part(frequency, decay) result(part)
+    !! The damping ratio, %.
+    real(dp), intent(in) :: frequency, decay      !! rad/s, 1/s; missing: so is the ratio
+    part = missing
+    if (.not. (is_missing(frequency) .or. is_missing(decay))) part = 100*decay/hypot(frequency, decay)
+  end function damping_part
 
   pure function value_cells(pooled, unit) result(cells)
     !! A number, half its interval, that of the next repeat, and the scatter.

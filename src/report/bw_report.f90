@@ -200,7 +200,7 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: text
-    integer :: i
+    integer :: i, hardest
     call lines%append_line('')
     if (all(result%events%kind /= contact_event)) then
       if (scene%impact%mass_ratio > 0.0_dp .and. (allocated(scene%initial) .or. bodies_change(scene))) then
@@ -213,6 +213,7 @@ contains
     end if
     i = findloc(result%events%kind, contact_event, dim=1)
     associate (first => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
+               presses => result%events%kind == contact_event, &
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
       text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
         shortest(abs(contact%largest(i)), 6)//' N, '//shortest(1.0e6_dp*(contact%largest_time(i) - first%time), 4)// &
@@ -230,9 +231,12 @@ contains
           result%modes%modal_mass)), 4)//' N s on '//text_of(result%modes%count)// &
           ' modes of the beam, and none on infinitely many.')
       end if
-      if (count(result%events%kind == contact_event) > 1) call lines%append_line('  '// &
-        text_of(count(result%events%kind == contact_event))//' contacts, with the impulse '// &
-        shortest(sum(impulse, mask=result%events%kind == contact_event), 6)//' N s in all.')
+      hardest = maxloc(abs(contact%largest), dim=1, mask=presses)
+      if (count(presses) > 1) call lines%append_line('  '//text_of(count(presses))//' contacts, with the impulse '// &
+        shortest(sum(impulse, mask=presses), 6)//' N s in all. The largest force, '//shortest(abs(contact%largest(hardest)), 6)// &
+        ' N, is that of contact '//text_of(count(presses(:hardest)))//', at '//shortest(contact%largest_time(hardest), 6)//' s.')
+      if (.not. is_missing(contact%leaving)) call lines%append_line('  After the last contact the mass moves at '// &
+        shortest(contact%leaving, 5)//' m/s.')
     end associate
     call report_events(result, lines)
   end subroutine report_contact
@@ -242,7 +246,8 @@ contains
     !! their ends where one lasts.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time, impulse
+    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time, &
+      impulse, hub
     type(text_table) :: table
     character(:), allocatable :: until
     logical :: timed, lasting, doubtful           ! columns
@@ -252,10 +257,11 @@ contains
     timed = any(end_time > 0.0_dp)
     lasting = any(end_time > time)
     doubtful = timed .and. any(result%events%time_error > 0.0_dp)
+    hub = values_of(result, 'hub_rate_change')
     call lines%append_line('')
-    table = table_of('  event|time|+/-|until|impulse|energy before|energy after|momentum before|momentum after', &
-                     '|s|s|s|N s|J|J|kg m/s|kg m/s', [-10, 14, 10, 14, 12, 15, 15, 17, 16], &
-                     [.true., timed, doubtful, lasting, (.true., i=1, 5)])
+    table = table_of('  event|time|+/-|until|impulse|energy before|energy after|momentum before|momentum after|hub faster by', &
+                     '|s|s|s|N s|J|J|kg m/s|kg m/s|rad/s', [-10, 14, 10, 14, 12, 15, 15, 17, 16, 15], &
+                     [.true., timed, doubtful, lasting, (.true., i=1, 5), any(abs(hub) > 0.0_dp)])
     call table%put_head(lines)
     impulse = values_of(result, 'event_impulse')
     energy_before = values_of(result, 'energy_before')
@@ -268,11 +274,18 @@ contains
       call table%put_row(lines, '  '//event_words(result%events(i)%kind)//'|'//shortest(time(i), 7)//'|'// &
                          shortest(result%events(i)%time_error, 2)//'|'//until//'|'//fixed(impulse(i))//'|'// &
                          fixed(energy_before(i))//'|'//fixed(energy_after(i))//'|'//fixed(momentum_before(i))//'|'// &
-                         fixed(momentum_after(i)), detail=i > shown_events)
+                         fixed(momentum_after(i))//hub_cell(i), detail=i > shown_events)
     end do
     call note_rest(lines, size(result%events), most_rows)
     if (any(is_missing([energy_before, energy_after]))) call lines%append_line('  -: a small difference of large numbers, '// &
       'of which rounding leaves no three digits.')
+  contains
+    function hub_cell(i) result(cell)
+      integer, intent(in) :: i                    !! the event
+      character(:), allocatable :: cell
+      cell = ''
+      if (any(abs(hub) > 0.0_dp)) cell = '|'//fixed(hub(i))
+    end function hub_cell
   end subroutine report_events
 
   pure function notes_report(notes) result(text)

@@ -2,7 +2,7 @@ module bw_scene_summary
   !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
-  use bw_beam_par, only: beam_text
+  use bw_beam_par, only: beam_text, has_fibre
   use bw_beam_units, only: beam_units, units_of
   use bw_case_cost, only: case_bytes
   use bw_hint, only: hint_line
@@ -123,6 +123,8 @@ contains
       if (response%velocity) call append(asked, 'velocity')
       if (response%acceleration) call append(asked, 'acceleration')
       if (response%bending_moment) call append(asked, 'bending moment')
+      if (response%bending_moment .and. .not. (has_fibre(scene%beam) .or. scene%beam%is_lumped)) &
+        asked(size(asked))%text = 'bending moment (no stress without &beam extreme_fibre)'
       if (response%shear_force) call append(asked, 'shear force')
     end associate
     do q = 1, size(asked)

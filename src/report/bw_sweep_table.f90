@@ -122,6 +122,7 @@ contains
     type(case_row), intent(in) :: than        !! shown so far; case 0: none is
     character(*), intent(in) :: reason
     integer(i8), intent(in) :: cases          !! in all
+    real(dp), parameter :: same = 1.0e-9_dp
     logical :: is_first
     is_first = than%case == 0 .or. row%case < than%case
     select case (reason)
@@ -145,7 +146,9 @@ contains
     pure logical function leads(value, other, none)
       real(dp), intent(in) :: value, other
       logical, intent(in) :: none             !! the value does not exist
-      leads = .not. none .and. (than%case == 0 .or. value > other .or. (.not. value < other .and. is_first))
+      real(dp) :: alike                       ! what two ways to the same modes differ by
+      alike = same*abs(other)
+      leads = .not. none .and. (than%case == 0 .or. value > other + alike .or. (.not. value < other - alike .and. is_first))
     end function leads
   end function is_better
 

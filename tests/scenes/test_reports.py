@@ -170,7 +170,7 @@ def test_many_scenes_have_one_line_each_and_are_counted(here):
 def test_a_default_that_cannot_be_met_is_called_the_default(here):
     short = {**STRUCK, "response": {"duration": 1e-8, "samples": 100, "points": 0.01}}
     here.scene("a", short)
-    assert "remark: tolerance: the default 1e-6 is out of reach" in here.run("a").attributes["notes"]
+    assert "of its peak; the default 1e-6 is out of reach" in here.run("a").attributes["notes"]
     here.scene("b", {**short, "modes": {"tolerance": 1e-6}})
     assert "modes%tolerance: 1e-6 cannot be reached" in here.beamwave("run", "b.nml").stderr
 

@@ -16,6 +16,7 @@ module bw_contact_par
     real(dp) :: exponent = 1.5_dp       !! p, ≥ 1
     real(dp) :: damping = 0.0_dp        !! c [s/m], ≥ 0
     real(dp) :: radius = 0.0_dp         !! of the sphere [m]; 0: the stiffness is given
+    real(dp) :: surface_radius = 0.0_dp !! of the beam where it is struck [m]; 0: flat
     integer :: max_contacts = 1000      !! that are followed, and the motion up to one more
   end type contact_par
 
@@ -47,7 +48,7 @@ module bw_contact_par
     input_name('contact', 'beam_poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
                swept=.true., excludes='stiffness', meaning='Poisson''s ratio of the beam'), &
     input_name('contact', 'surface_radius', real_input, 'm', not_negative, swept=.true., excludes='stiffness', &
-               meaning='radius across the beam, 0: flat; absent: its own'), &
+               meaning='across the beam, 0: flat; absent: a round one''s or 0'), &
     input_name('contact', 'damping', real_input, 's m-1', not_negative, '0', swept=.true., &
                meaning='Hunt and Crossley''s constant in (1 + damping d'')'), &
     input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', swept=.true., &
@@ -118,7 +119,7 @@ contains
     real(dp), intent(in) :: position               !! that is struck, ξ
     type(contact_par), allocatable, intent(out) :: contact
     type(beam_piece) :: struck
-    real(dp) :: modulus, own, surface_radius
+    real(dp) :: modulus, own
     allocate (contact)
     contact%damping = values%number('damping')
     contact%max_contacts = values%whole('max_contacts')
@@ -131,12 +132,11 @@ contains
     struck = section_at(beam, position)
     own = struck%youngs_modulus
     if (values%known('youngs_modulus')) own = values%number('youngs_modulus')
-    surface_radius = 0.0_dp
-    if (struck%round) surface_radius = 0.5_dp*struck%diameter
-    if (values%known('surface_radius')) surface_radius = values%number('surface_radius')
+    if (struck%round) contact%surface_radius = 0.5_dp*struck%diameter
+    if (values%known('surface_radius')) contact%surface_radius = values%number('surface_radius')
     modulus = 1.0_dp/((1.0_dp - values%number('poisson_ratio')**2)/own &
                       + (1.0_dp - values%number('beam_poisson_ratio')**2)/struck%youngs_modulus)
-    contact%stiffness = hertz_stiffness(modulus, contact%radius, surface_radius)
+    contact%stiffness = hertz_stiffness(modulus, contact%radius, contact%surface_radius)
   end subroutine build_contact
 
   pure real(dp) function hertz_stiffness(modulus, radius, surface_radius) result(stiffness)
@@ -198,7 +198,7 @@ contains
     logical, intent(in) :: one_case
     character(:), allocatable :: text
     text = 'contact ('
-    if (values%known('radius')) text = text//'sphere of '//values%number_or_swept('radius', ' m')//', '
+    if (values%known('radius')) text = text//'sphere of '//values%number_or_swept('radius', ' m')//surface()//', '
     if (values%known('stiffness')) then
       text = text//'stiffness '//values%number_or_swept('stiffness', ' N/m^p')
     else if (one_case) then
@@ -210,6 +210,16 @@ contains
     if (values%number('damping') > 0.0_dp .or. values%is_swept('damping')) &
       text = text//', damping '//values%number_or_swept('damping', ' s/m')
     text = text//')'
+  contains
+    pure function surface() result(words)
+      character(:), allocatable :: words
+      words = ' on a flat side'
+      if (values%is_swept('surface_radius')) then
+        words = ' on a side of swept radius'
+      else if (contact%surface_radius > 0.0_dp) then
+        words = ' on a side of radius '//shortest(contact%surface_radius, 4)//' m'
+      end if
+    end function surface
   end function contact_text
 
 end module bw_contact_par

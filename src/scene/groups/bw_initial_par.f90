@@ -33,7 +33,7 @@ module bw_initial_par
     input_name('initial', 'position', real_input, '1', off_the_root, '1', swept=.true., &
                meaning='place of the force: x/l, 1 at the tip'), &
     input_name('initial', 'angular_velocity', real_input, 'rad s-1', any_number, swept=.true., &
-               meaning='rigid turn about the root, or together with the hub, beside the rotation')]
+               meaning='rigid turn about the root or the hub, beside the rotation')]
 
 contains
 

@@ -9,6 +9,7 @@ module bw_identified_scene
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i1, i8
+  use bw_input_values, only: position_of
   use bw_missing, only: is_missing
   use bw_random_effects, only: pooled_value
   use bw_scene, only: scene_type
@@ -69,6 +70,10 @@ contains
     text = without_group(text, 'record')
     text = without_group(text, 'spectrum')
     text = without_group(text, 'identify')
+    associate (modes => scene%groups(position_of(scene%groups, 'modes')))
+      if (.not. (modes%given('before') .or. modes%given('after') .or. modes%given('tolerance'))) &
+        text = without_group(text, 'modes')          ! what a motion that is added will need
+    end associate
     do i = size(unknowns), 1, -1
       if (unknowns(i)%group == 0) cycle
       text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//end_text(found%low(i), found%width(i))// &
