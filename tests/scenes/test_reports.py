@@ -152,6 +152,30 @@ def test_a_sweep_of_contacts_shows_what_comes_of_them_and_no_mode_that_stays(her
     assert "mode 1: frequency" in here.beamwave("run", "b.nml").stdout
 
 
+def test_a_report_says_how_mass_and_hub_go_on_after_contacts(here):
+    groups = {"beam": BEAM, "hub": {"rotary_inertia": 0.5, "radius": 0.1}, "impact": {"mass": 1.0}, "contact": {"radius": 0.025}}
+    here.scene("a", {**groups, "modes": {"before": 20}, "response": {"duration": 0.01, "samples": 50}})
+    ds, said = here.run("a"), here.beamwave("run", "a.nml").stdout
+    impulse, force = (ds[name][ds["event_kind"] > 0] for name in ("event_impulse", "event_force"))
+    assert len(impulse) > 1
+    moves = float(re.search(r"After the last contact the mass moves at (\S+) m/s", said)[1])
+    assert moves == pytest.approx(1.0 - impulse.sum(), rel=1e-4)
+    hardest = re.search(r"The largest force, (\S+) N, is that of contact (\d+), at (\S+) s", said)
+    at = int(hardest[2]) - 1
+    assert float(hardest[1]) == pytest.approx(float(ds["largest_contact_force"]), rel=1e-5) and at == np.argmax(force)
+    assert float(hardest[3]) == pytest.approx(ds["event_force_time"][at], rel=1e-5)
+    rows = [line.split() for line in said.splitlines() if line.startswith("  contact ")]
+    assert "hub faster by" in said
+    assert np.allclose([float(row[-1]) for row in rows], ds["hub_rate_change"][: len(rows)], rtol=1e-5)
+
+
+@pytest.mark.parametrize("more", [{}, {"extreme_fibre": 0.01}])
+def test_moments_without_stresses_say_what_is_missing(here, more):
+    beam = {"length": 1.0, "density": 7870.0, "youngs_modulus": 2e11, "area": 1e-3, "second_moment": 1e-7, **more}
+    here.scene("a", {"beam": beam, **{g: STRUCK[g] for g in ("impact", "capture")}, "response": {**WATCHED, "bending_moment": True}})
+    assert ("(no stress without &beam extreme_fibre)" in here.beamwave("check", "a.nml").stdout) is not bool(more)
+
+
 def test_many_scenes_have_one_line_each_and_are_counted(here):
     for i in range(12):
         here.scene(f"set/a{i:02}", STRUCK)
