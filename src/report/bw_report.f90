@@ -213,7 +213,7 @@ contains
     end if
     i = findloc(result%events%kind, contact_event, dim=1)
     associate (first => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
-               presses => result%events%kind == contact_event, &
+               presses => result%events(:size(result%contact%largest))%kind == contact_event, &
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
       text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
         shortest(abs(contact%largest(i)), 6)//' N, '//shortest(1.0e6_dp*(contact%largest_time(i) - first%time), 4)// &
@@ -233,8 +233,9 @@ contains
       end if
       hardest = maxloc(abs(contact%largest), dim=1, mask=presses)
       if (count(presses) > 1) call lines%append_line('  '//text_of(count(presses))//' contacts, with the impulse '// &
-        shortest(sum(impulse, mask=presses), 6)//' N s in all. The largest force, '//shortest(abs(contact%largest(hardest)), 6)// &
-        ' N, is that of contact '//text_of(count(presses(:hardest)))//', at '//shortest(contact%largest_time(hardest), 6)//' s.')
+        shortest(sum(impulse, mask=result%events%kind == contact_event), 6)//' N s in all. The largest force, '// &
+        shortest(abs(contact%largest(hardest)), 6)//' N, is that of contact '//text_of(count(presses(:hardest)))//', at '// &
+        shortest(contact%largest_time(hardest), 6)//' s.')
       if (.not. is_missing(contact%leaving)) call lines%append_line('  After the last contact the mass moves at '// &
         shortest(contact%leaving, 5)//' m/s.')
     end associate
