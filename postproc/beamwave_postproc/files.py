@@ -20,7 +20,7 @@ from .page.html import page_of, page_of_two
 from .parts.pairs import differences
 from .parts.sheet import of_size, write_png
 from .result import NothingToDraw, open_result
-from .terminal import reason
+from .terminal import Refusal, reason
 from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, FILM_SECONDS, PICTURE_SECONDS, Tool
 from .writing import MARK
 
@@ -161,9 +161,14 @@ def _save_picture(
     tool: Tool, path: Path, draw: Callable[[], Figure], size: tuple[float, float] | None = None
 ) -> None:
     tool.allow(PICTURE_SECONDS)
-    with of_size(size):
-        fig = draw()
-    _save_figure(tool, path, fig)
+    try:
+        with of_size(size):
+            fig = draw()
+        _save_figure(tool, path, fig)
+    except MemoryError as failure:
+        if size is None:
+            raise
+        raise Refusal("a picture of this --size takes more memory than is allowed; accepted: a smaller one") from failure
 
 
 def _save_figure(tool: Tool, path: Path, fig: Figure) -> None:

@@ -84,6 +84,7 @@ class Tool(Streams):
         self._channel: int | None = None  # to the command, in the process of a file
         self._limit = SECONDS  # of the present step
         self._megabytes = 0.0  # size of the file
+        self._warned: set[str] = set()  # what was said already
 
     def run(self, work: Callable[[], int]) -> int:
         """Run a command to its exit status, which is 5 where a signal stops it."""
@@ -150,7 +151,7 @@ class Tool(Streams):
     def _warn(self, name: str, message: Warning | str, kind: type[Warning]) -> None:
         """Say a warning, unless it is one library's to the authors of another, whatever filter that has set for it."""
         if not issubclass(kind, (DeprecationWarning, PendingDeprecationWarning, FutureWarning)):
-            self.complain(f"{name}: warning: {message}")
+            self.warn(f"{name}: warning: {message}")
 
     def save(self, path: Path, write: Callable[[Path], object], mark: str = "") -> None:
         """Have `write` write a file, as `put` does, and say its name."""
@@ -195,6 +196,14 @@ class Tool(Streams):
         """Write a line to standard error."""
         super().complain(line) if self._channel is None else self._tell(f"e{printable(line)}")
 
+    def warn(self, line: str) -> None:
+        """Write a line to standard error, once."""
+        if self._channel is not None:
+            self._tell(f"w{printable(line)}")
+        elif line not in self._warned:
+            self._warned.add(line)
+            self.complain(line)
+
     def _seconds(self) -> float:
         return self._limit + SECONDS_PER_MB * self._megabytes
 
@@ -222,7 +231,7 @@ class Tool(Streams):
                 if kind == b"t":
                     self._limit = float(text)
                 else:
-                    (self.say if kind == b"o" else self.complain)(text)
+                    {b"o": self.say, b"e": self.complain, b"w": self.warn}[kind](text)
         return TOO_LONG
 
     def _be_child(self, channel: int, name: str, work: Work) -> NoReturn:

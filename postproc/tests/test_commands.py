@@ -246,3 +246,18 @@ def test_results_that_would_write_the_same_picture_are_refused(tmp_path, capfd, 
 def test_a_choice_of_no_picture_is_refused(modes_only, name):
     assert cli.main([str(modes_only), "--only", name]) == 2
     assert not list(modes_only.parent.glob("*.png"))
+
+
+def test_a_size_without_memory_is_blamed_and_not_the_file(modes_only, monkeypatch, capfd):
+    def refused(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("beamwave_postproc.files.write_png", refused)
+    assert cli.main([str(modes_only), "--only", "dispersion", "--size", "1500x1500"]) == 3
+    assert "dispersion: a picture of this --size takes more memory than is allowed" in capfd.readouterr().err
+
+
+def test_a_letter_that_the_font_lacks_is_said_once(tmp_path, capfd):
+    path = synthetic.write(tmp_path / "a.nc", synthetic.scene(impact=None), title="\u6881")
+    assert cli.main([str(path)]) == 0
+    assert capfd.readouterr().err.count("26753") == 1
