@@ -1,6 +1,7 @@
 """What `beamwave-export` writes is read by other libraries, and what it cannot write is refused in a sentence."""
 
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -81,6 +82,12 @@ def test_a_universal_file_has_nodes_and_a_shape_for_each_mode(plain, tmp_path):
         assert one["r2"] == pytest.approx(model.shape[k], abs=1e-5) and one["r6"] == pytest.approx(
             model.slope[k], abs=1e-3
         )
+
+
+def test_without_pyuff_it_is_said_how_to_get_it(plain, tmp_path, monkeypatch, capfd):
+    monkeypatch.setitem(sys.modules, "pyuff", None)
+    assert main([str(plain), "--format", "unv", "--output", str(tmp_path)]) == 3
+    assert "pip install './postproc[records]'" in capfd.readouterr().err  # as the README has it
 
 
 def test_the_header_of_a_universal_file_has_dates_and_whole_numbers_in_its_columns(plain, tmp_path):
