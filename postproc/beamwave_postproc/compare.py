@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .draw.campbell import MAX_MODES, RPM, curve_of, limits_of, over_speed
+from .draw.campbell import MAX_MODES, RPM, curve_of, highest_of, over_speed
 from .draw.jump import draw_jump
 from .parts.curves import Curve
 from .parts.labels import axis_label, in_units
@@ -214,10 +214,8 @@ def campbells(first: xr.Dataset, second: xr.Dataset) -> Figure:
         drawn = [curve_of(speed, branch) for branch in values.T if np.isfinite(branch).sum() > 1]
         for number, (at, hertz) in enumerate(drawn):
             axes.plot(RPM * at, hertz, label="" if number else name, **look)
-    bottom, top, decades = limits_of(np.concatenate([values for _, values in sides]), linear=False)
-    axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)", ylim=(bottom, top))
-    if decades:
-        logarithmic(axes, "y", bottom, top)
+    top = highest_of(np.concatenate([values for _, values in sides]))
+    axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)", ylim=(0.0, top))
     axes.set_xlim(RPM * min(speed[0] for speed, _ in sides), RPM * max(speed[-1] for speed, _ in sides))
     of_modes = left_out(numbers.size, max(ds.sizes["mode"] for ds in (first, second)), "modes")
     return sheet.finish_with(head_of_both(first, second, [of_modes]))

@@ -16,33 +16,29 @@ from ..parts.labels import value_text
 from ..parts.select import Chosen, chosen, left_out, spread
 from ..parts.sheet import Given, columns_for, sheet_for
 from ..result import NothingToDraw, require, swept_inputs
-from ..style import COLOURS, DASHES, GREY, logarithmic, styled
+from ..style import COLOURS, DASHES, GREY, styled
 
 SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
 HELD = ("angular_frequency", "growth_rate", "mode_shape", CRITICAL)
 RPM = 60.0 / (2.0 * np.pi)  # from rad/s
-MAX_MODES, MAX_PANELS = 5, 4
+MAX_MODES, FEW_MODES, MAX_PANELS = 5, 2, 4
 LEAST_SPEEDS = 3  # of a line
 FINE = 400  # places between the first and the last speed
 FEW_CASES = 40  # up to which each is marked
 ORDERS = (1, 2, 3, 4, 6, 8)  # multiples of the speed: 1P, 2P …
-LOGARITHMIC = 12.0  # highest over lowest frequency from where on the axis is logarithmic
 GROWS = "#F3D9C9"
-SEEN = 0.1  # of a mode's frequencies lie below where a logarithmic axis counts it
 NAME = 10.0  # points that the name of a multiple takes
 
 
 @styled
-def campbell(
-    ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] = ORDERS, linear: bool = False, ax: Given = None
-) -> Figure:
+def campbell(ds: xr.Dataset, *, modes: Chosen = None, orders: Sequence[float] = ORDERS, ax: Given = None) -> Figure:
     """Frequencies (Hz) of the lowest modes, or of these `modes`, over the angular velocity (rpm) of a sweep over it.
 
     Modes are followed through crossings. Where the first one grows the picture is shaded, from the critical speed on;
     the `orders`, multiples of the speed, are dotted lines, and diamonds mark where they meet a mode (`crossings` has the
-    numbers). A rotor of three blades wants `orders=(1, 3, 6, 9)`. The axis of frequencies is logarithmic where modes
-    are far apart, unless it shall be `linear`. A second swept input makes panels, of those of its values that come with
-    three speeds or more: in a design whose rows all differ there are none.
+    numbers). A rotor of three blades wants `orders=(1, 3, 6, 9)`. Modes beyond all of these multiples are left out, but
+    for the first two. A second swept input makes panels, of those of its values that come with three speeds or more:
+    in a design whose rows all differ there are none.
     """
     require(ds, "angular_frequency", SPEED)
     numbers = chosen(ds, modes=modes)["mode"].values[: MAX_MODES if modes is None else None]
@@ -57,13 +53,16 @@ def campbell(
     branches = [_branches(part, numbers) for part in parts]
     if not any((values > 0.0).any() for values in branches):
         raise NothingToDraw("no mode oscillates")
+    if modes is None:
+        numbers = numbers[: _in_reach(branches, parts, orders)]
+        branches = [values[:, : numbers.size] for values in branches]
     columns = columns_for(len(shown))
     rows = -(-len(shown) // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
-    limits = limits_of(np.concatenate(branches), linear)
+    top = highest_of(np.concatenate(branches))
     multiples = []
     for axes, part, values in zip(sheet.axes, parts, branches):
-        limit, drawn_here = _draw(axes, part, numbers, values, limits, orders)
+        limit, drawn_here = _draw(axes, part, numbers, values, top, orders)
         multiples += drawn_here
         axes.set_title(", ".join(filter(None, [value_text(part[other[0]][0]) if other else "", limit])))
     for axes in sheet.axes[len(shown) :]:
@@ -130,21 +129,17 @@ def _draw(
     cases: xr.Dataset,
     numbers: np.ndarray,
     values: np.ndarray,
-    limits: tuple[float, float, bool],
+    top: float,
     orders: Sequence[float],
 ) -> tuple[str, list[list[Artist]]]:
     """One diagram of cases that differ in their speed, which ascends; the critical speed in words, and what each multiple is drawn of.
 
-    `values` are the eigenvalues (case, mode) of the modes `numbers`, and `limits` those of all diagrams.
+    `values` are the eigenvalues (case, mode) of the modes `numbers`, and `top` where all axes end.
     """
     speed = cases[SPEED].values
     for branch, number in enumerate(numbers):
         _draw_mode(axes, speed, values[:, branch], f"mode {number}", branch)
-    bottom, top, decades = limits
-    if decades:
-        logarithmic(axes, "y", bottom, top)
-    else:
-        axes.set_ylim(bottom, top)
+    axes.set_ylim(0.0, top)
     axes.set_xlim(RPM * speed[0], RPM * speed[-1])
     multiples = [_draw_order(axes, order, speed, values) for order in sorted(orders)]
     axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)")
@@ -208,19 +203,16 @@ def _hertz(values: np.ndarray) -> np.ndarray:
     return np.sqrt(np.where(values >= 0.0, values, np.nan)) / (2.0 * np.pi)
 
 
-def limits_of(values: np.ndarray, linear: bool) -> tuple[float, float, bool]:
-    """Lowest and highest frequency (Hz) of the axis for eigenvalues (case, mode), and whether it is logarithmic.
+def highest_of(values: np.ndarray) -> float:
+    """Where the axis of frequencies (Hz), which begins at 0, ends for eigenvalues (case, mode)."""
+    return 1.1 * float(np.nanmax(_hertz(values)))
 
-    It starts at 0, or where the modes are far apart below the lowest of them. A mode that comes to a halt goes below
-    any logarithmic axis: it counts by its highest frequencies, of which all diagrams show a part.
-    """
-    frequency = _hertz(values)
-    known = frequency[np.isfinite(frequency) & (frequency > 0.0)]
-    own = [column[np.isfinite(column) & (column > 0.0)] for column in frequency.T]
-    lowest = min(np.quantile(column, SEEN) for column in own if column.size)
-    if known.max() > LOGARITHMIC * lowest and not linear:
-        return 0.4 * float(lowest), 1.6 * float(known.max()), True
-    return 0.0, 1.1 * float(known.max()), False
+
+def _in_reach(branches: list[np.ndarray], parts: list[xr.Dataset], orders: Sequence[float]) -> int:
+    """How many modes, the first, some multiple of the speed meets or may come near to, and FEW_MODES in any case."""
+    reach = max(abs(order) for order in orders) * max(float(np.abs(part[SPEED]).max()) for part in parts) if orders else np.inf
+    lowest = [min(np.nanmin(values[:, mode], initial=np.inf) for values in branches) for mode in range(branches[0].shape[1])]
+    return max(FEW_MODES, int(np.count_nonzero(np.array(lowest) < reach**2)))
 
 
 def _draw_order(axes: Axes, order: float, speed: np.ndarray, values: np.ndarray) -> list[Artist]:

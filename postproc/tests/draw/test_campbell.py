@@ -28,7 +28,8 @@ def curves(axes):
 
 
 def test_between_the_cases_the_curves_follow_the_closed_form(sweep):
-    drawn = curves(campbell(sweep).axes[0])
+    assert list(curves(campbell(sweep).axes[0])) == ["mode 1", "mode 2"]  # 8P meets the second and not the third
+    drawn = curves(campbell(sweep, modes=[1, 2, 3]).axes[0])
     assert list(drawn) == ["mode 1", "mode 2", "mode 3"]
     elastic = sweep["angular_frequency"].isel(case=0).values  # at rest: h P²
     for line, rest in zip(drawn.values(), elastic):
@@ -152,8 +153,8 @@ def test_all_panels_of_a_second_input_have_one_scale_that_shows_every_mode(grid_
     assert len(limits) == 1
     ((scale, (bottom, top)),) = limits
     first = ds["angular_frequency"].sel(mode=1).values / (2 * np.pi)
-    assert scale == "log" and bottom < np.nanquantile(first, 0.1) and top > first[0]
-    assert any("5 of 6 modes in the file" in text.get_text() for text in fig.texts)
+    assert scale == "linear" and bottom == 0 and top > first[0]
+    assert any("of 6 modes in the file" in text.get_text() for text in fig.texts)
 
 
 @pytest.mark.parametrize(("beta", "size"), [([2200.0, 3100.0], None), ([55.0, 200.0, 600.0, 1000.0, 1500.0], (3.35, 2.2))])
@@ -179,7 +180,7 @@ def test_multiples_of_the_speed_meet_the_modes_where_the_closed_form_says(sweep)
     assert {(row.mode, row.order): row.angular_velocity for row in table.itertuples()} == pytest.approx(expected, rel=1e-9)
     np.testing.assert_allclose(table["frequency"], table["order"] * table["rpm"] / 60, rtol=1e-12)
     assert (np.diff(table["rpm"]) > 0).all()
-    (axes,) = campbell(sweep, orders=(1, 3), linear=True).axes
+    (axes,) = campbell(sweep, orders=(1, 3)).axes
     assert axes.get_yscale() == "linear"
     marked = np.concatenate([line.get_xdata() for line in axes.lines if line.get_marker() == "D"])
     assert sorted(marked) == pytest.approx(sorted(table["rpm"]))
