@@ -25,7 +25,7 @@ def cases_in(directory):
     for path in drafts_in(directory):
         try:
             file = netCDF4.Dataset(path)
-        except FileNotFoundError:  # the run has just given it its name
+        except OSError:  # its head is being written, or the run has just given it its name
             continue
         with file:
             file.set_auto_mask(False)
