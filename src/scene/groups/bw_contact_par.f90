@@ -48,7 +48,7 @@ module bw_contact_par
     input_name('contact', 'beam_poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
                swept=.true., excludes='stiffness', meaning='Poisson''s ratio of the beam'), &
     input_name('contact', 'surface_radius', real_input, 'm', not_negative, swept=.true., excludes='stiffness', &
-               meaning='across the beam, 0: flat; absent: a round one''s or 0'), &
+               meaning='radius across, 0 flat; absent: diameter/2, else flat'), &
     input_name('contact', 'damping', real_input, 's m-1', not_negative, '0', swept=.true., &
                meaning='Hunt and Crossley''s constant in (1 + damping d'')'), &
     input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', swept=.true., &
