@@ -346,3 +346,17 @@ def test_studies_are_about_simulated_histories(here, command):
     assert (ended.returncode, len(ended.stderr.splitlines())) == (2, 1)
     assert ended.stderr.startswith("ring.nml: &record: ")
     assert here.left(".") == ["ring.csv", "ring.nml"]
+
+
+@pytest.mark.parametrize("seed", [2, 3, 5])
+def test_what_may_have_any_frequency_is_no_line(here, seed):
+    """Something at the blow that is gone after two samples, as an imperfect filter leaves it."""
+    rng, n, rate = np.random.default_rng(seed), np.arange(4096), 1000.0
+    values = np.exp(-3 * n / rate) * np.cos(2 * np.pi * 40 * n / rate) + 0.5 * np.exp(-9 * n / rate) * np.cos(2 * np.pi * 130 * n / rate + 1)
+    values += rng.uniform(0.5, 2) * np.exp(-rng.uniform(0.5, 1.5) * n) * np.cos(np.pi * n * rng.uniform(0.9, 1))
+    values = np.concatenate([np.zeros(200), values]) + 1e-3 * rng.standard_normal(n.size + 200)
+    here.write("ring.csv", as_text(np.arange(values.size) / rate, values[None, :], "time [s],tip [m]"))
+    here.scene("a", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    ds = here.run("a")
+    frequency, error = (ds[name][ds["measured_angular_frequency"] < 1e30] / (2 * np.pi) for name in ("measured_angular_frequency", "measured_angular_frequency_error"))
+    assert (error < rate / 2).all() and all(np.abs(frequency - mode).min() < 0.01 for mode in (40, 130))

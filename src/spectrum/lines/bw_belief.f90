@@ -56,6 +56,7 @@ contains
     type(line_errors) :: errors
     type(believed_line) :: line
     real(dp), allocatable :: windows(:, :, :)
+    real(dp), parameter :: band = 0.5_dp           ! of frequencies, periods per step
     integer :: j, k
     done = .false.
     do while (.not. all(done))
@@ -70,6 +71,7 @@ contains
         if (.not. own(k)) cycle
         j = j + 1
         line = judged(model, errors, j, confidence)
+        if (line%frequency_error > band) cycle             ! it may have any frequency: something else is told by it
         line%windows = windows(:, :, j)
         believed = [believed, line]
       end do
