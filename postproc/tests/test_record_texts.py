@@ -182,6 +182,7 @@ def test_a_single_date_need_not_be_told(tmp_path):
         (("1.0,", ","), "line 6: the time is nan s after 0.75 s"),
         (("1.0,-0.942", "1.0,inf"), "line 6: a is infinite"),
         (("1.0,-0.942", "1.0,OVR"), "line 6: 'OVR' stands among numbers"),
+        (("0.0,1.0", "0.0,OVR"), "line 2: 'OVR' stands among numbers"),
     ],
 )
 def test_inconsistent_rows_are_refused_with_their_line(tmp_path, change, said):

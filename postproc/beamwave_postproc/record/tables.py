@@ -113,16 +113,31 @@ def _tables(lines: Sequence[str], separator: str | None, *, chosen: bool = False
 
 
 def _refuse_words(cells: list[list[str]], is_row: list[bool], first: int, last: int, comma: bool) -> None:
-    """Raise `NotARecord` where the rows of a table go on behind lines of as many cells that begin as a row."""
+    """Raise `NotARecord` where lines of as many cells that begin as a row stand between the names and a table, or within it."""
     width = len(cells[first])
+    behind = first
+    while behind > 0 and len(cells[behind - 1]) == width and _begins_row(cells[behind - 1], comma):
+        behind -= 1
+    if 0 < behind < first and len(cells[behind - 1]) == width:
+        _refuse_word(cells, behind, comma)
     behind = last
     while behind < len(cells) and not is_row[behind] and len(cells[behind]) == width:
-        if not cells[behind][0] or not _tells(cells[behind][0], comma):
+        if not _begins_row(cells[behind], comma):
             return
         behind += 1
     if last < behind < len(cells) and len(cells[behind]) == width:
-        word = next(cell for cell in cells[last] if not _tells(cell, comma))
-        raise NotARecord(f"line {last + 1}: {printable(word)!r} stands among numbers; accepted: a number, or nothing")
+        _refuse_word(cells, last, comma)
+
+
+def _begins_row(row: list[str], comma: bool) -> bool:
+    """Whether a line begins with a number or clock."""
+    return bool(row[0]) and _tells(row[0], comma)
+
+
+def _refuse_word(cells: list[list[str]], line: int, comma: bool) -> None:
+    """Raise `NotARecord` for the first word of a line."""
+    word = next(cell for cell in cells[line] if not _tells(cell, comma))
+    raise NotARecord(f"line {line + 1}: {printable(word)!r} stands among numbers; accepted: a number, or nothing")
 
 
 def _cells(line: str, separator: str | None) -> list[str]:

@@ -105,11 +105,20 @@ contains
   end subroutine choose_columns
 
   pure integer function first_row(probed, numeric) result(n)
-    !! The first row; where every line has a word among its numbers, the first with a number, which is refused when it is read.
+    !! The first row; where every line has a word among its numbers, the first with a number, which is refused when it is read. So
+    !! is a line behind the names that begins with a number: a logger writes a word there for what was beyond its range.
     type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers
-    do n = 1, size(probed)
-      if (is_row(probed(n), numeric)) return
+    integer :: row, line
+    do row = 1, size(probed)
+      if (.not. is_row(probed(row), numeric)) cycle
+      n = row
+      do line = row - 1, 1, -1
+        if (size(probed(line)%fields) /= size(numeric)) return
+        if (.not. any(probed(line)%numeric)) n = line + 1      ! behind names, or their units
+        if (.not. probed(line)%numeric(1)) return
+      end do
+      return
     end do
     do n = 1, size(probed) - 1
       if (size(probed(n)%fields) == size(numeric) .and. any(probed(n)%numeric)) return
