@@ -7,8 +7,8 @@ module bw_number_file
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_written, look_at, path_state, remove_file, same_file
   use bw_kinds, only: dp, i1, i8
-  use bw_system_calls, only: bw_close_numbers, bw_get_numbers, bw_open_numbers, bw_put_bytes, bw_put_numbers, bw_reserve, &
-    bw_write_gathered
+  use bw_system_calls, only: bw_get_numbers, bw_hold, bw_kind_of_error, bw_open_numbers, bw_put_bytes, bw_put_numbers, bw_release, &
+    bw_reserve, bw_write_gathered, error_not_offered
   implicit none (type, external)
   private
 
@@ -18,10 +18,12 @@ module bw_number_file
     character(:), allocatable :: path
     integer :: problem = 0
     integer, private :: descriptor = -1
+    logical, private :: is_shared = .false.  !! other processes put numbers between those of this one
     type(c_ptr), private :: buffer = c_null_ptr
   contains
     procedure :: make
     procedure :: open => open_numbers
+    procedure :: hold
     procedure :: put_numbers
     procedure :: put_text
     procedure :: get_numbers
@@ -45,19 +47,19 @@ contains
     self%path = path
     call self%note(open_file(path, new_file, self%descriptor))
     if (self%problem == 0) call self%note(bw_reserve(int(self%descriptor, c_int), reserved, bytes))
-    if (self%problem == 0) call self%note(bw_open_numbers(int(self%descriptor, c_int), bytes, 0_c_int, self%buffer))
+    if (self%problem == 0) call self%note(bw_open_numbers(int(self%descriptor, c_int), self%buffer))
     if (self%problem == 0) return
     call cannot_be_written(error, path, self%problem)
     if (self%descriptor >= 0) ignored = remove_file(path)
     call self%close()
   end subroutine make
 
-  subroutine open_numbers(self, path, scattered, bytes, error)
+  subroutine open_numbers(self, path, shared, bytes, error)
     !! Open a file that is there, to read and to write.
     !! **Errors**: the system refuses it.
     class(number_file), intent(inout) :: self
     character(*), intent(in) :: path
-    logical, intent(in) :: scattered         !! numbers will not come one behind the other
+    logical, intent(in) :: shared            !! other processes put numbers between those of this one
     integer(i8), intent(out) :: bytes        !! its length
     type(error_type), allocatable, intent(inout) :: error
     type(path_state) :: state
@@ -65,10 +67,20 @@ contains
     call self%note(open_file(path, to_change, self%descriptor))
     if (self%problem == 0) call self%note(look_at_open(self%descriptor, state))
     bytes = state%bytes
-    if (self%problem == 0) call self%note(bw_open_numbers(int(self%descriptor, c_int), bytes, &
-                                                          merge(1_c_int, 0_c_int, scattered .and. bytes > 0), self%buffer))
+    if (self%problem == 0) call self%note(bw_open_numbers(int(self%descriptor, c_int), self%buffer))
+    if (self%problem == 0 .and. shared) then
+      self%is_shared = bw_kind_of_error(bw_hold(self%buffer)) /= error_not_offered
+      call self%write()
+    end if
     if (self%problem /= 0) call cannot_be_written(error, path, self%problem)
   end subroutine open_numbers
+
+  subroutine hold(self)
+    !! Keep other processes from putting numbers until `write` has written those that follow. Where the file system has no locks,
+    !! rows between which others have theirs are written one by one.
+    class(number_file), intent(inout) :: self
+    if (self%problem == 0 .and. self%is_shared) self%problem = bw_hold(self%buffer)
+  end subroutine hold
 
   subroutine note(self, problem)
     !! Keep the first problem.
@@ -148,9 +160,10 @@ contains
     integer :: ignored
     if (c_associated(self%buffer)) then
       call self%write()
-      call bw_close_numbers(self%buffer)
+      call bw_release(self%buffer)
     end if
     self%buffer = c_null_ptr
+    self%is_shared = .false.
     ignored = close_file(self%descriptor)
     self%problem = 0
   end subroutine close_numbers

@@ -108,20 +108,20 @@ contains
     ignored = remove_file(path)
   end subroutine create
 
-  subroutine open_draft(self, path, scattered, is_ours, error)
+  subroutine open_draft(self, path, shared, is_ours, error)
     !! Open a draft that is there, if it is one of this layout: its head is the same to the byte, texts that change apart, and it
     !! has the same length.
     !! **Errors**: the system refuses it.
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: path
-    logical, intent(in) :: scattered                  !! its cases are not put one after the other
+    logical, intent(in) :: shared                     !! other processes put cases between those of this one
     logical, intent(out) :: is_ours
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: there
     integer(i8) :: bytes
     is_ours = .false.
     allocate (character(len(self%head_bytes)) :: there)
-    call self%file%open(path, scattered, bytes, error)
+    call self%file%open(path, shared, bytes, error)
     if (allocated(error)) return
     if (bytes == self%head%bytes) then
       call self%file%get_text(0_i8, there)
@@ -170,6 +170,7 @@ contains
     integer, intent(in) :: cases(:), statuses(:)
     integer :: i
     call self%write_cases()
+    call self%file%hold()
     do i = 1, size(cases)
       call self%file%put_numbers(self%place_of(self%status, int(cases(i), i8)), whole_width, [real(statuses(i), dp)])
     end do

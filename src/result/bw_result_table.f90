@@ -415,6 +415,7 @@ contains
     !! Hand to the system all that was put.
     class(result_table), intent(inout) :: self
     integer :: v, i
+    call self%file%hold()
     do v = 1, merge(self%head%count, 0, self%waiting_count > 0)
       if (self%numbers_before(v) < 0) cycle
       associate (before => self%numbers_before(v), room => self%head%variables(v)%room)

@@ -23,12 +23,11 @@ module bw_process
     integer :: status
   end type ending_type
 
-  type(ending_type), parameter :: endings(0:4) = [ &
+  type(ending_type), parameter :: endings(0:3) = [ &
     ending_type('a fault in the program: please report it', status_fault), &
     ending_type('memory was refused', status_bad_file), &
     ending_type('the stack is exhausted; accepted: a larger one (ulimit -s)', status_bad_file), &
-    ending_type('stopped within a step that could not be left in order; finished cases are saved', status_stopped), &
-    ending_type('a file that was being written was cut short, or its disk is full or failed', status_bad_file)]
+    ending_type('stopped within a step that could not be left in order; finished cases are saved', status_stopped)]
     !! by the numbers of bw_system.c
   character(kind=c_char, len=200), target :: said(0:size(endings) - 1)      !! stays there for handlers of signals
   integer(i8), parameter :: openblas_bytes = 140000000    !! what it claims at its first call, and hardly uses

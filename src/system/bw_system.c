@@ -164,59 +164,79 @@ static int write_at(int descriptor, const char *bytes, int64_t count, int64_t pl
   return 0;
 }
 
-/* A file whose numbers have their places. What is put is gathered as long as each comes behind the one before it. Where numbers lie
-   scattered, as where several processes take turns, those that fill less than a page go into the file as memory, if the system
-   offers that. */
-static volatile sig_atomic_t is_mapped;
+/* A file whose numbers have their places. What is put is gathered as long as each comes behind the one before it. As long as a
+   process holds the file, numbers of other processes between its own are read, and written again with them: that is
+   faster than writing rows of less than a page one by one, and a mapping would have every process fault every page. */
 typedef struct {
-  int descriptor;
-  char *memory;
-  int64_t length;                                            /* of the memory */
-  int is_touched;                                            /* something was put into the memory */
+  int descriptor, is_held;
   int64_t place, count;                                      /* of the bytes that are gathered */
+  int64_t known;                                             /* these, and what the file has behind them */
   char bytes[1 << 18];
 } number_file;
 
-int bw_open_numbers(int descriptor, int64_t length, int scattered, number_file **file)
+/* free() what is given. */
+int bw_open_numbers(int descriptor, number_file **file)
 {
   number_file *made = *file = malloc(sizeof *made);
   if (!made) return ENOMEM;
   made->descriptor = descriptor;
-  made->length = length;
-  made->place = made->count = made->is_touched = 0;
-  made->memory = scattered ? mmap(NULL, (size_t)length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) : NULL;
-  if (made->memory == MAP_FAILED) made->memory = NULL;
-  is_mapped = is_mapped || made->memory;
+  made->place = made->count = made->known = made->is_held = 0;
   return 0;
 }
 
-/* Write what is gathered; pages that lie in memory are the system's again. */
-int bw_write_gathered(number_file *file)
+/* Wait for those who hold the file, and keep others waiting until what is put has been written. */
+int bw_hold(number_file *file)
+{
+  int result;
+  AGAIN_WHERE_INTERRUPTED(result = flock(file->descriptor, LOCK_EX));
+  file->is_held = result == 0;
+  return result < 0 ? errno : 0;
+}
+
+static int write_bytes(number_file *file)
 {
   int64_t count = file->count;
-  file->count = 0;
-  if (file->is_touched) madvise(file->memory, (size_t)file->length, MADV_DONTNEED);
-  file->is_touched = 0;
+  file->count = file->known = 0;
   return count ? write_at(file->descriptor, file->bytes, count, file->place) : 0;
+}
+
+/* Write what is gathered, and hold the file no longer. */
+int bw_write_gathered(number_file *file)
+{
+  int number = write_bytes(file);
+  if (file->is_held) flock(file->descriptor, LOCK_UN);
+  file->is_held = 0;
+  return number;
+}
+
+/* Gather what the file has up to a place: 0 where that is too far. */
+static int is_filled_up(number_file *file, int64_t place, int64_t width)
+{
+  const int64_t page = 4096, piece = 1 << 15, most = sizeof file->bytes, to = place - file->place;
+  int64_t have = 0;
+  if (!file->is_held || !file->count || to <= file->count || to - file->count >= page || to + width > most) return 0;
+  for (; file->known < to; file->known += have) {
+    int64_t left = most - file->known;
+    int number = bw_read(file->descriptor, file->bytes + file->known, left < piece ? left : piece, file->place + file->known, &have);
+    if (number || !have) return 0;
+  }
+  file->count = to;
+  return 1;
 }
 
 /* So many bytes of room for what comes next, of one number at least; NULL where what was there cannot be written. */
 static char *room_for(number_file *file, int64_t place, int64_t count, int64_t width, int64_t *room, int *number)
 {
-  const int64_t page = 4096;
+  const int64_t most = sizeof file->bytes;
   *number = 0;
-  *room = count;
-  if (file->memory && count < page) {
-    file->is_touched = 1;
-    return file->memory + place;
-  }
-  if (place != file->place + file->count || file->count + width > (int64_t)sizeof file->bytes) {
-    if ((*number = bw_write_gathered(file))) return NULL;
+  if (!is_filled_up(file, place, width) && (place != file->place + file->count || file->count + width > most)) {
+    if ((*number = write_bytes(file))) return NULL;
     file->place = place;
   }
-  if (*room > (int64_t)sizeof file->bytes - file->count) *room = (int64_t)sizeof file->bytes - file->count;
+  *room = count < most - file->count ? count : most - file->count;
   *room -= *room % width;
   file->count += *room;
+  if (file->known < file->count) file->known = file->count;
   return file->bytes + file->count - *room;
 }
 
@@ -277,13 +297,6 @@ int bw_get_numbers(number_file *file, int64_t place, int width, double *values, 
     }
   }
   return number;
-}
-
-/* Memory goes back to the system; the file is left open. */
-void bw_close_numbers(number_file *file)
-{
-  if (file->memory) munmap(file->memory, (size_t)file->length);
-  free(file);
 }
 
 /* ---- files by names ------------------------------------------------------------------------------------------------ */
@@ -395,7 +408,7 @@ int64_t bw_beginning_of(int64_t process)
 
 /* ---- how this process ends ------------------------------------------------------------------------------------------- */
 
-enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, OF_FILE, ENDINGS };    /* numbers of bw_process.f90 */
+enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, ENDINGS };    /* numbers of bw_process.f90 */
 
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
 static volatile sig_atomic_t received, time_is_up, is_unseen, is_child;
@@ -443,14 +456,13 @@ static void on_missed_stop(int number)
   end_at_once(OF_STOP);
 }
 
-/* A fault just after memory was refused comes of that, and one just below the stack of a stack that is full; a page of a file is not
-   there where the file was cut, or its disk failed. Of others of a child its parent will see and tell. */
+/* A fault just after memory was refused comes of that, and one just below the stack of a stack that is full. Of others of a child its
+   parent will see and tell. */
 static void on_fault(int number, siginfo_t *fault, void *unused)
 {
   uint64_t below = (uint64_t)(uintptr_t)stack_top - (uint64_t)(uintptr_t)fault->si_addr;
   (void)unused;
   if ((number == SIGSEGV || number == SIGBUS) && fault->si_code > 0 && below < stack_room) end_at_once(OF_STACK);
-  if (number == SIGBUS && is_mapped) end_at_once(OF_FILE);
   if (!is_child) end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT);
   signal(number, SIG_DFL);
   raise(number);

@@ -28,13 +28,17 @@ module bw_system_calls
       integer(c_int), value :: descriptor
       integer(c_int64_t), value :: reserved, bytes
     end function bw_reserve
-    integer(c_int) function bw_open_numbers(descriptor, length, scattered, file) bind(c)
-      import :: c_int, c_int64_t, c_ptr
+    integer(c_int) function bw_open_numbers(descriptor, file) bind(c)
+      import :: c_int, c_ptr
       implicit none (type, external)
-      integer(c_int), value :: descriptor, scattered
-      integer(c_int64_t), value :: length
+      integer(c_int), value :: descriptor
       type(c_ptr), intent(out) :: file
     end function bw_open_numbers
+    integer(c_int) function bw_hold(file) bind(c)
+      import :: c_int, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: file
+    end function bw_hold
     integer(c_int) function bw_put_bytes(file, place, bytes, count) bind(c)
       import :: c_char, c_int, c_int64_t, c_ptr
       implicit none (type, external)
@@ -63,11 +67,6 @@ module bw_system_calls
       implicit none (type, external)
       type(c_ptr), value :: file
     end function bw_write_gathered
-    subroutine bw_close_numbers(file) bind(c)
-      import :: c_ptr
-      implicit none (type, external)
-      type(c_ptr), value :: file
-    end subroutine bw_close_numbers
     subroutine bw_error_text(number, text, length) bind(c)
       import :: c_char, c_int
       implicit none (type, external)
