@@ -230,8 +230,9 @@ def test_a_size_that_is_none_is_refused(full_result, words):
 def test_a_size_without_room_for_the_words_is_refused_and_the_one_that_is_named_suffices(full_result, tmp_path, capfd, size):
     words = [str(full_result), "--output", str(tmp_path), "--only", "measured_wavenumber", "--size"]
     assert cli.main([*words, size]) == 3
-    told = re.search(r"its words have no room; (\d+x\d+) mm suffices", capfd.readouterr().err)
+    told = re.search(r"the words of a picture have no room in this --size; (\d+x\d+) mm suffices", capfd.readouterr().err)
     assert told and cli.main([*words, told[1]]) == 0
+    assert cli.main([*words, size, "--page"]) == 3 and "no room in this --size" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("output", [False, True])

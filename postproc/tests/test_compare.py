@@ -103,6 +103,11 @@ def test_the_head_says_what_differs(two):
     assert differences(out, within) == "they differ in rotation plane\u00a0=\u00a0out and in"
 
 
+def test_results_without_a_file_or_a_scene_are_compared(two):
+    first, second = (xr.Dataset({"displacement": ds["displacement"].variable}) for ds in two)
+    assert head_of_both(first, second, []).scenes == [["A"], ["B: else as A"]]
+
+
 def test_sweeps_over_the_same_values_are_compared_case_by_case(paper_results):
     with open_result(paper_results / "fig6.nc") as first, open_result(paper_results / "fig7.nc") as other:
         pairs, note = pairs_of(first, first)

@@ -264,6 +264,17 @@ def test_the_program_reads_what_was_written(beamwave, tmp_path):
     assert "warning" not in done.stderr
 
 
+def test_a_rate_beside_another_one_of_the_file_is_refused(tmp_path):
+    path = tmp_path / "a.mat"
+    for told in ({"fs": 10.0}, {"dt": 0.1}):
+        scipy.io.savemat(path, {**told, "a": HISTORIES[:, 0]})
+        assert read_channels(path, Wanted(sample_rate=10.0))[0].times[1] == pytest.approx(0.1)
+        with pytest.raises(NotARecord, match=f"has a sampling rate of its own, {next(iter(told))}, of 10 Hz"):
+            read_channels(path, Wanted(sample_rate=20.0))
+    scipy.io.savemat(path, {"fs": 0.0, "a": HISTORIES[:, 0]})
+    assert read_channels(path, Wanted(sample_rate=20.0))[0].times[1] == pytest.approx(0.05)
+
+
 def test_arrays_are_as_consistent_as_tables(tmp_path):
     path = tmp_path / "a.mat"
     scipy.io.savemat(path, {"t": TIMES, "a": HISTORIES[:, 0]})

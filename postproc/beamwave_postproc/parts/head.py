@@ -56,7 +56,7 @@ def add_head(fig: Figure, head: Head, *, grow: bool = True) -> None:
     """
     height = grow_by_head(fig, head, grow=grow)
     if not grow and (enough := sufficient_size(fig, height)) != tuple(fig.get_size_inches()):
-        raise Refusal(f"its words have no room; {_in_words(enough)}")
+        raise Refusal(f"the words of a picture have no room in this --size; {_in_words(enough)}")
     fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - height / fig.get_figheight()))
 
 

@@ -69,9 +69,9 @@ def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str], warnin
     rest = [f"without {' and '.join(gone)}"] if gone else []
     rest += ["else as A"] if len(own) < len(others) else []
     about = f"A: {'; '.join(mine)}. B: {'; '.join([*own, *rest])}"
-    scenes = [brief_of(first), [file_of(second), *[part for part in own if part != file_of(second)], *rest]]
-    for letter, scene in zip("AB", scenes):
-        scene[0] = f"{letter}: {scene[0]}"
+    name = file_of(second)
+    scenes = [brief_of(first), [part for part in dict.fromkeys([name, *own, *rest]) if part]]
+    scenes = [[f"{letter}: {scene[0]}", *scene[1:]] if scene else [letter] for letter, scene in zip("AB", scenes)]
     doubts = "; ".join(f"{letter}: {words}" for letter, words in zip("AB", warnings) if words)
     return Head(title, ["; ".join(filter(None, [differences(first, second), *notes]))], scenes, about, warning=doubts)
 

@@ -222,16 +222,24 @@ def _nearest(name: str, clocks: Mapping[str, str]) -> str | None:
     return scope if scope in clocks else None
 
 
+def _single(values: np.ndarray) -> float:
+    """The only number of an array; infinite where it has not one, or one that is not above 0."""
+    value = float(values.ravel()[0]) if values.size == 1 else np.inf
+    return value if value > 0.0 else np.inf
+
+
 def _rate(numbers: Mapping[str, np.ndarray], wanted: Wanted) -> float:
-    """The sampling rate [Hz]: as the caller says, or a single number of the file."""
-    if wanted.sample_rate is not None:
-        return wanted.sample_rate
-    for name in _named(numbers, RATE_NAMES):
-        if numbers[name].size == 1 and float(numbers[name].ravel()[0]) > 0:
-            return float(numbers[name].ravel()[0])
-    for name in _named(numbers, INTERVAL_NAMES):
-        if numbers[name].size == 1 and float(numbers[name].ravel()[0]) > 0:
-            return 1.0 / float(numbers[name].ravel()[0])
+    """The sampling rate [Hz]: a single number of the file, or as the caller says.
+
+    Raises `NotARecord` where neither tells it, or the two differ.
+    """
+    told = {name: _single(numbers[name]) for name in _named(numbers, RATE_NAMES)}
+    told |= {name: 1.0 / _single(numbers[name]) for name in _named(numbers, INTERVAL_NAMES)}
+    name, rate = next(((name, rate) for name, rate in told.items() if 0.0 < rate < np.inf), ("", wanted.sample_rate))
+    if name and wanted.sample_rate is not None and not np.isclose(rate, wanted.sample_rate, rtol=1e-6):
+        raise NotARecord(f"has a sampling rate of its own, {name}, of {rate:g} Hz; accepted: without --sample-rate")
+    if rate is not None:
+        return rate
     raise NotARecord(
         "nothing tells the times; give --sample-rate, or --time with the name of their array, or with the number of "
         f"their column; there: {', '.join(f'{name} {array.shape}' for name, array in numbers.items())}"
