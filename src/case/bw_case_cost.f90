@@ -131,6 +131,8 @@ contains
       & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
     if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
+    if (allocated(scene%contact) .and. planning) &
+      & counts(contacts) = counts(contacts)*sqrt(1.0e-6_dp/scene%modes%tolerance)    ! errors fall as n^-3, and work grows as n^1.5
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
