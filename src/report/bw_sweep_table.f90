@@ -19,6 +19,7 @@ module bw_sweep_table
   character(*), parameter :: reasons(*) = [character(24) :: 'first', 'last', 'lowest frequency', 'highest frequency', &
     'smallest displacement', 'largest displacement', 'largest stress', 'largest force', 'first without frequency', &
     'first not trusted']                    !! why cases of a large sweep are shown
+  integer, parameter :: contrary(*) = [1, 2, 4, 3, 6, 5, 7, 8, 9, 10]   !! of two such reasons neither is told of one case
   character(*), parameter :: outcomes(*) = [character(24) :: 'largest_displacement', 'largest_stress', 'largest_contact_force', &
     'restitution']                          !! of motions and contacts, as far as a result has them
   integer, parameter :: displacement = 1, stress = 2, force = 3
@@ -27,7 +28,7 @@ module bw_sweep_table
     !! What there is to say of a case that may be shown.
     integer(i8) :: case = 0                 !! its number; 0: none yet
     integer :: status = case_done
-    real(dp) :: frequency = missing         !! of mode 1, rad/s
+    real(dp) :: frequency = missing         !! of the lowest mode that bends the beam, rad/s
     real(dp) :: outcome(size(outcomes)) = missing   !! the largest of all places
   end type case_row
 
@@ -41,7 +42,7 @@ contains
     type(case_row), allocatable :: rows(:)    ! by case, or by reason
     type(text_builder) :: built
     type(text_table) :: table
-    character(:), allocatable :: reasons_shown
+    character(:), allocatable :: reasons_shown, mode
     integer(i8) :: printed                    ! the last case
     logical :: without, varies, wave, has(size(outcomes))
     integer :: r, k
@@ -49,6 +50,7 @@ contains
       lines = record_table(draft)
       return
     end if
+    mode = 'mode '//text_of(lowest_mode(draft))
     allocate (rows(merge(size(statuses), size(reasons), size(statuses) <= most_rows)))
     call choose_rows(draft, statuses, rows)
     without = .false.
@@ -61,10 +63,10 @@ contains
       call built%append_line('  Each case with its lowest mode: modes are numbered by their frequencies in '// &
                              'each case, also where these cross')
     else
-      call built%append_line('  Each case; mode 1 has '//fixed(rows(1)%frequency/two_pi)//' Hz in all')
+      call built%append_line('  Each case; '//mode//' has '//fixed(rows(1)%frequency/two_pi)//' Hz in all')
     end if
     wave = varies .and. .not. any(has(stress:))       ! there is room for all of a mode
-    table = table_of('case|modes|mode 1: frequency|'//trim(merge('frequency        ', 'mode 1: frequency', wave))// &
+    table = table_of('case|modes|'//mode//': frequency|'//trim(merge('frequency        ', mode//': frequency', wave))// &
                      '|phase velocity|group velocity|displacement|stress|contact force|restitution|swept', &
                      '||rad/s|Hz|m/s|m/s|m, largest sample|Pa|N||', [8, 8, 19, merge(12, 19, wave), 16, 16, 19, 14, 15, 13, 0], &
                      [.true., .true., wave, varies, wave, wave, has, .true.])
@@ -78,10 +80,16 @@ contains
       without = without .or. is_missing(rows(r)%frequency)
       printed = rows(r)%case
     end do
-    if (without) call built%append_line('  -: mode 1 grows, or creeps back, or could not be found: it has no frequency.')
+    if (without) call built%append_line('  -: '//mode//' grows, or creeps back, or could not be found: it has no frequency.')
     if (size(statuses) > most_rows) call built%append_line('    '//text_of(size(statuses))//' cases in the file')
     lines = built%text()
   end function sweep_table
+
+  pure integer function lowest_mode(draft) result(mode)
+    !! The number of the lowest mode that bends the beam: behind the turn of a free hub.
+    type(result_draft), intent(in) :: draft
+    mode = merge(2, 1, allocated(draft%scene%hub) .and. draft%length_of('mode') > 1)
+  end function lowest_mode
 
   subroutine choose_rows(draft, statuses, rows)
     !! Look at all cases for those that are shown.
@@ -95,7 +103,7 @@ contains
     allocate (outcome(at_once, size(outcomes)))
     do first = 1, size(statuses), at_once
       n = min(at_once, size(statuses) - first + 1)
-      call draft%get_column(draft%variable('angular_frequency'), 1, int(first, i8), frequency(:n))
+      call draft%get_column(draft%variable('angular_frequency'), lowest_mode(draft), int(first, i8), frequency(:n))
       outcome(:n, :) = missing
       do k = 1, size(outcomes)
         variable = draft%variable(trim(outcomes(k)))
@@ -176,9 +184,11 @@ contains
     integer :: k
     words = ''
     do k = 1, size(reasons)
-      if (rows(k)%case == rows(r)%case) words = words//', '//trim(reasons(k))
+      if (rows(k)%case /= rows(r)%case) cycle
+      if (contrary(k) /= k .and. rows(contrary(k))%case == rows(k)%case) cycle
+      words = words//', '//trim(reasons(k))
     end do
-    words = ' ('//words(3:)//')'
+    if (words /= '') words = ' ('//words(3:)//')'
   end function why
 
   function row_cells(draft, row) result(cells)
@@ -187,11 +197,13 @@ contains
     type(case_row), intent(in) :: row
     character(:), allocatable :: cells
     real(dp), allocatable :: modes(:), phase_velocity(:), group_velocity(:)
+    integer :: mode
+    mode = lowest_mode(draft)
     modes = draft%get('mode_count', row%case)
     phase_velocity = draft%get('phase_velocity', row%case)
     group_velocity = draft%get('group_velocity', row%case)
     cells = text_of(row%case)//'|'//text_of(nint(modes(1)))//'|'//fixed(row%frequency)//'|'// &
-      fixed(scaled(row%frequency, 1.0_dp/two_pi))//'|'//fixed(phase_velocity(1))//'|'//fixed(group_velocity(1))//'|'// &
+      fixed(scaled(row%frequency, 1.0_dp/two_pi))//'|'//fixed(phase_velocity(mode))//'|'//fixed(group_velocity(mode))//'|'// &
       fixed(row%outcome(1))//'|'//fixed(row%outcome(2))//'|'//fixed(row%outcome(3))//'|'//short(row%outcome(4), 5)
   end function row_cells
 

@@ -134,6 +134,20 @@ def test_a_finished_sweep_shows_its_table_again(here):
     assert table == [line for line in again if "rotation%angular_velocity = " in line]
 
 
+def test_a_sweep_of_a_free_hub_shows_the_lowest_mode_that_bends_the_beam(here):
+    """Mode 1 is the turn; what is the same in all cases is the lowest and the highest of none."""
+    sweep = {"parameter": "hub%rotary_inertia", "first": 0.1, "last": 1.0, "count": 3}
+    here.scene("a", {"beam": BEAM, "hub": {"rotary_inertia": 0.1}, "modes": {"before": 5}}, sweep)
+    ds, said = here.run("a"), here.beamwave("run", "a.nml").stdout
+    assert "mode 2: frequency" in said and " 0 Hz" not in said
+    assert [float(line.split()[2]) for line in said.splitlines() if "hub%rotary_inertia = " in line] == pytest.approx(
+        ds["angular_frequency"][:, 1].tolist(), rel=1e-6)
+    here.scene("b", {"beam": BEAM, "impact": {"mass_ratio": 0.2}, "modes": {"before": 5}},
+               {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 30})
+    said = here.beamwave("run", "b.nml").stdout
+    assert "(first)" in said and "(last)" in said and "lowest frequency" not in said
+
+
 def test_a_sweep_of_contacts_shows_what_comes_of_them_and_no_mode_that_stays(here):
     """Of a mass that moves along the beam; one that stays on it changes the modes."""
     sweep = {"parameter": "impact%position", "values": [0.6, 0.8, 1.0]}
