@@ -14,7 +14,7 @@ module bw_case_contacts
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
   use bw_constants, only: pi
-  use bw_contact_rates, only: add_rates, driven_type, find_driven, rounding_in, show_in_segments, unit_force
+  use bw_contact_rates, only: add_rates, driven_type, find_driven, neglected_in, rounding_in, show_in_segments, unit_force
   use bw_event, only: capture_event, contact_event, event_type
   use bw_initial_state, only: initial_state
   use bw_first_motion, only: find_first_motion
@@ -27,6 +27,7 @@ module bw_case_contacts
   use bw_missing, only: scaled
   use bw_mode_set, only: deflections, first_numbers, first_struck, mean_rate, mode_set, turns
   use bw_monitor, only: monitor_type
+  use bw_neglected_modes, only: find_neglected, neglected_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_piece_beam, only: arm_of
   use bw_response, only: response_type
@@ -51,8 +52,10 @@ module bw_case_contacts
     integer :: status = case_done                   !! of the histories
     integer :: ending = case_done                   !! why the motion is not known to its end
     logical :: cut = .false., out_of_range = .false., failed = .false.   !! as those of lasting_contacts
+    integer :: summed = 0                           !! modes of the beam as it is struck
     real(dp) :: step_tolerance = 0.0_dp             !! of the largest force, what steps lack
     real(dp), allocatable :: rounding(:, :)         !! what it leaves under loads, SI, (points, quantities)
+    type(neglected_type) :: neglected
     type(string), allocatable :: notes(:)
   end type run_type
 
@@ -74,6 +77,7 @@ contains
     logical :: asked(quantities)
     call find_contacts(scene, motion, demand, monitor, contacts, loads)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
+    run%summed = demand%modes
     run%step_tolerance = demand%tolerance
     run%cut = contacts%cut
     run%out_of_range = contacts%out_of_range
@@ -101,8 +105,11 @@ contains
       run%rounding = rounding_in(scene, motion, driven)
     else
       call find_loaded_segments(scene, motion, monitor)
+      if (monitor%stop_requested()) return
+      call find_neglected(scene, motion, demand%modes, monitor, workspace, run%neglected)
     end if
     if (monitor%stop_requested()) return
+    if (any(asked)) call neglected_in(scene, motion, driven, run%neglected)
     call sum_histories(scene, motion, deflections, monitor, workspace, histories)
     if (monitor%stop_requested()) return
     if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)

@@ -2,9 +2,10 @@ module bw_contact_case
   !! A case whose impact lasts: modes ► contacts and flights ► histories ► errors ► spectrum. The motion has a limit as modes are added, so
   !! that a tolerance lets their number grow until its error is small enough.
   !!
-  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed three times,
-  !! with all modes, a half and a quarter of them: what fewer modes change tells how much is missing. Steps leave far less. A tolerance
-  !! doubles the number of modes, so that each motion serves three counts.
+  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed twice, with all
+  !! modes and with half of them: what fewer modes change, and what the modes beyond would add, tell how much is missing
+  !! (bw_contact_errors). Steps leave far less. Under a tolerance the number of modes grows, and the motion of before takes the place of
+  !! that with half of them.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: follow_run, run_type
@@ -21,7 +22,7 @@ module bw_contact_case
   use bw_missing, only: missing
   use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
-  use bw_contact_errors, only: add_rounding, find_force_errors, find_history_errors, part_of_peak
+  use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors, part_of_peak
   use bw_event, only: contact_event
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type
@@ -121,10 +122,11 @@ contains
     type(case_motion), intent(out) :: motion
     type(run_type), allocatable, intent(out) :: run
     type(history_errors), intent(out) :: errors
-    type(run_type), allocatable :: quarter, half
+    type(run_type), allocatable :: half
     real(dp) :: before
     integer :: most
-    logical :: doubled
+    integer :: octaves                               ! by which the number of modes grew last, or will
+    logical :: grown
     allocate (run)
     most = most_count
     before = huge(before)
@@ -134,7 +136,8 @@ contains
       counted%modes%tolerance = missing
       counted%modes%before = first_count
     end if
-    doubled = .false.
+    octaves = 1
+    grown = .false.
     do
       counted%modes%after = counted%modes%before
       motion = case_motion(units=units_of(scene%beam))
@@ -143,20 +146,17 @@ contains
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
       call attend(motion%modes%configuration, failure, monitor)
-      if (doubled) then                              ! all modes of before are half of them now
-        call move_alloc(half, quarter)
+      if (grown) then                                ! all modes of before are some of them now
         call move_alloc(run, half)
       else
-        call follow_part(4, quarter)
-        if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
         call follow_part(2, half)
-        if (monitor%stop_requested()) return
+        if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
       end if
       call follow_part(1, run)
       if (monitor%stop_requested()) return
       call watch%lap(stage_events)
       errors = history_errors()
-      call find_history_errors(run, half, quarter, resolves_contacts(motion, run), errors)
+      call find_history_errors(run, half, errors)
       if (bodies_change(scene)) then
         motion%timeline = run%timeline
         call join_state_errors(counted, motion, errors)
@@ -166,13 +166,14 @@ contains
       motion%plan%reached = part_of_peak(run%response, errors)
       if (motion%plan%reached <= scene%modes%tolerance) exit
       if (resolves_contacts(motion, run)) then
-        if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most)) exit
+        if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most, octaves)) exit
+        octaves = octaves_to(scene%modes%tolerance, motion%plan%reached, fall_of_force(run, half))
       end if
       before = motion%plan%reached
-      doubled = 2*counted%modes%before <= most
-      counted%modes%before = min(most, 2*counted%modes%before)
+      grown = 2**octaves*counted%modes%before <= most
+      counted%modes%before = min(most, 2**octaves*counted%modes%before)
     end do
-    call find_force_errors(run, half, quarter, resolves_contacts(motion, run))
+    call find_force_errors(run, half)
     motion%timeline = run%timeline
     motion%initial = run%initial
     motion%ending = run%ending
@@ -216,10 +217,20 @@ contains
     end associate
   end function resolves_contacts
 
-  pure logical function is_hopeless(reached, before, tolerance, count, most)
-    !! Falling on as it did when the number of modes doubled, an error stays above a tolerance up to far more than the most modes.
+  pure integer function octaves_to(tolerance, reached, fall) result(octaves)
+    !! How often the number of modes is doubled at once: as often as the tolerance takes, if errors fall from octave to octave as those of
+    !! forces did.
+    real(dp), intent(in) :: tolerance, reached, fall
+    integer, parameter :: most = 3                   ! tuned: further on nobody knows how they fall
+    octaves = 1
+    if (fall > 0.0_dp .and. fall < 1.0_dp) octaves = max(1, ceiling(min(real(most, dp), log(reached/tolerance)/(-log(fall)))))
+  end function octaves_to
+
+  pure logical function is_hopeless(reached, before, tolerance, count, most, octaves)
+    !! Falling on as it did when the number of modes grew, an error stays above a tolerance up to far more than the most modes.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
+    integer, intent(in) :: octaves                   !! by which it grew
     real(dp), parameter :: doubling = log(2.0_dp), far = log(8.0_dp)
     real(dp) :: steps
     is_hopeless = .false.
@@ -227,7 +238,7 @@ contains
     is_hopeless = reached >= 0.999_dp*before
     if (is_hopeless) return
     steps = log(reached/tolerance)/log(before/reached)
-    is_hopeless = steps*doubling > log(real(most, dp)/count) + far
+    is_hopeless = steps*octaves*doubling > log(real(most, dp)/count) + far
   end function is_hopeless
 
   subroutine compose(scene, motion, run, errors, spectrum, result)

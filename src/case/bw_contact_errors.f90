@@ -1,6 +1,8 @@
 module bw_contact_errors
-  !! Errors of a motion whose impact lasts, from three ways to follow it, with n, n/2 and n/4 modes. Where ρ is the ratio of what the last
-  !! two steps change, what is left is about ρ/(1 − ρ) of the last change; three times that is given, since ρ need not stay the same.
+  !! Errors of a motion whose impact lasts. The forces of its contacts are known, and what the modes beyond would add under them is missing
+  !! (bw_neglected_modes); octave by octave it falls as it did from the octave before. What half of the modes lack beyond that is wrong in
+  !! forces and times of contacts, which feel the modes that are missing by the velocity of the place that is struck: so it falls as that
+  !! does.
   use bw_case_contacts, only: run_type
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_result, only: case_motion, history_errors
@@ -13,68 +15,81 @@ module bw_contact_errors
   use bw_scene, only: scene_type
   implicit none (type, external)
   private
-  public :: add_rounding, find_force_errors, find_history_errors, largest_distance, part_of_peak
+  public :: add_rounding, fall_of_force, find_force_errors, find_history_errors, largest_distance, part_of_peak
 
+  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 4.0_dp   !! tuned: how many times what is found of either is told
   real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp   !! tuned: of their tolerance, what steps leave
 
 contains
 
-  pure subroutine find_history_errors(run, half, quarter, resolved, errors)
+  pure subroutine find_history_errors(run, half, errors)
     !! Of histories.
-    type(run_type), intent(in) :: run, half, quarter
-    logical, intent(in) :: resolved                  !! the modes move through some periods within the first contact
+    type(run_type), intent(in) :: run, half
     type(history_errors), intent(inout) :: errors
-    associate (response => run%response, beside => half%response, further => quarter%response, &
-               left => in_histories*run%step_tolerance, least => least_ratio(run, half, quarter, resolved))
-      errors%displacement = error_of(response%displacement, beside%displacement, further%displacement, left, least)
-      if (allocated(response%velocity)) errors%velocity = &
-        error_of(response%velocity, beside%velocity, further%velocity, left, least)
-      if (allocated(response%bending_moment)) errors%bending_moment = &
-        error_of(response%bending_moment, beside%bending_moment, further%bending_moment, left, least)
-      if (allocated(response%acceleration)) errors%acceleration = &
-        error_of(response%acceleration, beside%acceleration, further%acceleration, left, least)
-      if (allocated(response%shear_force)) errors%shear_force = &
-        error_of(response%shear_force, beside%shear_force, further%shear_force, left, least)
+    real(dp) :: fall, octaves
+    octaves = octaves_between(run, half)
+    fall = fall_of_force(run, half)**octaves
+    associate (mine => run%response, beside => half%response, by => run%neglected, of_half => half%neglected)
+      errors%displacement = error_of(mine%displacement, beside%displacement, by%displacement, of_half%displacement)
+      if (allocated(mine%velocity)) &
+        errors%velocity = error_of(mine%velocity, beside%velocity, by%velocity, of_half%velocity)
+      if (allocated(mine%bending_moment)) &
+        errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, of_half%bending_moment)
+      if (allocated(mine%acceleration)) &
+        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, of_half%acceleration)
+      if (allocated(mine%shear_force)) &
+        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, of_half%shear_force)
     end associate
+  contains
+    pure function error_of(history, of_half, neglected, by_half) result(error)
+      !! Of a quantity. Where there are no more modes to look at, it is that of half of the modes.
+      real(dp), intent(in) :: history(:, :), of_half(:, :)   !! (samples, points)
+      real(dp), allocatable, intent(in) :: neglected(:), by_half(:)   !! (points)
+      real(dp), dimension(size(history, 2)) :: error, least, ratio
+      real(dp), parameter :: most = 0.9_dp, hidden = 0.2_dp, remains = 0.5_dp   ! tuned
+      error = largest_distance(history, of_half)
+      least = 0.0_dp
+      if (fall >= 1.0_dp) least = remains*error
+      if (allocated(neglected) .and. allocated(by_half)) then
+        ratio = 1.0_dp
+        where (neglected < by_half) ratio = neglected/by_half
+        ratio = min(most, ratio**(1.0_dp/octaves))
+        error = of_neglected*neglected/(1.0_dp - ratio) + of_forces*fall*max(hidden*error, error - by_half)
+      else
+        error = of_forces*error
+      end if
+      error = max(least, error) + in_histories*run%step_tolerance*largest_magnitude(history)
+    end function error_of
   end subroutine find_history_errors
 
-  pure subroutine find_force_errors(run, half, quarter, resolved)
+  pure subroutine find_force_errors(run, half)
     !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
     type(run_type), intent(inout) :: run
-    type(run_type), intent(in) :: half, quarter
-    logical, intent(in) :: resolved                  !! as that of `find_history_errors`
-    real(dp) :: least
-    integer, allocatable :: these(:), of_half(:), of_quarter(:)   ! events that are contacts
+    type(run_type), intent(in) :: half
+    real(dp) :: fall
+    integer, allocatable :: these(:), of_half(:)     ! events that are contacts
     integer :: i, known
-    least = least_ratio(run, half, quarter, resolved)
+    fall = of_forces*fall_of_force(run, half)**octaves_between(run, half)
     these = contacts_of(run)
     of_half = contacts_of(half)
-    of_quarter = contacts_of(quarter)
     known = min(size(these), size(of_half))
-    associate (events => run%timeline%events, kept => run%result, first => these(:known))
+    associate (events => run%timeline%events, kept => run%result, others => half%timeline%events)
       kept%force_error = missing
-      kept%force_error(first) = error_of(kept%force(:, first), half%result%force(:, of_half), quarter%result%force(:, of_quarter), &
-                                         in_forces*run%step_tolerance, least)
-      events(first)%time_error = error_of(one_row(events(these)%time), one_row(half%timeline%events(of_half)%time), &
-                                          one_row(quarter%timeline%events(of_quarter)%time), 0.0_dp, least)
-      events(first)%end_error = error_of(one_row(events(these)%end_time), one_row(half%timeline%events(of_half)%end_time), &
-                                         one_row(quarter%timeline%events(of_quarter)%end_time), 0.0_dp, least)
-      do i = known + 1, size(these)
-        events(these(i))%time_error = events(these(i))%time
-        events(these(i))%end_error = events(these(i))%end_time
+      if (known > 0) kept%force_error(these(:known)) = &
+        fall*largest_distance(kept%force(:, these(:known)), half%result%force(:, of_half(:known))) &
+        + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these(:known)))
+      do i = 1, size(these)
+        associate (event => events(these(i)))
+          event%time_error = event%time
+          event%end_error = event%end_time
+          if (i > known) cycle
+          event%time_error = fall*abs(event%time - others(of_half(i))%time)
+          event%end_error = fall*abs(event%end_time - others(of_half(i))%end_time)
+        end associate
       end do
       if (size(these) == 0) return
       where (events%kind == capture_event) events%time_error = events(these(size(these)))%end_error
     end associate
-  contains
-    pure function one_row(times) result(row)
-      real(dp), intent(in) :: times(:)
-      real(dp) :: row(1, known)
-      integer :: k
-      row = missing
-      k = min(known, size(times))
-      row(1, :k) = times(:k)
-    end function one_row
   end subroutine find_force_errors
 
   pure function contacts_of(run) result(which)
@@ -87,54 +102,23 @@ contains
     end associate
   end function contacts_of
 
-  pure real(dp) function least_ratio(run, half, quarter, resolved) result(least)
-    !! Of what the last two steps change, as far as it is believed. How errors fall says little where modes hardly move within a contact,
-    !! or where one of the motions has contacts that another has not.
-    type(run_type), intent(in) :: run, half, quarter
-    logical, intent(in) :: resolved
-    real(dp), parameter :: usual = 0.1_dp, loaded = 0.35_dp, doubtful = 0.5_dp   ! tuned
-    least = usual
-    if (lets_go(run)) least = loaded
+  pure real(dp) function fall_of_force(run, half) result(fall)
+    !! Of what is wrong in forces, when the number of modes doubles. It may not do so at all where one of the motions has contacts that the
+    !! other has not, or where bodies come and leave.
+    type(run_type), intent(in) :: run, half
+    fall = 1.0_dp
+    if (size(run%timeline%events) /= size(half%timeline%events)) return
     if (any(run%timeline%events%kind == arrival_event .or. run%timeline%events%kind == departure_event .or. &
-            run%timeline%events%kind == exchange_event)) least = doubtful
-    if (.not. resolved .or. size(run%timeline%events) /= size(half%timeline%events) .or. &
-        size(half%timeline%events) /= size(quarter%timeline%events)) least = doubtful
-  end function least_ratio
+            run%timeline%events%kind == exchange_event)) return
+    if (run%neglected%struck < half%neglected%struck) &
+      fall = (run%neglected%struck/half%neglected%struck)**(1.0_dp/octaves_between(run, half))
+  end function fall_of_force
 
-  pure logical function lets_go(run)
-    !! Something that bends the beam ends at once, which modes beyond answer as they please: loads may, a deflection that is let go does, and
-    !! so does the force of a contact whose mass is captured.
-    type(run_type), intent(in) :: run
-    associate (timeline => run%timeline)
-      lets_go = allocated(run%rounding) .or. any(timeline%events%kind == capture_event)
-      if (size(timeline%segments) > 0) lets_go = lets_go .or. any(timeline%segments(1)%q /= 0.0_dp)
-    end associate
-  end function lets_go
-
-  pure function error_of(values, beside, further, left, least) result(error)
-    !! Of the columns of a table. The coarser ones may have fewer or more of them.
-    real(dp), intent(in) :: values(:, :), beside(:, :), further(:, :)
-    real(dp), intent(in) :: left                     !! by steps, of the largest value
-    real(dp), intent(in) :: least                    !! ratio of the last two steps
-    real(dp) :: error(size(values, 2))
-    real(dp), parameter :: most = 0.9_dp             ! tuned
-    real(dp), parameter :: times = 3.0_dp            ! tuned
-    real(dp), parameter :: shared = 0.01_dp          ! tuned: of the largest error of any column, that every column may have
-    real(dp), allocatable :: before(:)
-    real(dp) :: ratio(size(values, 2))
-    integer :: known
-    error = largest_distance(values, beside)
-    before = largest_distance(beside, further)
-    known = min(size(error), size(before))
-    if (any(before > 0.0_dp)) then
-      ratio = maxval(error)/maxval(before)
-      where (before(:known) > 0.0_dp) ratio(:known) = max(ratio(:known), error(:known)/before(:known))
-      ratio = min(most, max(least, ratio))
-      error = error*(times*ratio/(1.0_dp - ratio))
-    end if
-    where (error > 0.0_dp) error = max(error, shared*maxval(error))
-    if (left > 0.0_dp) error = error + left*largest_magnitude(values)
-  end function error_of
+  pure real(dp) function octaves_between(run, half) result(octaves)
+    !! From the modes of one motion to those of the other.
+    type(run_type), intent(in) :: run, half
+    octaves = log(real(run%summed, dp)/half%summed)/log(2.0_dp)
+  end function octaves_between
 
   pure function largest_distance(table, other) result(distance)
     !! Between two tables, where both are known, (columns that both have).

@@ -4,6 +4,7 @@ module bw_contact_rates
   use bw_case_modes, only: whole_beam
   use bw_case_result, only: case_motion
   use bw_double_double, only: to_dd
+  use bw_first_motion, only: find_first_motion
   use bw_force_response, only: force_degree
   use bw_force_step, only: polynomial_of
   use bw_kinds, only: dp
@@ -11,7 +12,9 @@ module bw_contact_rates
   use bw_load_course, only: load_course, scaled_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
   use bw_missing, only: missing
+  use bw_mode_set, only: first_numbers
   use bw_monitor, only: monitor_type
+  use bw_neglected_modes, only: neglected_type
   use bw_response, only: response_type
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, segment_type
@@ -20,7 +23,7 @@ module bw_contact_rates
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: add_rates, find_driven, rounding_in, show_in_segments, unit_force
+  public :: add_rates, find_driven, neglected_in, rounding_in, show_in_segments, unit_force
 
   integer, parameter :: displacement = 1, velocity = 2, acceleration = 3, bending_moment = 4, shear_force = 5, turn_of_hub = 6
     !! the quantities of bw_load_columns
@@ -31,6 +34,8 @@ module bw_contact_rates
     integer :: samples = 0                         !! that are known
     real(dp), allocatable :: history(:, :)         !! (samples, columns)
     real(dp), allocatable :: rounding(:)           !! what it leaves, (columns)
+    real(dp), allocatable :: neglected(:)          !! what the next octave of modes would add, (columns); unallocated: there is none
+    real(dp) :: struck = 0.0_dp                    !! the same of the velocity where the mass strikes
   end type driven_type
 
 contains
@@ -45,6 +50,7 @@ contains
     class(monitor_type), intent(inout) :: monitor  !! the histories mean nothing where it asks to stop
     type(driven_type), intent(out) :: driven
     type(placed_loads), intent(in), optional :: loads   !! beside the contacts, N
+    type(case_motion) :: wide                      ! twice as many modes as are summed, if there are so many
     type(placed_loads) :: acting
     type(varying_beam) :: given
     type(load_view) :: view
@@ -52,7 +58,7 @@ contains
     type(time_grid) :: grid
     real(dp), allocatable :: flexibility(:), q(:), v(:)
     real(dp) :: duration
-    integer :: struck
+    integer :: more, struck
     call whole_beam(scene, motion%units, given, struck)
     acting = placed_loads([course_of(motion%timeline%segments)], [scene%impact%position], [.false.], kind=[1])
     if (present(loads)) then
@@ -63,15 +69,25 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     allocate (driven%history(grid%samples, size(driven%quantity)), source=0.0_dp)
     driven%samples = samples
-    associate (free => motion%modes%configuration(alone)%set)
-      call make_view(given, free, summed, acting, scene%response%points, driven%quantity, driven%point, monitor, view, flexibility)
+    allocate (wide%modes%configuration(1))
+    wide%units = motion%units
+    more = min(2*summed, motion%modes%configuration(alone)%source%highest)
+    call motion%modes%configuration(alone)%source%find(first_numbers(max(summed, more)), wide%modes%configuration(1)%set, &
+                                                       grid%samples*grid%step%hi, monitor)
+    if (monitor%stop_requested()) return
+    associate (set => wide%modes%configuration(1)%set)
+      call make_view(given, set, summed, acting, scene%response%points, driven%quantity, driven%point, monitor, view, flexibility)
       if (monitor%stop_requested()) return
-      q = motion%timeline%segments(1)%q
-      v = motion%timeline%segments(1)%rate
+      call find_first_motion(scene, alone, wide, q, v)
+      q = q/unit_velocity(scene)
+      v = v/unit_velocity(scene)
       duration = samples*grid%step%hi
-      call sum_loaded_modes(free, view, grid, [1, samples], to_dd(0.0_dp), to_dd(duration), monitor, q, v, driven%history, tail)
+      call sum_loaded_modes(set, view, grid, [1, samples], to_dd(0.0_dp), to_dd(duration), monitor, q, v, driven%history, tail)
       if (monitor%stop_requested()) return
-      driven%rounding = rounding_of(free, view, tail, duration)
+      driven%rounding = rounding_of(set, view, tail, duration)
+      if (more < 2*summed .or. samples == 0) return
+      driven%neglected = tail%largest(:, 2)
+      driven%struck = norm2(set%struck(summed + 1:)*tail%lag(summed + 1:, 1))
     end associate
   end subroutine find_driven
 
@@ -134,6 +150,30 @@ contains
       end associate
     end subroutine take
   end subroutine add_rates
+
+  subroutine neglected_in(scene, motion, driven, neglected)
+    !! What modes beyond would add to the quantities that are there.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(driven_type), intent(in) :: driven
+    type(neglected_type), intent(inout) :: neglected
+    if (.not. allocated(driven%neglected)) return
+    neglected%struck = max(neglected%struck, abs(unit_velocity(scene))*driven%struck)
+    call take(displacement, neglected%displacement)
+    call take(velocity, neglected%velocity)
+    call take(acceleration, neglected%acceleration)
+    call take(bending_moment, neglected%bending_moment)
+    call take(shear_force, neglected%shear_force)
+  contains
+    subroutine take(which, largest)
+      integer, intent(in) :: which
+      real(dp), allocatable, intent(inout) :: largest(:)
+      integer :: c
+      associate (columns => pack([(c, c=1, size(driven%quantity))], driven%quantity == which))
+        if (size(columns) > 0) largest = abs(factor_of(scene, motion, which))*driven%neglected(columns)
+      end associate
+    end subroutine take
+  end subroutine neglected_in
 
   pure real(dp) function factor_of(scene, motion, quantity) result(factor)
     !! SI over what the modes show.

@@ -38,7 +38,7 @@ contains
       turn = scene%initial%angular_velocity*units%length
       if (turn /= 0.0_dp) rate = turn*modes%share_of_turn()/modes%modal_mass
       if (force == 0.0_dp) return
-      first = merge(2, 1, allocated(scene%hub))
+      first = merge(2, 1, allocated(scene%hub) .and. modes%beta_squared(1)%hi == 0.0_dp)
       if (any(modes%beta_squared(first:)%hi <= 0.0_dp)) then
         call append(motion%notes, 'not converged: a mode that nothing holds, or that grows, has no static deflection under the '// &
                     'force of &initial; no number of the case is given')
@@ -47,7 +47,7 @@ contains
       end if
       shape = modes%some_shapes(1, modes%count, [scene%initial%position])
       q(first:) = force*shape(first:, 1)/(modes%modal_mass(first:)*modes%beta_squared(first:)%hi)
-      if (.not. allocated(scene%hub)) return
+      if (first == 1) return
       associate (carried => configurations_of(scene))
         q(1) = force*turn_back(varying_of(scene, units, pieces_of(scene, units, carried(configuration)%captured, &
                                                                   carried(configuration)%body)), modes, scene%initial%position)

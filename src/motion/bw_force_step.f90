@@ -10,7 +10,7 @@ module bw_force_step
   use bw_oscillators, only: oscillators
   implicit none (type, external)
   private
-  public :: add_loads, drive, force_in_step, find_force_step, last_coefficient, mean_force, polynomial_of
+  public :: add_loads, drive, force_in_step, find_force_step, find_step_end, last_coefficient, mean_force, polynomial_of
 
   integer :: point, term
   real(dp), parameter :: quarter_turn = acos(0.0_dp)
@@ -96,6 +96,26 @@ contains
     step%compliance = matmul(given, node_powers)
     step%rate_compliance = matmul(given_rate, node_powers)
   end subroutine find_force_step
+
+  pure subroutine find_step_end(parts, a, inertia, length, step)
+    !! Of a step whose force is known: no more than the state at its end.
+    type(oscillators), intent(in) :: parts
+    real(dp), intent(in) :: a(:), inertia(:)       !! as those of `find_force_step`
+    real(dp), intent(in) :: length
+    type(step_end), intent(out) :: step
+    real(dp), dimension(1, 0:force_degree) :: pushed, pushed_rate
+    real(dp) :: moved(1, 4), x(1, 0:highest_power)
+    integer :: k
+    step%length = length
+    allocate (step%moved(size(a), 4), step%pushed(size(a), 0:force_degree, 2))
+    x = 1.0_dp
+    do k = 1, size(a)
+      call move_and_push(parts, k, a(k)/inertia(k), length, x, moved, pushed, pushed_rate)
+      step%moved(k, :) = moved(1, :)
+      step%pushed(k, :, 1) = pushed(1, :)
+      step%pushed(k, :, 2) = pushed_rate(1, :)
+    end do
+  end subroutine find_step_end
 
   subroutine add_loads(parts, a, driven, step)
     !! What other loads ask of a step that is found.
@@ -187,20 +207,16 @@ contains
     class(step_end), intent(in) :: self
     real(dp), intent(in) :: force(0:)              !! at the start and at the points
     real(dp), intent(inout) :: u(:), v(:)          !! of all oscillators, or of the first
-    real(dp) :: coefficients(0:force_degree), start, driven, driven_rate
-    integer :: j, k
+    real(dp) :: coefficients(0:force_degree)
+    real(dp), dimension(size(u)) :: driven, driven_rate, start
     coefficients = polynomial_of(force)
-    do k = 1, size(u)
-      driven = 0.0_dp
-      driven_rate = 0.0_dp
-      do j = 0, force_degree
-        driven = driven + self%pushed(k, j, 1)*coefficients(j)
-        driven_rate = driven_rate + self%pushed(k, j, 2)*coefficients(j)
-      end do
-      start = u(k)
-      u(k) = self%moved(k, 1)*start + self%moved(k, 2)*v(k) + driven
-      v(k) = self%moved(k, 3)*start + self%moved(k, 4)*v(k) + driven_rate
-    end do
+    associate (n => size(u))
+      driven = matmul(self%pushed(:n, :, 1), coefficients)
+      driven_rate = matmul(self%pushed(:n, :, 2), coefficients)
+      start = u
+      u = self%moved(:n, 1)*start + self%moved(:n, 2)*v + driven
+      v = self%moved(:n, 3)*start + self%moved(:n, 4)*v + driven_rate
+    end associate
   end subroutine advance
 
   pure subroutine push(self, driven, load, u, v)

@@ -98,6 +98,16 @@ def test_many_modes_and_few_differ_by_no_more_than_the_error_that_is_given(here)
         assert float(np.abs(few["contact_force"][0] - many["contact_force"][0]).max()) <= float(few["contact_force_error"][0]) + 1e-9 * peak
 
 
+@pytest.mark.parametrize("kind", ["plain", "initial", "loads"])
+def test_estimates_are_near_the_errors_of_a_few_contacts(here, kind):
+    """Modes beyond those that are summed hardly act back on a contact: what they add is the error."""
+    scene = contact_scenes.draw(np.random.default_rng([1, 2]))
+    if kind != "plain":
+        scene = contact_scenes.draw_moving(np.random.default_rng([1, 2]), kind)
+    ratios = [j.estimate for j in contact_scenes.judge_estimates(lambda scene: run(here, f"{kind}{scene['modes']['before']}", scene), scene)]
+    assert len(ratios) >= 5 and min(ratios) >= 1 and np.median(ratios) <= 5, ratios
+
+
 @pytest.mark.parametrize("number", [8, 11, 22])
 def test_random_contacts_are_those_of_an_integration_of_the_same_modes(here, number):
     """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
