@@ -79,29 +79,26 @@ contains
   end subroutine get_column
 
   subroutine copy_rows(self, other, variable, cases)
-    !! Take the numbers or letters that a variable has in some cases from another file with the same places. Nobody else may write
-    !! meanwhile: what lies between them is read and put again.
+    !! Take the numbers or letters that a variable has in some cases from another file with the same places. They are written
+    !! when the file is.
     class(classic_file), intent(inout) :: self, other
     integer, intent(in) :: variable          !! its number
     integer, intent(in) :: cases(:)          !! ascending
-    character(:), allocatable :: mine, theirs
-    integer(i8) :: begin, from
+    character(:), allocatable :: theirs
+    integer(i8) :: from
     integer :: i, first, last
+    call self%file%hold()
     associate (step => self%head%variables(variable)%step)
       last = 0
       do while (last < size(cases))
         first = last + 1
         last = last + count(cases(first:) < cases(first) + max(1_i8, at_once/step))
-        begin = self%place_of(variable, int(cases(first), i8))
-        mine = repeat(' ', int(step*(cases(last) - cases(first) + 1)))
-        theirs = mine
-        call self%file%get_text(begin, mine)
-        call other%file%get_text(begin, theirs)
+        theirs = repeat(' ', int(step*(cases(last) - cases(first) + 1)))
+        call other%file%get_text(self%place_of(variable, int(cases(first), i8)), theirs)
         do i = first, last
           from = step*(cases(i) - cases(first))
-          mine(from + 1:from + step) = theirs(from + 1:from + step)
+          call self%file%put_text(self%place_of(variable, int(cases(i), i8)), theirs(from + 1:from + step))
         end do
-        call self%file%put_text(begin, mine)
       end do
     end associate
   end subroutine copy_rows

@@ -132,7 +132,7 @@ contains
     logical :: is_ours
     integer :: i, c
     other = self%draft
-    call self%draft%open(self%draft_of(''), .false., is_ours, error)
+    call self%draft%open(self%draft_of(''), .true., is_ours, error)
     if (allocated(error)) return
     call self%draft%get_statuses(mine)
     call self%drafts(paths, error)

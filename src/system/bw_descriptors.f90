@@ -5,7 +5,7 @@ module bw_descriptors
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read, path_state
   use bw_kinds, only: i1, i8
-  use bw_system_calls, only: bw_close, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, is_directory, &
+  use bw_system_calls, only: bw_close, bw_is_terminal, bw_look_at, bw_open, bw_read, bw_write, is_directory, &
     is_file, new_file, to_change, to_read, flush_file => bw_flush
   implicit none (type, external)
   private
@@ -75,7 +75,7 @@ contains
     integer, intent(in) :: descriptor
     type(path_state), intent(out) :: state
     integer(c_int64_t) :: found(5)
-    problem = bw_look_at_open(descriptor, found)
+    problem = bw_look_at(descriptor, c_null_char, 0, found)
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
   end function look_at_open
 

@@ -30,7 +30,7 @@ contains
     type(path_state), intent(out) :: state
     logical, intent(in), optional :: itself      !! present: a link is looked at, not what it leads to
     integer(c_int64_t) :: found(5)
-    problem = bw_look_at(path//c_null_char, merge(1, 0, present(itself)), found)
+    problem = bw_look_at(-1, path//c_null_char, merge(1, 0, present(itself)), found)
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
   end function look_at

@@ -6,6 +6,9 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <poll.h>
 #include <signal.h>
 #include <stdint.h>
@@ -109,30 +112,17 @@ int bw_flush(int descriptor)
   return result < 0 ? errno : 0;
 }
 
-static void tell(const struct stat *found, int64_t state[5])
-{
-  state[0] = S_ISREG(found->st_mode) ? 1 : S_ISDIR(found->st_mode) ? 2 : 3;
-  state[1] = (int64_t)found->st_dev;
-  state[2] = (int64_t)found->st_ino;
-  state[3] = (int64_t)found->st_nlink;
-  state[4] = (int64_t)found->st_size;
-}
-
-/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes; of a link itself, where the path is one, or of what it
-   leads to. */
-int bw_look_at(const char *path, int itself, int64_t state[5])
+/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes of an open file; where the descriptor is below 0, of a path:
+   of a link itself, or of what it leads to. */
+int bw_look_at(int descriptor, const char *path, int itself, int64_t state[5])
 {
   struct stat found;
-  if ((itself ? lstat : stat)(path, &found) < 0) return errno;
-  tell(&found, state);
-  return 0;
-}
-
-int bw_look_at_open(int descriptor, int64_t state[5])
-{
-  struct stat found;
-  if (fstat(descriptor, &found) < 0) return errno;
-  tell(&found, state);
+  if ((descriptor >= 0 ? fstat(descriptor, &found) : (itself ? lstat : stat)(path, &found)) < 0) return errno;
+  state[0] = S_ISREG(found.st_mode) ? 1 : S_ISDIR(found.st_mode) ? 2 : 3;
+  state[1] = (int64_t)found.st_dev;
+  state[2] = (int64_t)found.st_ino;
+  state[3] = (int64_t)found.st_nlink;
+  state[4] = (int64_t)found.st_size;
   return 0;
 }
 
@@ -251,6 +241,17 @@ int bw_put_bytes(number_file *file, int64_t place, const char *bytes, int64_t co
   return 0;
 }
 
+/* Copy words of eight bytes that have the most significant byte first at one of the two places. */
+static void copy_words(void *restrict to, const void *restrict from, int64_t count)
+{
+  for (int64_t i = 0; i < 8 * count; i += 8) {
+    uint64_t word;
+    memcpy(&word, (const char *)from + i, 8);
+    word = HIGH_FIRST(word, 64);
+    memcpy((char *)to + i, &word, 8);
+  }
+}
+
 /* The most significant byte first, in words of eight bytes, or of four as integers. */
 int bw_put_numbers(number_file *file, int64_t place, int width, const double *values, int64_t count)
 {
@@ -258,12 +259,7 @@ int bw_put_numbers(number_file *file, int64_t place, int width, const double *va
   for (int64_t room; count > 0; place += room, values += room / width, count -= room / width) {
     char *to = room_for(file, place, count * width, width, &room, &number);
     if (!to) return number;
-    for (int64_t i = 0; width == 8 && i < room / 8; i++) {
-      uint64_t word;
-      memcpy(&word, values + i, 8);
-      word = HIGH_FIRST(word, 64);
-      memcpy(to + 8 * i, &word, 8);
-    }
+    if (width == 8) copy_words(to, values, room / 8);
     for (int64_t i = 0; width == 4 && i < room / 4; i++) {
       uint32_t word = (uint32_t)(int32_t)values[i];
       word = HIGH_FIRST(word, 32);
@@ -284,12 +280,7 @@ int bw_get_numbers(number_file *file, int64_t place, int width, double *values, 
     number = bw_read(file->descriptor, piece, n * width, place, &have);
     if (!number && have < n * width) number = EIO;
     if (number) break;
-    for (int64_t i = 0; width == 8 && i < n; i++) {
-      uint64_t word;
-      memcpy(&word, piece + 8 * i, 8);
-      word = HIGH_FIRST(word, 64);
-      memcpy(values + i, &word, 8);
-    }
+    if (width == 8) copy_words(values, piece, n);
     for (int64_t i = 0; width == 4 && i < n; i++) {
       uint32_t word;
       memcpy(&word, piece + 4 * i, 4);
@@ -509,6 +500,17 @@ static void widen_stack(const char *top)
   if (limit.rlim_cur > kept_free && limit.rlim_cur != RLIM_INFINITY) stack_room = limit.rlim_cur;
 }
 
+/* Keep memory that a case gives back for the next one, as glibc does by itself once something large was given back: until then the end of
+   the heap may go back to the system and be taken anew in each case. */
+static void keep_memory(void)
+{
+#ifdef __GLIBC__
+  const int most_of_heap = 32 << 20;                         /* of one piece; the largest that glibc would choose */
+  mallopt(M_MMAP_THRESHOLD, most_of_heap);
+  mallopt(M_TRIM_THRESHOLD, 2 * most_of_heap);
+#endif
+}
+
 /* Call this once, after all endings are set. */
 void bw_watch(void)
 {
@@ -522,6 +524,7 @@ void bw_watch(void)
   action.sa_handler = on_missed_stop;
   sigaction(SIGPROF, &action, NULL);
   widen_stack(__builtin_frame_address(0));
+  keep_memory();
   sigaltstack(&stack, NULL);                                 /* for the fault of a stack that is full */
   action = (struct sigaction){.sa_sigaction = on_fault, .sa_flags = SA_ONSTACK | SA_SIGINFO};
   for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) sigaction(faults[i], &action, NULL);

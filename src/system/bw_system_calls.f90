@@ -19,36 +19,30 @@ module bw_system_calls
   interface
     pure integer(c_int) function bw_kind_of_error(number) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: number
     end function bw_kind_of_error
     integer(c_int) function bw_reserve(descriptor, reserved, bytes) bind(c)
       import :: c_int, c_int64_t
-      implicit none (type, external)
       integer(c_int), value :: descriptor
       integer(c_int64_t), value :: reserved, bytes
     end function bw_reserve
     integer(c_int) function bw_open_numbers(descriptor, file) bind(c)
       import :: c_int, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: descriptor
       type(c_ptr), intent(out) :: file
     end function bw_open_numbers
     integer(c_int) function bw_hold(file) bind(c)
       import :: c_int, c_ptr
-      implicit none (type, external)
       type(c_ptr), value :: file
     end function bw_hold
     integer(c_int) function bw_put_bytes(file, place, bytes, count) bind(c)
       import :: c_char, c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       type(c_ptr), value :: file
       integer(c_int64_t), value :: place, count
       character(c_char), intent(in) :: bytes(*)
     end function bw_put_bytes
     integer(c_int) function bw_put_numbers(file, place, width, values, count) bind(c)
       import :: c_double, c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       type(c_ptr), value :: file
       integer(c_int64_t), value :: place, count
       integer(c_int), value :: width
@@ -56,7 +50,6 @@ module bw_system_calls
     end function bw_put_numbers
     integer(c_int) function bw_get_numbers(file, place, width, values, count) bind(c)
       import :: c_double, c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       type(c_ptr), value :: file
       integer(c_int64_t), value :: place, count
       integer(c_int), value :: width
@@ -64,30 +57,25 @@ module bw_system_calls
     end function bw_get_numbers
     integer(c_int) function bw_write_gathered(file) bind(c)
       import :: c_int, c_ptr
-      implicit none (type, external)
       type(c_ptr), value :: file
     end function bw_write_gathered
     subroutine bw_error_text(number, text, length) bind(c)
       import :: c_char, c_int
-      implicit none (type, external)
       integer(c_int), value :: number, length
       character(c_char), intent(out) :: text(*)
     end subroutine bw_error_text
     integer(c_int) function bw_open(path, way, descriptor) bind(c)
       import :: c_char, c_int
-      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
       integer(c_int), value :: way
       integer(c_int), intent(out) :: descriptor
     end function bw_open
     integer(c_int) function bw_close(descriptor) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: descriptor
     end function bw_close
     integer(c_int) function bw_read(descriptor, bytes, count, offset, have) bind(c)
       import :: c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: descriptor
       type(c_ptr), value :: bytes
       integer(c_int64_t), value :: count, offset
@@ -95,154 +83,120 @@ module bw_system_calls
     end function bw_read
     integer(c_int) function bw_write(descriptor, bytes, count) bind(c)
       import :: c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: descriptor
       type(c_ptr), value :: bytes
       integer(c_int64_t), value :: count
     end function bw_write
     integer(c_int) function bw_flush(descriptor) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: descriptor
     end function bw_flush
     integer(c_int) function bw_do(what, path, to) bind(c)
       import :: c_char, c_int
-      implicit none (type, external)
       integer(c_int), value :: what
       character(c_char), intent(in) :: path(*), to(*)
     end function bw_do
-    integer(c_int) function bw_look_at(path, itself, state) bind(c)
+    integer(c_int) function bw_look_at(descriptor, path, itself, state) bind(c)
       import :: c_char, c_int, c_int64_t
-      implicit none (type, external)
+      integer(c_int), value :: descriptor, itself
       character(c_char), intent(in) :: path(*)
-      integer(c_int), value :: itself
       integer(c_int64_t), intent(out) :: state(5)
     end function bw_look_at
-    integer(c_int) function bw_look_at_open(descriptor, state) bind(c)
-      import :: c_int, c_int64_t
-      implicit none (type, external)
-      integer(c_int), value :: descriptor
-      integer(c_int64_t), intent(out) :: state(5)
-    end function bw_look_at_open
     integer(c_int) function bw_list(path, suffix, text, length) bind(c)
       import :: c_char, c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       character(c_char), intent(in) :: path(*), suffix(*)
       type(c_ptr), intent(out) :: text
       integer(c_int64_t), intent(out) :: length
     end function bw_list
     subroutine bw_release(memory) bind(c)
       import :: c_ptr
-      implicit none (type, external)
       type(c_ptr), value :: memory
     end subroutine bw_release
     integer(c_int) function bw_lock(descriptor, reading) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: descriptor, reading
     end function bw_lock
     subroutine bw_host(name, length) bind(c)
       import :: c_char, c_int
-      implicit none (type, external)
       character(c_char), intent(out) :: name(*)
       integer(c_int), value :: length
     end subroutine bw_host
     integer(c_int64_t) function bw_process() bind(c)
       import :: c_int64_t
-      implicit none (type, external)
     end function bw_process
     integer(c_int64_t) function bw_beginning_of(process) bind(c)
       import :: c_int64_t
-      implicit none (type, external)
       integer(c_int64_t), value :: process
     end function bw_beginning_of
     subroutine bw_open_standard_streams() bind(c)
-      implicit none (type, external)
     end subroutine bw_open_standard_streams
     subroutine bw_set_ending(ending, message, status) bind(c)
       import :: c_char, c_int
-      implicit none (type, external)
       integer(c_int), value :: ending, status
       character(c_char), intent(in) :: message(*)
     end subroutine bw_set_ending
     subroutine bw_watch() bind(c)
-      implicit none (type, external)
     end subroutine bw_watch
     subroutine bw_stop_after(seconds) bind(c)
       import :: c_double
-      implicit none (type, external)
       real(c_double), value :: seconds
     end subroutine bw_stop_after
     integer(c_int) function bw_stop_asked() bind(c)
       import :: c_int
-      implicit none (type, external)
     end function bw_stop_asked
     subroutine bw_leave(status) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: status
     end subroutine bw_leave
     integer(c_int64_t) function bw_fork(channel) bind(c)
       import :: c_int, c_int64_t
-      implicit none (type, external)
       integer(c_int), intent(out) :: channel
     end function bw_fork
     subroutine bw_confine(seconds) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: seconds
     end subroutine bw_confine
     subroutine bw_confine_memory(bytes) bind(c)
       import :: c_int64_t
-      implicit none (type, external)
       integer(c_int64_t), value :: bytes
     end subroutine bw_confine_memory
     integer(c_int64_t) function bw_receive(channel, bytes, count) bind(c)
       import :: c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: channel
       type(c_ptr), value :: bytes
       integer(c_int64_t), value :: count
     end function bw_receive
     integer(c_int64_t) function bw_listen(channel, bytes, most, milliseconds) bind(c)
       import :: c_int, c_int64_t, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: channel, milliseconds
       type(c_ptr), value :: bytes
       integer(c_int64_t), value :: most
     end function bw_listen
     integer(c_int) function bw_wait(child) bind(c)
       import :: c_int, c_int64_t
-      implicit none (type, external)
       integer(c_int64_t), value :: child
     end function bw_wait
     integer(c_int) function bw_is_terminal(descriptor) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: descriptor
     end function bw_is_terminal
     subroutine bw_pause(microseconds) bind(c)
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: microseconds
     end subroutine bw_pause
     integer(c_int64_t) function bw_free_disk(path) bind(c)
       import :: c_char, c_int64_t
-      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
     end function bw_free_disk
     integer(c_int64_t) function bw_free_memory() bind(c)
       import :: c_int64_t
-      implicit none (type, external)
     end function bw_free_memory
     integer(c_int) function bw_prepare_openblas(bytes) bind(c)
       import :: c_int, c_int64_t
-      implicit none (type, external)
       integer(c_int64_t), value :: bytes
     end function bw_prepare_openblas
     subroutine bw_set_environment(name, value) bind(c)
       import :: c_char
-      implicit none (type, external)
       character(c_char), intent(in) :: name(*), value(*)
     end subroutine bw_set_environment
   end interface
