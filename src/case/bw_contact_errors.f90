@@ -66,25 +66,26 @@ contains
     !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half
-    real(dp) :: fall
     integer, allocatable :: these(:), of_half(:)     ! events that are contacts
+    real(dp) :: fall
     integer :: i, known
-    fall = of_forces*fall_of_force(run, half)**octaves_between(run, half)
     these = contacts_of(run)
     of_half = contacts_of(half)
     known = min(size(these), size(of_half))
     associate (events => run%timeline%events, kept => run%result, others => half%timeline%events)
       kept%force_error = missing
-      if (known > 0) kept%force_error(these(:known)) = &
-        fall*largest_distance(kept%force(:, these(:known)), half%result%force(:, of_half(:known))) &
-        + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these(:known)))
       do i = 1, size(these)
         associate (event => events(these(i)))
           event%time_error = event%time
           event%end_error = event%end_time
           if (i > known) cycle
+          fall = 1.0_dp
+          if (i <= same_contacts(run, half)) fall = fall_as_struck(run, half)**octaves_between(run, half)
+          fall = of_forces*fall
           event%time_error = fall*abs(event%time - others(of_half(i))%time)
           event%end_error = fall*abs(event%end_time - others(of_half(i))%end_time)
+          kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, of_half(i)))) &
+            + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these(:known)))
         end associate
       end do
       if (size(these) == 0) return
@@ -103,16 +104,36 @@ contains
   end function contacts_of
 
   pure real(dp) function fall_of_force(run, half) result(fall)
-    !! Of what is wrong in forces, when the number of modes doubles. It may not do so at all where one of the motions has contacts that the
-    !! other has not, or where bodies come and leave.
+    !! Of what is wrong in forces, when the number of modes doubles. It may not do so at all where the motions do not have the same
+    !! contacts, or where bodies come and leave.
     type(run_type), intent(in) :: run, half
     fall = 1.0_dp
-    if (size(run%timeline%events) /= size(half%timeline%events)) return
-    if (any(run%timeline%events%kind == arrival_event .or. run%timeline%events%kind == departure_event .or. &
-            run%timeline%events%kind == exchange_event)) return
+    associate (kinds => run%timeline%events%kind)
+      if (any(kinds == arrival_event .or. kinds == departure_event .or. kinds == exchange_event)) return
+    end associate
+    if (same_contacts(run, half) == max(size(contacts_of(run)), size(contacts_of(half)))) fall = fall_as_struck(run, half)
+  end function fall_of_force
+
+  pure integer function same_contacts(run, half) result(same)
+    !! The first of both motions, as far as they overlap in time.
+    type(run_type), intent(in) :: run, half
+    integer, allocatable :: these(:), of_half(:)
+    these = contacts_of(run)
+    of_half = contacts_of(half)
+    do same = 0, min(size(these), size(of_half)) - 1
+      associate (one => run%timeline%events(these(same + 1)), other => half%timeline%events(of_half(same + 1)))
+        if (one%time > other%end_time .or. other%time > one%end_time) return
+      end associate
+    end do
+  end function same_contacts
+
+  pure real(dp) function fall_as_struck(run, half) result(fall)
+    !! By how much the velocity of the modes that are missing falls at the place that the mass strikes, when their number doubles.
+    type(run_type), intent(in) :: run, half
+    fall = 1.0_dp
     if (run%neglected%struck < half%neglected%struck) &
       fall = (run%neglected%struck/half%neglected%struck)**(1.0_dp/octaves_between(run, half))
-  end function fall_of_force
+  end function fall_as_struck
 
   pure real(dp) function octaves_between(run, half) result(octaves)
     !! From the modes of one motion to those of the other.
