@@ -17,7 +17,8 @@ module bw_contact_errors
   private
   public :: add_rounding, fall_of_force, find_force_errors, find_history_errors, largest_distance, part_of_peak
 
-  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 4.0_dp   !! tuned: how many times what is found of either is told
+  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 5.0_dp   !! tuned: how many times what is found of either is told,
+  real(dp), parameter :: of_half = 2.0_dp                            !! tuned: the latter no more than so many times what half of the modes lack
   real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp   !! tuned: of their tolerance, what steps leave
 
 contains
@@ -26,37 +27,38 @@ contains
     !! Of histories.
     type(run_type), intent(in) :: run, half
     type(history_errors), intent(inout) :: errors
-    real(dp) :: fall, octaves
+    real(dp) :: fall, octaves, told
     octaves = octaves_between(run, half)
     fall = fall_of_force(run, half)**octaves
-    associate (mine => run%response, beside => half%response, by => run%neglected, of_half => half%neglected)
-      errors%displacement = error_of(mine%displacement, beside%displacement, by%displacement, of_half%displacement)
+    told = min(of_half, of_forces*fall)
+    associate (mine => run%response, beside => half%response, by => run%neglected, other => half%neglected)
+      errors%displacement = error_of(mine%displacement, beside%displacement, by%displacement, other%displacement)
       if (allocated(mine%velocity)) &
-        errors%velocity = error_of(mine%velocity, beside%velocity, by%velocity, of_half%velocity)
+        errors%velocity = error_of(mine%velocity, beside%velocity, by%velocity, other%velocity)
       if (allocated(mine%bending_moment)) &
-        errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, of_half%bending_moment)
+        errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, other%bending_moment)
       if (allocated(mine%acceleration)) &
-        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, of_half%acceleration)
+        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration)
       if (allocated(mine%shear_force)) &
-        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, of_half%shear_force)
+        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force)
     end associate
   contains
-    pure function error_of(history, of_half, neglected, by_half) result(error)
+    pure function error_of(history, fewer, neglected, by_half) result(error)
       !! Of a quantity. Where there are no more modes to look at, it is that of half of the modes.
-      real(dp), intent(in) :: history(:, :), of_half(:, :)   !! (samples, points)
+      real(dp), intent(in) :: history(:, :), fewer(:, :)   !! (samples, points)
       real(dp), allocatable, intent(in) :: neglected(:), by_half(:)   !! (points)
       real(dp), dimension(size(history, 2)) :: error, least, ratio
-      real(dp), parameter :: most = 0.9_dp, hidden = 0.2_dp, remains = 0.5_dp   ! tuned
-      error = largest_distance(history, of_half)
+      real(dp), parameter :: most = 0.9_dp, hidden = 0.1_dp, remains = 0.5_dp   ! tuned
+      error = largest_distance(history, fewer)
       least = 0.0_dp
       if (fall >= 1.0_dp) least = remains*error
       if (allocated(neglected) .and. allocated(by_half)) then
         ratio = 1.0_dp
         where (neglected < by_half) ratio = neglected/by_half
         ratio = min(most, ratio**(1.0_dp/octaves))
-        error = of_neglected*neglected/(1.0_dp - ratio) + of_forces*fall*max(hidden*error, error - by_half)
+        error = of_neglected*neglected/(1.0_dp - ratio) + told*max(hidden*error, error - by_half)
       else
-        error = of_forces*error
+        error = of_half*error
       end if
       error = max(least, error) + in_histories*run%step_tolerance*largest_magnitude(history)
     end function error_of
@@ -66,13 +68,13 @@ contains
     !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half
-    integer, allocatable :: these(:), of_half(:)     ! events that are contacts
+    integer, allocatable :: these(:), others(:)     ! events that are contacts
     real(dp) :: fall
     integer :: i, known
     these = contacts_of(run)
-    of_half = contacts_of(half)
-    known = min(size(these), size(of_half))
-    associate (events => run%timeline%events, kept => run%result, others => half%timeline%events)
+    others = contacts_of(half)
+    known = min(size(these), size(others))
+    associate (events => run%timeline%events, kept => run%result, of_fewer => half%timeline%events)
       kept%force_error = missing
       do i = 1, size(these)
         associate (event => events(these(i)))
@@ -81,10 +83,10 @@ contains
           if (i > known) cycle
           fall = 1.0_dp
           if (i <= same_contacts(run, half)) fall = fall_as_struck(run, half)**octaves_between(run, half)
-          fall = of_forces*fall
-          event%time_error = fall*abs(event%time - others(of_half(i))%time)
-          event%end_error = fall*abs(event%end_time - others(of_half(i))%end_time)
-          kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, of_half(i)))) &
+          fall = min(of_half, of_forces*fall)
+          event%time_error = fall*abs(event%time - of_fewer(others(i))%time)
+          event%end_error = fall*abs(event%end_time - of_fewer(others(i))%end_time)
+          kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, others(i)))) &
             + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these(:known)))
         end associate
       end do
@@ -117,11 +119,11 @@ contains
   pure integer function same_contacts(run, half) result(same)
     !! The first of both motions, as far as they overlap in time.
     type(run_type), intent(in) :: run, half
-    integer, allocatable :: these(:), of_half(:)
+    integer, allocatable :: these(:), others(:)
     these = contacts_of(run)
-    of_half = contacts_of(half)
-    do same = 0, min(size(these), size(of_half)) - 1
-      associate (one => run%timeline%events(these(same + 1)), other => half%timeline%events(of_half(same + 1)))
+    others = contacts_of(half)
+    do same = 0, min(size(these), size(others)) - 1
+      associate (one => run%timeline%events(these(same + 1)), other => half%timeline%events(others(same + 1)))
         if (one%time > other%end_time .or. other%time > one%end_time) return
       end associate
     end do
