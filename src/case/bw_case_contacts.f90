@@ -1,6 +1,5 @@
 module bw_case_contacts
   !! One way to follow the motion of a case whose impact lasts, to its histories.
-  use bw_acting_loads, only: acting_loads
   use bw_case_bodies, only: bodies_of
   use bw_case_histories, only: add_hub_angle, find_loaded_segments, samples_before, sum_histories
   use bw_case_modes, only: whole_beam
@@ -14,16 +13,15 @@ module bw_case_contacts
   use bw_contact_law, only: contact_law, contact_law_of
   use bw_case_motion, only: follow_motion
   use bw_constants, only: pi
-  use bw_contact_rates, only: add_rates, driven_type, find_driven, neglected_in, rounding_in, show_in_segments, unit_force
+  use bw_contact_rates, only: add_rates, driven_type, find_driven, neglected_in, rounding_in, show_in_segments
   use bw_event, only: capture_event, contact_event, event_type
   use bw_initial_state, only: initial_state
   use bw_first_motion, only: find_first_motion
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, follow_lasting_contacts, lasting_contacts, load_of
   use bw_missing, only: is_missing, missing
-  use bw_load_columns, only: find_drive, placed_loads, quantities
-  use bw_load_course, only: scaled_course
-  use bw_load_modes, only: find_residuals
+  use bw_load_columns, only: placed_loads, quantities
+  use bw_loads_beside, only: place_beside, unit_force
   use bw_missing, only: scaled
   use bw_mode_set, only: deflections, first_numbers, first_struck, mean_rate, mode_set, turns
   use bw_monitor, only: monitor_type
@@ -35,7 +33,7 @@ module bw_case_contacts
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: bodies_change, scene_type, unit_velocity
   use bw_segment, only: alone, beam_energy, lack_type, segment_type, together
-  use bw_static_shape, only: deflection, find_residual, hub_turn
+  use bw_static_shape, only: find_residual
   use bw_text, only: append, string
   use bw_time_grid, only: time_grid_of
   use bw_timeline, only: step_type, steps_of, timeline_type
@@ -143,9 +141,11 @@ contains
       first%rate = first%rate/unit_velocity(scene)
       first%speed = scene%impact%approach_velocity/unit_velocity(scene)
       if (bodies_change(scene)) then
-        first%others = maxval(abs(scene%bodies%velocity), mask=.not. is_missing(scene%bodies%velocity))
-        first%others = max(0.0_dp, first%others)/abs(unit_velocity(scene))
-        call follow_changing_contacts(scene, motion, demand, first, monitor, contacts)
+        if (allocated(scene%bodies)) then
+          first%others = maxval(abs(scene%bodies%velocity), mask=.not. is_missing(scene%bodies%velocity))
+          first%others = max(0.0_dp, first%others)/abs(unit_velocity(scene))
+        end if
+        call follow_changing_contacts(scene, motion, demand, first, monitor, contacts, loads)
         return
       end if
     end if
@@ -161,7 +161,7 @@ contains
       end if
       call whole_beam(scene, motion%units, given, struck)
       if (present(loads)) then
-        call place_beside(scene, motion, given, demand%modes, loads, monitor, first%loads)
+        call place_beside(scene, motion, alone, given, demand%modes, loads, monitor, first%loads)
         if (monitor%stop_requested()) return
       end if
       call find_residual(given, struck, free, demand%modes, [scene%impact%position], here)
@@ -176,41 +176,6 @@ contains
       end do
     end associate
   end subroutine find_contacts
-
-  subroutine place_beside(scene, motion, given, summed, loads, monitor, acting)
-    !! Loads as the beam and the mass beside it see them.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    type(varying_beam), intent(in) :: given
-    integer, intent(in) :: summed                    !! modes that take part
-    type(placed_loads), intent(in) :: loads          !! N
-    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
-    type(acting_loads), allocatable, intent(out) :: acting
-    real(dp), allocatable :: drive(:, :), nothing(:, :), ignored(:), residual(:, :, :), terms(:, :, :), weights(:, :, :)
-    real(dp) :: no_points(0)
-    integer :: l
-    allocate (acting)
-    associate (free => motion%modes%configuration(alone)%set, place => scene%impact%position)
-      allocate (nothing(free%count, 0), ignored(1 + size(loads%place)), acting%residual(size(loads%course)), &
-                acting%drive(free%count + 1, size(loads%course)))
-      call find_drive(given, free, loads%place, loads%turns, loads%accelerated, monitor, drive, no_points, nothing)
-      if (monitor%stop_requested()) return
-      allocate (residual(size(drive, 2), 1, hub_turn), terms(size(drive, 2), 1, hub_turn))
-      allocate (weights(free%count, 1, hub_turn), source=0.0_dp)
-      weights(:, :, deflection) = free%some_shapes(1, free%count, [place])
-      weights(:, 1, hub_turn) = free%hub_turns()
-      call find_residuals(given, free, summed, loads%place, loads%turns, loads%accelerated, drive, weights, [place], residual, &
-                          terms, ignored)
-      acting%course = scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))
-      do l = 1, size(loads%course)
-        associate (kind => loads%kind(l))
-          acting%drive(:free%count, l) = drive(:, kind)/free%modal_mass
-          acting%drive(free%count + 1, l) = merge(1.0_dp, 0.0_dp, kind > size(loads%place))   ! the frame takes the mass along
-          acting%residual(l) = residual(kind, 1, deflection) + arm_of(given%beam, place)*residual(kind, 1, hub_turn)
-        end associate
-      end do
-    end associate
-  end subroutine place_beside
 
   subroutine keep_mass(scene, motion, taking_part, contacts, monitor)
     !! The mass stays: the motion goes over to the modes of beam and mass, with displacements as they are, and with those of the modes that

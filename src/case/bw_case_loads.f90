@@ -111,7 +111,7 @@ contains
 
   subroutine place_loads(scene, units, loads)
     !! Forces come first, each at a place of its own; motions of the base are all of one kind. Springs of bodies that come later make
-    !! loads that are 0 until then.
+    !! loads that are 0 until then; beside a contact of a finite duration they hold a shape instead (bw_change_of_bodies).
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(placed_loads), intent(inout) :: loads     !! with the courses of what the scene gives
@@ -125,7 +125,7 @@ contains
     loads%spring_of = 0*loads%kind
     bodies = bodies_of(scene, units)
     do b = 1, size(at_start(scene))
-      if (is_missing(scene%bodies(b)%from)) cycle
+      if (is_missing(scene%bodies(b)%from) .or. allocated(scene%contact)) cycle
       if (bodies(b)%stiffness > 0.0_dp) call add_spring(.false.)
       if (bodies(b)%turning_stiffness > 0.0_dp) call add_spring(.true.)
     end do

@@ -3,6 +3,7 @@ module bw_contact_changes
   !! configuration, and contacts and flights are followed up to the next. There the motion goes over to other modes, as where nothing
   !! strikes; in the middle of a contact with what the force moves at once of the modes that are not summed. A mass that is captured is one
   !! of the bodies from then on.
+  use bw_acting_loads, only: acting_loads
   use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: beam_state, body_type, hand_over
@@ -16,10 +17,13 @@ module bw_contact_changes
   use bw_kinds, only: dp
   use bw_lasting_contact, only: append_segment, begin_contacts, demand_type, finish_contacts, follow_until, go_on, &
     lasting_contacts
+  use bw_load_columns, only: placed_loads
+  use bw_load_course, only: loads_before
+  use bw_loads_beside, only: beam_of, place_beside, taking_part
   use bw_missing, only: is_missing
   use bw_mode_set, only: deflections, mode_set, turns
   use bw_monitor, only: monitor_type
-  use bw_oscillators, only: moving_state
+  use bw_oscillators, only: moving_state, oscillators, oscillators_of
   use bw_piece_beam, only: arm_of
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type, unit_velocity
@@ -39,6 +43,7 @@ module bw_contact_changes
     real(dp) :: here = 0.0_dp                        !! that place
     real(dp), allocatable :: seen(:, :)              !! as that of load_type, (points, 3)
     real(dp), allocatable :: at_bodies(:, :)         !! deflection and turning, (bodies, 2)
+    real(dp), allocatable :: of_loads(:, :, :)       !! the same under loads of 1, (bodies, 2, loads)
   end type flexibility_type
 
   type :: now_type
@@ -47,6 +52,7 @@ module bw_contact_changes
     logical, allocatable :: there(:)                 !! which bodies are, (bodies)
     type(body_type), allocatable :: bodies(:)        !! the mass is the last if it is captured
     type(flexibility_type) :: flexibility
+    type(acting_loads), allocatable :: loads         !! as the modes and the mass see them; unallocated: none act
     type(beam_state) :: state                        !! once the mass is captured, at the start of its last segment
     real(dp) :: indentation = 0.0_dp                 !! with which it was
     type(contact_run) :: run
@@ -54,14 +60,15 @@ module bw_contact_changes
 
 contains
 
-  subroutine follow_changing_contacts(scene, motion, demand, first, monitor, contacts)
+  subroutine follow_changing_contacts(scene, motion, demand, first, monitor, contacts, loads)
     !! From t = 0 to the end of the record.
     type(scene_type), intent(in) :: scene            !! with counts of modes
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(demand_type), intent(in) :: demand
-    type(first_motion), intent(in) :: first
+    type(first_motion), intent(inout) :: first
     class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
     type(lasting_contacts), intent(out) :: contacts
+    type(placed_loads), intent(in), optional :: loads   !! N; absent: none act
     type(step_type), allocatable :: steps(:)
     type(now_type) :: now
     type(dd) :: time
@@ -75,7 +82,9 @@ contains
     steps = steps(size(steps) - count(.not. (steps(2:)%is_impact .or. steps(2:)%is_capture)) + 1:)
     associate (set => motion%modes%configuration(1)%set, &
                law => contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene))))
-      now%flexibility = flexibility_of(scene, motion, 1, now%carried, demand%modes, now%bodies)
+      call find_flexibility(scene, motion, demand%modes, now, monitor, loads)
+      if (monitor%stop_requested()) return
+      if (allocated(now%loads)) first%loads = now%loads
       call begin_contacts(set, scene%impact%mass_ratio, law, full_speed_in_plane(scene%rotation, motion%units), demand, &
                           size(motion%modes%configuration), now%run, contacts, first)
       now%run%law%residual = now%flexibility%here
@@ -92,7 +101,7 @@ contains
         if (monitor%stop_requested()) return
         call show_residual(now%flexibility, contacts)
         if (now%run%failed .or. now%run%cut .or. now%run%in_range < time%hi) exit
-        if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor)
+        if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor, loads)
         if (monitor%stop_requested()) return
       end if
       if (i > size(steps)) exit
@@ -100,7 +109,7 @@ contains
         call note_late_change(steps(i)%seconds, motion)
         exit
       end if
-      call take_step(scene, demand, steps(i), time, motion, now, contacts, monitor)
+      call take_step(scene, demand, steps(i), time, motion, now, contacts, monitor, loads)
       if (monitor%stop_requested()) return
     end do
     call finish_contacts(now%run, demand, contacts)
@@ -146,6 +155,19 @@ contains
     end associate
   end function flexibility_of
 
+  subroutine find_flexibility(scene, motion, summed, now, monitor, loads)
+    !! In the configuration at hand, under the force of a contact and under loads.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: summed                    !! of its modes
+    type(now_type), intent(inout) :: now
+    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    type(placed_loads), intent(in), optional :: loads
+    now%flexibility = flexibility_of(scene, motion, now%configuration, now%carried, summed, now%bodies)
+    if (present(loads)) call place_beside(scene, motion, now%configuration, beam_of(scene, motion, now%configuration), summed, &
+                                          loads, monitor, now%loads, now%bodies%position, now%flexibility%of_loads)
+  end subroutine find_flexibility
+
   pure subroutine show_residual(flexibility, contacts)
     !! Of the segments that have none yet.
     type(flexibility_type), intent(in) :: flexibility
@@ -158,17 +180,7 @@ contains
     end do
   end subroutine show_residual
 
-  pure integer function taking_part(motion, configuration, demand) result(count)
-    !! How many modes of a configuration do: as large a part of them as of the first.
-    type(case_motion), intent(in) :: motion
-    integer, intent(in) :: configuration
-    type(demand_type), intent(in) :: demand
-    associate (all => motion%modes%configuration)
-      count = (demand%modes*all(configuration)%set%count + all(1)%set%count - 1)/all(1)%set%count
-    end associate
-  end function taking_part
-
-  subroutine take_step(scene, demand, step, time, motion, now, contacts, monitor)
+  subroutine take_step(scene, demand, step, time, motion, now, contacts, monitor, loads)
     !! What the scene makes happen at an instant.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -178,6 +190,7 @@ contains
     type(now_type), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), target :: monitor
+    type(placed_loads), intent(in), optional :: loads
     type(carried_type) :: carried
     type(beam_state) :: later
     type(event_type) :: event
@@ -189,20 +202,22 @@ contains
       'release: it comes before the capture, and releases nothing')
     if (number_of([now%carried], carried) == 1) return
     if (now%run%captured) then
-      if (.not. advance(motion, time, contacts, now%state)) return
+      if (.not. advance(motion, time, contacts, now, monitor)) return
+      if (monitor%stop_requested()) return
     else
-      now%state = state_of(now%run, taking_part(motion, now%configuration, demand))
+      now%state = state_of(now%run, taking_part(motion, now%configuration, demand%modes))
     end if
     event%kind = kind_of_change(step, now%there, presence(scene, carried))
     event%time = time%hi
-    call change(scene, demand, carried, motion, now, contacts, later, event, error, monitor)
+    call change(scene, demand, carried, time, motion, now, contacts, later, event, error, monitor)
     if (monitor%stop_requested()) return
     contacts%events = [contacts%events, event]
+    if (present(loads) .or. .not. now%run%captured) call find_flexibility(scene, motion, later%count, now, monitor, loads)
+    if (monitor%stop_requested()) return
     if (now%run%captured) then
       call add_segment(scene, motion, now, later, time, error, contacts)
       return
     end if
-    now%flexibility = flexibility_of(scene, motion, now%configuration, carried, later%count, now%bodies)
     held = 0.0_dp
     do i = 1, size(later%shape)
       associate (set => motion%modes%configuration(later%shape(i)%configuration)%set, amplitude => later%shape(i)%amplitude)
@@ -214,9 +229,9 @@ contains
       mass = size(moved%u)
       call go_on(now%run, contacts, now%configuration, set, omega, &
                  bodies_after(set, later%count, scene%impact%mass_ratio, omega, later, held, &
-                              moving_state(moved%u(mass:), moved%v(mass:), time)), now%flexibility%here, error)
+                              moving_state(moved%u(mass:), moved%v(mass:), time), now%loads), now%flexibility%here, error)
     end associate
-    if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor)
+    if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor, loads)
   end subroutine take_step
 
   pure type(beam_state) function state_of(run, count) result(state)
@@ -233,11 +248,12 @@ contains
     state%level = run%bodies%level
   end function state_of
 
-  subroutine change(scene, demand, carried, motion, now, contacts, later, event, error, monitor)
+  subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, monitor)
     !! The motion goes over to the modes of the beam with what it carries from now on.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
     type(carried_type), intent(in) :: carried
+    type(dd), intent(in) :: time
     type(case_motion), intent(in) :: motion
     type(now_type), intent(inout) :: now
     type(lasting_contacts), intent(in) :: contacts
@@ -246,21 +262,35 @@ contains
     real(dp), allocatable, intent(out) :: error(:, :)
     class(monitor_type), intent(inout), target :: monitor
     real(dp) :: beyond(size(now%bodies), 2, 2), force(2)
+    real(dp) :: follows(now%state%count, 2)          ! what loads move at once, of the modes that hand on their motion
+    real(dp), allocatable :: load(:, :)              ! and their rates, (loads, 2)
     logical, allocatable :: is(:)
-    integer :: next
+    integer :: i, l, next
     next = number_of(configurations_of(scene), carried)
     is = presence(scene, carried)
     force = 0.0_dp
     if (now%run%captured .neqv. now%carried%captured .or. .not. now%run%ended) force = last_force(contacts)
     beyond(:, :, 1) = force(1)*now%flexibility%at_bodies
     beyond(:, :, 2) = force(2)*now%flexibility%at_bodies
+    follows = 0.0_dp
+    if (allocated(now%loads)) then
+      load = loads_before(now%loads%course, time%hi)
+      associate (square => motion%modes%configuration(now%configuration)%set%beta_squared(:now%state%count)%hi)
+        do l = 1, size(load, 1)
+          do i = 1, 2
+            beyond(:, :, i) = beyond(:, :, i) + load(l, i)*now%flexibility%of_loads(:, :, l)
+            where (square > 1.0_dp) follows(:, i) = follows(:, i) + load(l, i)*now%loads%drive(:now%state%count, l)/square
+          end do
+        end do
+      end associate
+    end if
     associate (configuration => motion%modes%configuration)
-      call hand_over(configuration, now%configuration, now%state, now%there, next, taking_part(motion, next, demand), is, &
+      call hand_over(configuration, now%configuration, now%state, now%there, next, taking_part(motion, next, demand%modes), is, &
                      now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, beyond)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
-        error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
-                                configuration(next)%set, now%bodies, now%there, is)
+        error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
+                                now%state%rate(:n) - follows(:, 2), configuration(next)%set, now%bodies, now%there, is)
       end associate
     end associate
     event%end_time = event%time
@@ -284,7 +314,7 @@ contains
     end associate
   end function last_force
 
-  subroutine keep_mass(scene, demand, motion, now, contacts, monitor)
+  subroutine keep_mass(scene, demand, motion, now, contacts, monitor, loads)
     !! The mass stays. What the contact has stored, and modes that are not summed, is lost.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -292,6 +322,7 @@ contains
     type(now_type), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), target :: monitor
+    type(placed_loads), intent(in), optional :: loads
     type(event_type) :: event
     type(beam_state) :: later
     real(dp), allocatable :: error(:, :)
@@ -301,9 +332,12 @@ contains
       event%time = run%bodies%state%time%hi
       now%bodies(size(now%bodies))%velocity = run%bodies%state%v(size(run%bodies%state%v))
       now%indentation = run%last_indentation
-      now%state = state_of(run, taking_part(motion, now%configuration, demand))
+      now%state = state_of(run, taking_part(motion, now%configuration, demand%modes))
       stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
-      call change(scene, demand, carried_type(now%carried%body, .true.), motion, now, contacts, later, event, error, monitor)
+      call change(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, contacts, later, &
+                  event, error, monitor)
+      if (monitor%stop_requested()) return
+      if (present(loads)) call find_flexibility(scene, motion, later%count, now, monitor, loads)
       if (monitor%stop_requested()) return
       event%energy_before = event%energy_before + stored
       contacts%events = [contacts%events, event]
@@ -311,19 +345,58 @@ contains
     end associate
   end subroutine keep_mass
 
-  logical function advance(motion, time, contacts, state) result(happens)
+  logical function advance(motion, time, contacts, now, monitor) result(happens)
     !! The state at a time, from the last segment; where it has grown out of the range of numbers by then nothing more happens.
     type(case_motion), intent(in) :: motion
     type(dd), intent(in) :: time
     type(lasting_contacts), intent(in) :: contacts
-    type(beam_state), intent(inout) :: state
-    associate (last => contacts%segments(size(contacts%segments)))
+    type(now_type), intent(inout) :: now
+    class(monitor_type), intent(inout) :: monitor    !! the state means nothing where it asks to stop
+    associate (last => contacts%segments(size(contacts%segments)), state => now%state)
       associate (set => motion%modes%configuration(last%configuration)%set)
         happens = .not. leaves_range(set, time - last%start)
-        if (happens) call move(set, time - last%start, state%q, state%rate)
+        if (.not. happens) return
+        if (allocated(now%loads)) then
+          call drive(set, now%loads, last%start, time, state, monitor)
+        else
+          call move(set, time - last%start, state%q, state%rate)
+        end if
       end associate
     end associate
   end function advance
+
+  subroutine drive(set, loads, start, until, state, monitor)
+    !! The state at a time, under loads from another on.
+    class(mode_set), intent(in) :: set
+    type(acting_loads), intent(in) :: loads
+    type(dd), intent(in) :: start, until
+    type(beam_state), intent(inout) :: state
+    class(monitor_type), intent(inout) :: monitor
+    type(acting_loads) :: acting
+    type(moving_state) :: moved
+    type(oscillators) :: parts
+    type(dd) :: next
+    real(dp) :: c(set%count)
+    c = 0.0_dp
+    if (allocated(set%damping)) c = set%damping
+    parts = oscillators_of(set%beta_squared, c)
+    acting = loads
+    acting%drive = loads%drive(:set%count, :)        ! no mass is beside the beam
+    acting%drive(state%count + 1:, :) = 0.0_dp
+    call acting%begin(parts)
+    moved = moving_state(state%q, state%rate, start)
+    do while (moved%time%hi < until%hi)
+      if (monitor%stop_requested()) return
+      next = to_dd(acting%calm_until(moved%time%hi))
+      if (next%hi >= until%hi) next = until
+      associate (length => next - moved%time)
+        call acting%move(parts, length%hi, moved)
+      end associate
+      moved%time = next
+    end do
+    state%q = moved%u
+    state%rate = moved%v
+  end subroutine drive
 
   subroutine add_segment(scene, motion, now, later, time, error, contacts)
     !! Free motion about the equilibrium. A mass that was captured keeps its indentation δ: in the plane of rotation the centrifugal force

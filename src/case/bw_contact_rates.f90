@@ -1,9 +1,11 @@
 module bw_contact_rates
   !! A beam through contacts that last, as under any other load: when the contacts have been followed their force is known, a polynomial in
   !! each step. So accelerations and shear forces are found, and where other loads act, all histories.
-  use bw_case_modes, only: whole_beam
+  use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_motion
-  use bw_double_double, only: to_dd
+  use bw_change_of_bodies, only: beam_state, body_type, hand_over
+  use bw_double_double, only: dd, to_dd
+  use bw_event, only: event_type
   use bw_first_motion, only: find_first_motion
   use bw_force_response, only: force_degree
   use bw_force_step, only: polynomial_of
@@ -11,19 +13,21 @@ module bw_contact_rates
   use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads, quantities
   use bw_load_course, only: load_course, scaled_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
-  use bw_missing, only: missing
-  use bw_mode_set, only: first_numbers
+  use bw_loads_beside, only: beam_of, taking_part, unit_force
+  use bw_missing, only: is_missing, missing
+  use bw_mode_set, only: configuration_type, first_numbers
   use bw_monitor, only: monitor_type
   use bw_neglected_modes, only: neglected_type
   use bw_response, only: response_type
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, segment_type
   use bw_segment_samples, only: samples_of_segment
-  use bw_time_grid, only: time_grid, time_grid_of
+  use bw_time_grid, only: first_sample, time_grid, time_grid_of
+  use bw_timeline, only: carried_type, configurations_of
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: add_rates, find_driven, neglected_in, rounding_in, show_in_segments, unit_force
+  public :: add_rates, find_driven, neglected_in, rounding_in, show_in_segments
 
   integer, parameter :: displacement = 1, velocity = 2, acceleration = 3, bending_moment = 4, shear_force = 5, turn_of_hub = 6
     !! the quantities of bw_load_columns
@@ -38,65 +42,145 @@ module bw_contact_rates
     real(dp) :: struck = 0.0_dp                    !! the same of the velocity where the mass strikes
   end type driven_type
 
+  type :: wide_type
+    !! Twice as many modes as are summed, if there are so many, and their state.
+    type(case_motion) :: motion                    !! whose only modes they are
+    integer :: number = alone                      !! of their configuration
+    integer :: summed = 0
+    real(dp), allocatable :: q(:), v(:)
+  end type wide_type
+
 contains
 
   subroutine find_driven(scene, motion, summed, asked, samples, monitor, driven, loads)
     !! The motion of the modes under the force of all contacts, and under other loads.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion        !! followed, without a capture
-    integer, intent(in) :: summed                  !! modes that take part
+    type(case_motion), intent(in) :: motion        !! followed
+    integer, intent(in) :: summed                  !! modes of the first configuration that take part
     logical, intent(in) :: asked(quantities)       !! which quantities are
     integer, intent(in) :: samples                 !! that are known
     class(monitor_type), intent(inout) :: monitor  !! the histories mean nothing where it asks to stop
     type(driven_type), intent(out) :: driven
     type(placed_loads), intent(in), optional :: loads   !! beside the contacts, N
-    type(case_motion) :: wide                      ! twice as many modes as are summed, if there are so many
+    type(time_grid) :: grid
+    type(wide_type) :: wide
+    integer :: i, last
+    call list_columns(scene%response, asked, driven%quantity, driven%point)
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    allocate (driven%history(grid%samples, size(driven%quantity)), source=0.0_dp)
+    allocate (driven%rounding(size(driven%quantity)), source=0.0_dp)
+    driven%samples = samples
+    if (samples > 0) driven%neglected = driven%rounding
+    i = 1
+    do while (i <= size(motion%timeline%segments))
+      associate (segments => motion%timeline%segments)
+        do last = i, size(segments) - 1
+          if (segments(last + 1)%configuration /= segments(i)%configuration) exit
+        end do
+      end associate
+      call drive_stretch(scene, motion, [i, min(last, size(motion%timeline%segments))], summed, grid, monitor, wide, driven, loads)
+      if (monitor%stop_requested()) return
+      i = last + 1
+    end do
+  end subroutine find_driven
+
+  subroutine drive_stretch(scene, motion, these, summed, grid, monitor, wide, driven, loads)
+    !! The motion from one change of bodies to the next.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: these(2)                !! the first of its segments and the last
+    integer, intent(in) :: summed                  !! modes of the first configuration that take part
+    type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor  !! the histories mean nothing where it asks to stop
+    type(wide_type), intent(inout) :: wide
+    type(driven_type), intent(inout) :: driven
+    type(placed_loads), intent(in), optional :: loads
+    type(wide_type) :: now
     type(placed_loads) :: acting
     type(varying_beam) :: given
     type(load_view) :: view
     type(load_tail) :: tail
-    type(time_grid) :: grid
-    real(dp), allocatable :: flexibility(:), q(:), v(:)
-    real(dp) :: duration
-    integer :: more, struck
-    call whole_beam(scene, motion%units, given, struck)
-    acting = placed_loads([course_of(motion%timeline%segments)], [scene%impact%position], [.false.], kind=[1])
-    if (present(loads)) then
-      acting = placed_loads([acting%course, scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))], &
-                            [acting%place, loads%place], [acting%turns, loads%turns], loads%accelerated, [1, loads%kind + 1])
-    end if
-    call list_columns(scene%response, asked, driven%quantity, driven%point)
-    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-    allocate (driven%history(grid%samples, size(driven%quantity)), source=0.0_dp)
-    driven%samples = samples
-    allocate (wide%modes%configuration(1))
-    wide%units = motion%units
-    more = min(2*summed, motion%modes%configuration(alone)%source%highest)
-    call motion%modes%configuration(alone)%source%find(first_numbers(max(summed, more)), wide%modes%configuration(1)%set, &
-                                                       grid%samples*grid%step%hi, monitor)
-    if (monitor%stop_requested()) return
-    associate (set => wide%modes%configuration(1)%set)
-      call make_view(given, set, summed, acting, scene%response%points, driven%quantity, driven%point, monitor, view, flexibility)
-      if (monitor%stop_requested()) return
-      call find_first_motion(scene, alone, wide, q, v)
-      q = q/unit_velocity(scene)
-      v = v/unit_velocity(scene)
-      duration = samples*grid%step%hi
-      call sum_loaded_modes(set, view, grid, [1, samples], to_dd(0.0_dp), to_dd(duration), monitor, q, v, driven%history, tail)
-      if (monitor%stop_requested()) return
-      driven%rounding = rounding_of(set, view, tail, duration)
-      if (more < 2*summed .or. samples == 0) return
-      driven%neglected = tail%largest(:, 2)
-      driven%struck = norm2(set%struck(summed + 1:)*tail%lag(summed + 1:, 1))
+    type(dd) :: until
+    real(dp), allocatable :: flexibility(:)
+    integer :: more, samples(2)
+    associate (segments => motion%timeline%segments(these(1):these(2)))
+      associate (configuration => motion%modes%configuration(segments(1)%configuration))
+        given = beam_of(scene, motion, segments(1)%configuration)
+        acting = placed_loads([course_of(segments)], [scene%impact%position], [.false.], kind=[1])
+        if (present(loads)) then
+          acting = placed_loads([acting%course, scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))], &
+                                [acting%place, loads%place], [acting%turns, loads%turns], loads%accelerated, [1, loads%kind + 1])
+        end if
+        now%summed = taking_part(motion, segments(1)%configuration, summed)
+        now%number = segments(1)%configuration
+        samples = [first_sample(segments(1)%start, grid), driven%samples]
+        until = to_dd(driven%samples*grid%step%hi)
+        if (these(2) < size(motion%timeline%segments)) then
+          until = motion%timeline%segments(these(2) + 1)%start
+          samples(2) = min(samples(2), first_sample(until, grid) - 1)
+        end if
+        if (samples(1) > driven%samples .and. these(1) > 1) return
+        allocate (now%motion%modes%configuration(1))
+        now%motion%units = motion%units
+        more = min(2*now%summed, configuration%source%highest)
+        call configuration%source%find(first_numbers(max(now%summed, more)), now%motion%modes%configuration(1)%set, &
+                                       grid%samples*grid%step%hi, monitor)
+        if (monitor%stop_requested()) return
+      end associate
+      associate (set => now%motion%modes%configuration(1)%set, n => now%summed)
+        call make_view(given, set, n, acting, scene%response%points, driven%quantity, driven%point, monitor, view, flexibility)
+        if (monitor%stop_requested()) return
+        if (these(1) == 1) then
+          call find_first_motion(scene, alone, now%motion, now%q, now%v)
+          now%q = now%q/unit_velocity(scene)
+          now%v = now%v/unit_velocity(scene)
+        else
+          call take_neglected(scene, wide, monitor, now)
+          if (monitor%stop_requested()) return
+          now%q(:n) = segments(1)%q(:n)
+          now%v(:n) = segments(1)%rate(:n)
+        end if
+        call sum_loaded_modes(set, view, grid, samples, segments(1)%start, until, monitor, now%q, now%v, driven%history, tail)
+        if (monitor%stop_requested()) return
+        wide = now
+        driven%rounding = driven%rounding + rounding_of(set, view, tail, until%hi)
+        if (more < 2*n .and. allocated(driven%neglected)) deallocate (driven%neglected)
+        if (.not. allocated(driven%neglected)) return
+        driven%neglected = max(driven%neglected, tail%largest(:, 2))
+        driven%struck = max(driven%struck, norm2(set%struck(n + 1:)*tail%lag(n + 1:, 1)))
+      end associate
     end associate
-  end subroutine find_driven
+  end subroutine drive_stretch
 
-  pure real(dp) function unit_force(scene, motion) result(newton)
-    !! That of bw_segment, N.
+  subroutine take_neglected(scene, wide, monitor, now)
+    !! What modes beyond those that are summed have done goes over to other modes; springs are at rest then.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    newton = motion%units%mass*unit_velocity(scene)/motion%units%time%hi
-  end function unit_force
+    type(wide_type), intent(in) :: wide            !! at the end of a stretch
+    class(monitor_type), intent(inout) :: monitor  !! the state means nothing where it asks to stop
+    type(wide_type), intent(inout) :: now          !! whose modes are known
+    type(configuration_type) :: pair(2)
+    type(carried_type), allocatable :: carried(:)
+    type(body_type), allocatable :: bodies(:)
+    type(beam_state) :: beyond, later
+    type(event_type) :: ignored
+    carried = configurations_of(scene)
+    bodies = bodies_of(scene, now%motion%units)
+    bodies%stiffness = 0.0_dp
+    bodies%turning_stiffness = 0.0_dp
+    bodies%pull = 0.0_dp
+    where (.not. is_missing(bodies%velocity)) bodies%velocity = 0.0_dp   ! what they bring moves the modes that are summed
+    if (carried(now%number)%captured) bodies(size(bodies))%velocity = 0.0_dp
+    beyond = beam_state(size(wide%q), wide%q, wide%v)
+    beyond%q(:wide%summed) = 0.0_dp
+    beyond%rate(:wide%summed) = 0.0_dp
+    allocate (beyond%shape(0))
+    allocate (pair(1)%set, source=wide%motion%modes%configuration(1)%set)
+    allocate (pair(2)%set, source=now%motion%modes%configuration(1)%set)
+    call hand_over(pair, 1, beyond, presence(scene, carried(wide%number)), 2, pair(2)%set%count, &
+                   presence(scene, carried(now%number)), bodies, 0.0_dp, later, ignored, monitor)
+    now%q = later%q
+    now%v = later%rate
+  end subroutine take_neglected
 
   subroutine show_in_segments(scene, driven, motion)
     !! Of displacements, velocities and curvatures, what each segment shows at its samples.

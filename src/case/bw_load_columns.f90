@@ -8,12 +8,14 @@ module bw_load_columns
   use bw_load_sum, only: load_view
   use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: arm_of
   use bw_response_par, only: response_par
   use bw_scene, only: scene_type
+  use bw_static_shape, only: columns, deflection, hub_turn, turning
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: factor_of_quantity, find_drive, list_columns, make_view
+  public :: factor_of_quantity, find_drive, list_columns, make_view, residual_at
 
   integer, parameter, public :: quantities = 6       !! displacement, velocity, acceleration, bending moment, shear force, turn of the hub
   integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3, 4], order_of(quantities) = [0, 1, 2, 0, 0, 0]
@@ -129,5 +131,36 @@ contains
     end do
     if (accelerated) drive(:, size(places) + 1) = participation
   end subroutine find_drive
+
+  function residual_at(given, modes, summed, acting, drive, place) result(residual)
+    !! How a place moves and turns under each load by modes that are not summed, which follow it at once, (2, loads).
+    type(varying_beam), intent(in) :: given
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: summed
+    type(placed_loads), intent(in) :: acting
+    real(dp), intent(in) :: drive(:, :)            !! that of `find_drive`
+    real(dp), intent(in) :: place                  !! ξ
+    real(dp) :: residual(2, size(acting%course))
+    integer, parameter :: few = 64                 ! beyond which a static solution takes less time than it does beyond all of them
+    real(dp), dimension(size(drive, 2), 1, columns) :: beyond, terms
+    real(dp) :: arm, flexibility(1 + size(acting%place)), motion(modes%count, 2), weights(modes%count, 1, columns)
+    real(dp), allocatable :: soft(:)
+    integer :: l, n
+    n = min(few, summed)
+    weights = 0.0_dp
+    arm = arm_of(given%beam, place)
+    motion = modes%motion_at(place)
+    weights(:, 1, turning) = motion(:, 2)
+    weights(:, 1, hub_turn) = modes%hub_turns()
+    weights(:, 1, deflection) = motion(:, 1) - arm*weights(:, 1, hub_turn)
+    call find_residuals(given, modes, n, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
+                        beyond, terms, flexibility)
+    beyond(:, 1, deflection) = beyond(:, 1, deflection) + arm*beyond(:, 1, hub_turn)
+    residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
+    soft = 1.0_dp/(modes%modal_mass(n + 1:summed)*modes%beta_squared(n + 1:summed)%hi)
+    do l = 1, size(acting%course)                  ! of which those after the first few are none
+      residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:summed, acting%kind(l)), motion(n + 1:summed, :))
+    end do
+  end function residual_at
 
 end module bw_load_columns

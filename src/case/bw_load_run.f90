@@ -10,18 +10,15 @@ module bw_load_run
   use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_lack_error, only: lack_error
-  use bw_load_columns, only: factor_of_quantity, find_drive, list_columns, make_view, placed_loads, quantities
-  use bw_load_course, only: degree_of, interval_at, lag_bound, load_course, rates_of, steady_course
-  use bw_load_modes, only: find_residuals
+  use bw_load_columns, only: factor_of_quantity, find_drive, list_columns, make_view, placed_loads, quantities, residual_at
+  use bw_load_course, only: lag_bound, load_course, loads_before, steady_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes, tail_error
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: arm_of
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, varying_of
   use bw_segment, only: growth_ends
-  use bw_static_shape, only: columns, deflection, hub_turn, turning
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   use bw_timeline, only: carried_type, configurations_of, happens, number_of, step_type, steps_of
   use bw_unhanded, only: unhanded_motion
@@ -272,7 +269,7 @@ contains
     beyond = 0.0_dp
     do b = 1, size(bodies)
       if (was(b) .or. .not. is(b)) cycle
-      beyond(b, :, :) = matmul(residual_at(given, pair(1)%set, acting, drive, bodies(b)%position), load)
+      beyond(b, :, :) = matmul(residual_at(given, pair(1)%set, pair(1)%set%count, acting, drive, bodies(b)%position), load)
     end do
     call hand_over(pair, 1, state, was, 2, after%count, is, inert, 0.0_dp, later, ignored, monitor, beyond)
     if (monitor%stop_requested()) return
@@ -290,51 +287,6 @@ contains
     q = later%q
     v = later%rate
   end subroutine take_change
-
-  pure function loads_before(course, time) result(load)
-    !! Loads and their rates just before a time, (loads, 2).
-    type(load_course), intent(in) :: course(:)
-    real(dp), intent(in) :: time
-    real(dp) :: load(size(course), 2)
-    real(dp), allocatable :: power(:)
-    complex(dp) :: tone
-    integer :: l
-    allocate (power(0:degree_of(course)))
-    do l = 1, size(course)
-      call rates_of(course(l), interval_at(course(l), nearest(time, -1.0_dp)), time, power, tone)
-      load(l, :) = [power(0) + real(tone), power(1) - course(l)%frequency*aimag(tone)]
-    end do
-  end function loads_before
-
-  function residual_at(given, modes, acting, drive, place) result(residual)
-    !! How a place moves and turns under each load by modes beyond these, which follow it at once, (2, loads).
-    type(varying_beam), intent(in) :: given
-    class(mode_set), intent(in) :: modes
-    type(placed_loads), intent(in) :: acting
-    real(dp), intent(in) :: drive(:, :)            !! that of `find_drive`
-    real(dp), intent(in) :: place                  !! ξ
-    real(dp) :: residual(2, size(acting%course))
-    integer, parameter :: few = 64                 ! beyond which a static solution takes less time than it does beyond all of them
-    real(dp), dimension(size(drive, 2), 1, columns) :: beyond, terms
-    real(dp) :: arm, flexibility(1 + size(acting%place)), motion(modes%count, 2), weights(modes%count, 1, columns)
-    real(dp), allocatable :: soft(:)
-    integer :: l, n
-    n = min(few, modes%count)
-    weights = 0.0_dp
-    arm = arm_of(given%beam, place)
-    motion = modes%motion_at(place)
-    weights(:, 1, turning) = motion(:, 2)
-    weights(:, 1, hub_turn) = modes%hub_turns()
-    weights(:, 1, deflection) = motion(:, 1) - arm*weights(:, 1, hub_turn)
-    call find_residuals(given, modes, n, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
-                        beyond, terms, flexibility)
-    beyond(:, 1, deflection) = beyond(:, 1, deflection) + arm*beyond(:, 1, hub_turn)
-    residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
-    soft = 1.0_dp/(modes%modal_mass(n + 1:)*modes%beta_squared(n + 1:)%hi)
-    do l = 1, size(acting%course)                  ! of which those after the first few are none
-      residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:, acting%kind(l)), motion(n + 1:, :))
-    end do
-  end function residual_at
 
   pure real(dp) function largest_of(run, quantity) result(peak)
     type(loaded_run), intent(in) :: run

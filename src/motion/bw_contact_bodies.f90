@@ -81,7 +81,7 @@ contains
     call bodies%loads%begin(bodies%parts)
   end function bodies_of
 
-  pure type(contact_bodies) function bodies_after(modes, count, mass_ratio, omega, state, struck, beside) result(bodies)
+  pure type(contact_bodies) function bodies_after(modes, count, mass_ratio, omega, state, struck, beside, loads) result(bodies)
     !! After a change of the beam; the mass goes on as it was. Before it moves it touches the beam, wherever that is.
     class(mode_set), intent(in) :: modes          !! of the beam alone, as it is now
     integer, intent(in) :: count                  !! how many of them take part
@@ -90,10 +90,12 @@ contains
     type(beam_state), intent(in) :: state         !! of them
     real(dp), intent(in) :: struck                !! how far that shape is from the line where the mass strikes
     type(moving_state), intent(in) :: beside      !! the mass, and when
+    type(acting_loads), allocatable, intent(in) :: loads   !! as these modes see them; unallocated: none act
     type(first_motion) :: first
     first%q = state%q
     first%rate = state%rate
     first%speed = beside%v(1)
+    if (allocated(loads)) first%loads = loads
     bodies = bodies_of(modes, count, mass_ratio, omega, first)
     if (size(state%shape) > 0) bodies%shape = state%shape
     bodies%held = struck
@@ -229,6 +231,7 @@ contains
     if (allocated(self%loads)) then
       allocate (polynomial(0:gap_degree))
       call self%loads%take_out(self%parts, self%weight, self%state, free, polynomial)
+      polynomial(0) = polynomial(0) + self%held
     else
       free = self%state
       if (self%held == 0.0_dp) return

@@ -62,15 +62,15 @@ contains
     logical :: converged, ends, is_last
     integer :: level
     force = 0.0_dp
-    if (allocated(run%bodies%loads)) then
-      allocate (load(0:force_degree, size(run%bodies%loads%course)), by_loads(force_degree, 2))
-      slope = load
-      force(0) = force_now(run, 0.0_dp)
-    else if (run%changed .or. run%goes_on) then
-      force(0) = force_now(run, merge(run%last_force, 0.0_dp, run%goes_on))
-    end if
-    run%changed = .false.
     if (run%bodies%held /= 0.0_dp) by_loads = spread([-run%bodies%held, 0.0_dp], 1, force_degree)
+    if (allocated(run%bodies%loads)) then
+      allocate (load(0:force_degree, size(run%bodies%loads%course)))
+      slope = load
+      by_loads = spread([0.0_dp, 0.0_dp], 1, force_degree)
+    end if
+    if (allocated(load) .or. run%changed .or. run%goes_on) &
+      force(0) = force_now(run, merge(run%last_force, 0.0_dp, run%goes_on))
+    run%changed = .false.
     closing(0) = -run%bodies%separation()
     level = 0                                        ! a force that begins from rest is smooth: t^3
     if (run%goes_on .or. closing(0)*run%unit*0.5_dp**levels > run%bodies%rounding()) level = levels
@@ -100,9 +100,9 @@ contains
             cycle
           end if
           if (is_last) then
-            by_loads(:, :) = run%bodies%loads%see(odd, load, slope)
+            call see_loads(odd)
           else
-            by_loads(:, :) = run%bodies%loads%see(run%ladder(level), load, slope)
+            call see_loads(run%ladder(level))
           end if
         end if
         force(1:) = expected_force(merge(left, run%unit*0.5_dp**level, is_last))
@@ -125,6 +125,10 @@ contains
           left = first_zero(closing)*merge(left, run%unit*0.5_dp**level, is_last)
           is_last = .true.
           call find_step(left, odd)
+          if (allocated(load)) then
+            call run%bodies%loads%in_step(state%time%hi, left, load, slope, lack)
+            call see_loads(odd)
+          end if
           call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged, by_loads)
           run%captured = .true.
           ends = .false.
@@ -149,6 +153,12 @@ contains
           force(0) = force_now(run, force(0))
         end if
         closing(0) = rate(force_degree)
+        if (run%captures .and. is_last) then         ! modes that are not summed may jump with the rate of a load
+          run%captured = run%bodies%separation() >= 0.0_dp
+          run%ended = run%captured
+          run%last_force = force(0)
+          if (run%captured) exit
+        end if
         if (lack < run%tolerance*largest*0.5_dp**(force_degree + 1)) level = max(0, level - 1)
       end do
       if (run%captured .or. .not. run%ended) run%end_time = state%time
@@ -167,6 +177,13 @@ contains
       call force_in_step(polynomial_of(steps%force(:, run%steps)), 1.0_dp, last, slope)
       expected = last + slope*node_places(1:)*(length/steps%length(run%steps))
     end function expected_force
+
+    subroutine see_loads(step)
+      !! What they and the shape in which the beam rests add to the approach.
+      type(force_step), intent(in) :: step
+      by_loads(:, :) = run%bodies%loads%see(step, load, slope)
+      by_loads(:, 1) = by_loads(:, 1) - run%bodies%held
+    end subroutine see_loads
 
     subroutine find_step(length, step)
       real(dp), intent(in) :: length

@@ -9,7 +9,7 @@ module bw_load_course
   implicit none (type, external)
   private
   public :: course_of_samples, course_of_shape, degree_of, end_jump, impulse_of, interval_at, lag_bound, largest_load
-  public :: next_knot, part_of_course, rates_of, scaled_course, steady_course
+  public :: loads_before, next_knot, part_of_course, rates_of, scaled_course, steady_course
 
   type, public :: load_course
     real(dp), allocatable :: knot(:)               !! ascending, (intervals + 1)
@@ -142,6 +142,21 @@ contains
     complex(dp), intent(out) :: tone
     call look_at(course, i, time, time, 1.0_dp, power, tone)
   end subroutine rates_of
+
+  pure function loads_before(course, time) result(load)
+    !! Loads and their rates just before a time, (loads, 2).
+    type(load_course), intent(in) :: course(:)
+    real(dp), intent(in) :: time
+    real(dp) :: load(size(course), 2)
+    real(dp), allocatable :: power(:)
+    complex(dp) :: tone
+    integer :: l
+    allocate (power(0:degree_of(course)))
+    do l = 1, size(course)
+      call rates_of(course(l), interval_at(course(l), nearest(time, -1.0_dp)), time, power, tone)
+      load(l, :) = [power(0) + real(tone), power(1) - course(l)%frequency*aimag(tone)]
+    end do
+  end function loads_before
 
   pure subroutine part_of_course(course, i, from, to, power, tone)
     !! The load in a part of an interval: Σb_jx^j + Re(c e^(iΩs)), x going from −1 to 1 in it, s the time since its start.

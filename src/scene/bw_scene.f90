@@ -436,10 +436,11 @@ contains
   end function changes_in_time
 
   pure logical function bodies_change(scene) result(change)
-    !! Some come or leave.
+    !! Some come or leave; under loads a mass that is captured some time after it has met the beam is one of them.
     type(scene_type), intent(in) :: scene
-    change = .false.
-    if (allocated(scene%bodies)) change = any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
+    change = allocated(scene%contact) .and. allocated(scene%capture) .and. is_loaded(scene)
+    if (allocated(scene%bodies)) change = change &
+      .or. any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
   end function bodies_change
 
   pure logical function has_configurations(scene) result(has)

@@ -99,8 +99,8 @@ class Modes:
                 )
         return values
 
-    def residual(self, x0: float, x: np.ndarray, order: int = 0) -> np.ndarray:
-        """What modes that are not summed give way by under a force of 1 at x0."""
+    def residual(self, x0: float | None, x: np.ndarray, order: int = 0) -> np.ndarray:
+        """What modes that are not summed give way by under a force of 1 at x0, or under 1 on every unit of mass."""
 
         def green(x: np.ndarray, x0: float, order: int = 0) -> np.ndarray:
             less = np.minimum(x, x0)
@@ -113,8 +113,15 @@ class Modes:
                 return np.minimum(x, x0)
             return np.where(x < x0, x**2 / 2, x0 * (x - x0 / 2))
 
-        whole = green(x, x0, order)
         body = self.body
+
+        def free(x: np.ndarray, order: int = 0) -> np.ndarray:
+            if x0 is not None:
+                return green(x, x0, order)
+            own = (3 * x - 3 * x**2 + x**3) / 6 if order == 1 else x**2 * (6 - 4 * x + x**2) / 24
+            return own + body.mass * green(x, body.position, order) if body else own
+
+        whole = free(x, order)
         if body and (body.stiffness or body.turning_stiffness):
             b, here = body.position, np.array([body.position])
             gives = np.array(
@@ -124,11 +131,19 @@ class Modes:
                 ]
             )
             stiff = np.diag([body.stiffness, body.turning_stiffness])
-            free = np.array([green(here, x0)[0], green(here, x0, 1)[0]])
-            pull = stiff @ np.linalg.solve(np.eye(2) + gives @ stiff, free)
+            there = np.array([free(here)[0], free(here, 1)[0]])
+            pull = stiff @ np.linalg.solve(np.eye(2) + gives @ stiff, there)
             whole = whole - pull[0] * green(x, b, order) - pull[1] * green_of_moment(x, b, order)
-        struck = self.at(np.array([x0]))[:, 0]
-        return whole - (struck / (self.mass * self.square)) @ self.at(x, order)
+        return whole - (self.driven(x0) / self.square) @ self.at(x, order)
+
+    def driven(self, x0: float | None) -> np.ndarray:
+        """Acceleration of each mode under a force of 1 there, or under 1 on every unit of mass."""
+        if x0 is not None:
+            return self.at(np.array([x0]))[:, 0] / self.mass
+        own = self.shape @ self.dx
+        if self.body:
+            own = own + self.body.mass * self.at(np.array([self.place]))[:, 0]
+        return own / self.mass
 
 
 class Beside(one.Bodies):
@@ -148,9 +163,16 @@ class Beside(one.Bodies):
         self.seen_residual = modes.residual(blow.position, points)
         self.curved_residual = 0 * self.seen_residual
         self.root = np.sqrt(-self.square.astype(complex))
-        self.driven, self.opens = np.zeros((n + 2, 0)), np.zeros(0)
-        self.seen_loads = self.curved_loads = np.zeros((len(points), 0))
-        self.knots = np.array([np.inf])
+        loads = blow.loads
+        self.driven = np.zeros((n + 2, len(loads)))
+        self.seen_loads = self.curved_loads = np.zeros((len(points), len(loads)))
+        self.opens = np.zeros(len(loads))
+        for i, load in enumerate(loads):
+            self.driven[:n, i] = modes.driven(load.position)
+            self.driven[-1, i] = 1.0 if load.position is None else 0.0
+            self.seen_loads[:, i] = modes.residual(load.position, points)
+            self.opens[i] = modes.residual(load.position, np.array([blow.position]))[0]
+        self.knots = np.unique([t for load in loads for piece in load.pieces for t in (piece.begin, piece.end)] + [np.inf])
         self.first = np.zeros(n + 2)
 
 
@@ -167,7 +189,7 @@ def follow(blow: one.Blow, place: float, changes: list[Change], count: int, capt
     sets: dict[Body | None, Modes] = {}
     points = np.array(blow.points)
     where, x0 = np.array([place]), np.array([blow.position])
-    t, pressed, held, held_seen = 0.0, True, 0.0, 0 * points
+    t, pressed, caught, held, held_seen = 0.0, True, False, 0.0, 0 * points
     terms: list[tuple[Modes, np.ndarray]] = []  # of the shape
     state = None
     for i, change in enumerate(changes):
@@ -176,8 +198,12 @@ def follow(blow: one.Blow, place: float, changes: list[Change], count: int, capt
             u, v, mass = np.zeros(count), np.zeros(count), [0.0, blow.speed]
         else:
             before, (u, v, mass), force, force_rate = state
+            acting = [(blow.position, force, force_rate)]
+            if blow.loads:
+                values = bodies.loads(bodies.pieces(t * (1 - 1e-13)), t)
+                acting += zip((load.position for load in blow.loads), *values)
             beyond = np.array(
-                [[before.residual(blow.position, where, k)[0] * f for f in (force, force_rate)] for k in (0, 1)]
+                [[sum(before.residual(at, where, k)[0] * f[i] for at, *f in acting) for i in (0, 1)] for k in (0, 1)]
             )
             old = changes[i - 1].body
             gain = (change.body.mass if change.body else 0.0) - (old.mass if old else 0.0)
@@ -218,12 +244,31 @@ def follow(blow: one.Blow, place: float, changes: list[Change], count: int, capt
         one_u, one_v = np.concatenate([u, [1.0, mass[0]]]), np.concatenate([v, [0.0, mass[1]]])
         force = force_rate = 0.0
         parted = True
+        if caught:
+            while t < until:
+                until_knot = min(until, bodies.next_knot(t))
+                seen = len(motion.displacement)
+                inside = stage.times[seen:][stage.times[seen:] <= until_knot] - t
+                moved, rates = bodies.move(one_u, one_v, t, np.append(inside, until_knot - t))
+                for column in range(inside.size):
+                    one.see(bodies, motion, t, t + inside[column], moved[:, column], rates[:, column], 0.0, 0.0)
+                t, one_u, one_v = until_knot, moved[:, -1], rates[:, -1]
+            state = (modes, (one_u[:count], one_v[:count], [0.0, 0.0]), 0.0, 0.0)
+            continue
+        if captures:
+            motion.start.append(t)
+            t, one_u, one_v, force = catch(bodies, motion, t, one_u, one_v)
+            caught = True
+            changes.insert(i + 1, Change(t, Body(blow.position, blow.mass, velocity=one_v[-1]), True))
+            state = (modes, (one_u[:count], one_v[:count], [one_u[-1], one_v[-1]]), force, 0.0)
+            continue
         while t < until:
             if pressed:
                 if not goes_on(motion):
                     motion.start.append(t)
                 t, one_u, one_v = one.press(bodies, motion, t, one_u, one_v)
                 contact = one.Contact(bodies)
+                contact.act(t * (1 - 1e-13))
                 whole_state = np.concatenate([one_u, one_v, [0.0]])
                 pressed = t >= until
                 if len(motion.end) > len(motion.start):  # one that went on
@@ -236,17 +281,46 @@ def follow(blow: one.Blow, place: float, changes: list[Change], count: int, capt
                     break
                 motion.open = False
                 parted = True
-            ahead = one.next_contact(bodies, one_u, one_v, t, until - t, parted)
-            stop = until if ahead is None else t + ahead
+            left = min(until, bodies.next_knot(t)) - t
+            ahead = one.next_contact(bodies, one_u, one_v, t, left, parted)
+            stop = t + (left if ahead is None else ahead)
             seen = len(motion.displacement)
             inside = stage.times[seen:][stage.times[seen:] <= stop] - t
-            moved, rates = bodies.free(one_u, one_v, np.append(inside, stop - t))
+            moved, rates = bodies.move(one_u, one_v, t, np.append(inside, stop - t))
             for column in range(inside.size):
                 one.see(bodies, motion, t, t + inside[column], moved[:, column], rates[:, column], 0.0, 0.0)
             t, one_u, one_v, pressed, parted = stop, moved[:, -1], rates[:, -1], ahead is not None, False
         t = until
         state = (modes, (one_u[:count], one_v[:count], [one_u[-1], one_v[-1]]), force, force_rate)
     return motion
+
+
+def catch(bodies: Beside, motion: one.Motion, t: float, u: np.ndarray, v: np.ndarray) -> tuple:
+    """To the largest indentation of a contact: when, the state and the force."""
+    blow, m, contact = bodies.blow, bodies.n + 1, one.Contact(bodies)
+    state = np.concatenate([u, v, [0.0]])
+    while True:
+        contact.act(t)
+        seen = len(motion.displacement)
+        bound = min(float(blow.times[seen]) if seen < len(blow.times) else blow.duration, bodies.next_knot(t))
+        solver = contact.solver(t, state, bound, None) if t < bound else None
+        while solver and solver.status == "running":
+            solver.step()
+            if contact.force(solver.t, solver.y) > 0 >= contact.force_rate(solver.t, solver.y):
+                path = solver.dense_output()
+                end = brentq(lambda x: contact.force_rate(x, path(x)), solver.t_old, solver.t, xtol=1e-20, rtol=1e-15)
+                solver = contact.solver(t, state, end, None)
+                while solver.status == "running":
+                    solver.step()
+                motion.end.append(end)
+                motion.impulse.append(float(solver.y[2 * m]))
+                motion.largest.append(contact.force(end, solver.y))
+                return end, solver.y[:m], solver.y[m : 2 * m], contact.force(end, solver.y)
+        if solver:
+            t, state = solver.t, solver.y
+        if seen < len(blow.times) and t >= blow.times[seen]:
+            force, rate = contact.force(t, state), contact.force_rate(t, state)
+            one.see(bodies, motion, t, t, state[:m], state[m : 2 * m], force, rate)
 
 
 def goes_on(motion: one.Motion) -> bool:

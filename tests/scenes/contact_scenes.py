@@ -64,7 +64,9 @@ SLOPE = 336.0  # N s/m: a force at the tip of the paper's beam over the speed of
 
 
 def draw_moving(rng: np.random.Generator, kind: str) -> dict:
-    """Such a scene, of a beam that is let go from a deflection ('initial') or that forces and motions of its base move ('loads')."""
+    """Such a scene, of a beam that is let go from a deflection ('initial') or that forces and motions of its base move ('loads'), while
+    a body comes or leaves, or the mass is captured and released ('changes').
+    """
     scene = draw(rng)
     speed = abs(scene["impact"]["approach_velocity"])
     if kind == "initial":
@@ -85,6 +87,13 @@ def draw_moving(rng: np.random.Generator, kind: str) -> dict:
             if group == "force":
                 load["position"] = 1.0 if rng.random() < 0.5 else round(float_in(rng, 0.3, 0.95), 4)
             scene[group] = load
+    if kind == "changes":
+        if rng.random() < 0.3:
+            scene |= {"capture": {}, "release": {"time": duration * float_in(rng, 0.3, 0.9)}}
+        else:
+            body = {"position": round(float_in(rng, 0.3, 1.0), 4), "mass_ratio": 10 ** float_in(rng, -2, 0)}
+            body[str(rng.choice(["from", "until"]))] = duration * float_in(rng, 0.02, 0.8)
+            scene["body"] = body
     return scene
 
 

@@ -333,7 +333,10 @@ def test_a_growing_mode_is_driven_too(here):
         ({"impact": {"mass_ratio": 0.1}, "modes": {"before": 5}}, "&contact makes the blow last"),
         ({"initial": {"force": 1.0}}, "response%acceleration: has no limit as modes are added where bodies come or leave"),
         ({"force": HALF_SINE, "body": {"position": 0.5, "mass": 1.0, "until": 0.01}}, "has no limit as modes are added where bodies come or leave"),
-        ({"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}, "capture": {}}, "&capture: ends a contact of finite duration"),
+        (
+            {"force": HALF_SINE, "impact": {"mass_ratio": 0.1}, "contact": {"radius": 0.02}, "capture": {}},
+            "response%acceleration: has no limit as modes are added after a capture",
+        ),
         ({}, "needs &impact, &force, &base, &initial or &body"),
     ],
 )

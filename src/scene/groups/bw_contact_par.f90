@@ -68,20 +68,9 @@ contains
     !! Hertz's law needs the beam's material, and what &impact says of the rebound has no meaning beside it.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
-    integer :: beam, capture, contact, g, impact
+    integer :: beam, contact, impact
     contact = position_of(groups, 'contact')
     if (contact == 0) return
-    do g = 1, size(groups)
-      if (groups(g)%group /= 'body') cycle
-      if (.not. (groups(g)%given('from') .or. groups(g)%given('until'))) cycle
-      if (position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0) call messages%add(groups(g)%line, '&body', &
-        'comes or leaves while a contact of finite duration is followed, and with that no loads are; accepted: without '// &
-        '&contact, without &force and &base, or without from and until')
-    end do
-    capture = position_of(groups, 'capture')
-    if (capture > 0 .and. (position_of(groups, 'force') > 0 .or. position_of(groups, 'base') > 0)) &
-      call messages%add(groups(capture)%line, '&capture', 'ends a contact of finite duration, and after that no loads are '// &
-        'followed; accepted: without &contact, or without &force and &base')
     beam = position_of(groups, 'beam')
     if (beam > 0 .and. groups(contact)%given('radius')) then
       if (groups(beam)%given('bending_stiffness')) call messages%add(groups(contact)%line_of('radius'), 'contact%radius', &
