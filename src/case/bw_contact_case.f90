@@ -10,7 +10,7 @@ module bw_contact_case
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: follow_run, run_type
   use bw_case_loads, only: applied, place_loads
-  use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
+  use bw_case_modes, only: case_mode_cache, extend_source, find_modes, most_to_tolerance
   use bw_case_notes, only: note_lasting_contacts
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors, &
     load_result, put_together
@@ -20,7 +20,7 @@ module bw_contact_case
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
   use bw_constants, only: two_pi
   use bw_missing, only: missing
-  use bw_mode_set, only: attend, first_numbers, mode_set, search_failure
+  use bw_mode_set, only: attend, configuration_type, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
   use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors, part_of_peak
   use bw_event, only: contact_event
@@ -123,7 +123,7 @@ contains
     type(run_type), allocatable, intent(out) :: run
     type(history_errors), intent(out) :: errors
     type(run_type), allocatable :: half
-    real(dp) :: before
+    real(dp) :: before, fall
     integer :: most
     integer :: octaves                               ! by which the number of modes grew last, or will
     logical :: grown
@@ -142,6 +142,8 @@ contains
       counted%modes%after = counted%modes%before
       motion = case_motion(units=units_of(scene%beam))
       call find_modes(counted, motion%units, monitor, motion%modes, cache)
+      if (monitor%stop_requested()) return
+      if (motion%modes%resolved) call see_beyond(motion%modes%configuration(alone))
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
@@ -166,8 +168,9 @@ contains
       motion%plan%reached = part_of_peak(run%response, errors)
       if (motion%plan%reached <= scene%modes%tolerance) exit
       if (resolves_contacts(motion, run)) then
-        if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most, octaves)) exit
-        octaves = octaves_to(scene%modes%tolerance, motion%plan%reached, fall_of_force(run, half))
+        fall = fall_of_force(run, half)
+        if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most, octaves, fall)) exit
+        octaves = octaves_to(scene%modes%tolerance, motion%plan%reached, fall)
       end if
       before = motion%plan%reached
       grown = 2**octaves*counted%modes%before <= most
@@ -183,6 +186,18 @@ contains
     call add_rounding(counted, motion, run%response, errors, run%rounding)
     motion%plan%reached = part_of_peak(run%response, errors)
   contains
+    subroutine see_beyond(configuration)
+      !! A source that holds no more modes than are summed gets as many more, and those that are summed are of the same basis.
+      type(configuration_type), intent(inout) :: configuration
+      logical :: extended
+      if (configuration%source%highest >= 2*counted%modes%before) return
+      call extend_source(counted, motion%units, alone, monitor, configuration%source, extended, cache)
+      if (monitor%stop_requested() .or. .not. extended) return
+      call configuration%source%find(first_numbers(counted%modes%before), configuration%set, monitor=monitor)
+      if (monitor%stop_requested()) return
+      call configuration%set%forget_rigid_waves()
+    end subroutine see_beyond
+
     subroutine follow_part(divisor, followed)
       !! The motion of a part of the modes.
       integer, intent(in) :: divisor
@@ -226,19 +241,22 @@ contains
     if (fall > 0.0_dp .and. fall < 1.0_dp) octaves = max(1, ceiling(min(real(most, dp), log(reached/tolerance)/(-log(fall)))))
   end function octaves_to
 
-  pure logical function is_hopeless(reached, before, tolerance, count, most, octaves)
-    !! Falling on as it did when the number of modes grew, an error stays above a tolerance up to far more than the most modes.
+  pure logical function is_hopeless(reached, before, tolerance, count, most, octaves, fall)
+    !! Falling on as it did when the number of modes grew, or as errors of forces do, an error stays above a tolerance up to far more than
+    !! the most modes.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
     integer, intent(in) :: octaves                   !! by which it grew
-    real(dp), parameter :: doubling = log(2.0_dp), far = log(8.0_dp)
-    real(dp) :: steps
+    real(dp), intent(in) :: fall                     !! of errors of forces from octave to octave; 1: nobody knows yet
+    integer, parameter :: far = 3                    ! octaves
+    real(dp) :: by_octave
     is_hopeless = .false.
     if (before >= huge(before) .or. count <= 4*first_count) return
     is_hopeless = reached >= 0.999_dp*before
-    if (is_hopeless) return
-    steps = log(reached/tolerance)/log(before/reached)
-    is_hopeless = steps*octaves*doubling > log(real(most, dp)/count) + far
+    if (fall >= 1.0_dp) return
+    by_octave = -log(max(fall, tiny(fall)))
+    if (.not. is_hopeless) by_octave = max(by_octave, log(before/reached)/octaves)
+    is_hopeless = log(reached/tolerance)/by_octave > log(real(most, dp)/count)/log(2.0_dp) + far
   end function is_hopeless
 
   subroutine compose(scene, motion, run, errors, spectrum, result)

@@ -6,7 +6,7 @@ module bw_contact_errors
   use bw_case_contacts, only: run_type
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_result, only: case_motion, history_errors
-  use bw_event, only: arrival_event, capture_event, contact_event, departure_event, exchange_event
+  use bw_event, only: arrival_event, capture_event, contact_event, departure_event, exchange_event, release_event
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing
@@ -38,20 +38,22 @@ contains
       if (allocated(mine%bending_moment)) &
         errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, other%bending_moment)
       if (allocated(mine%acceleration)) &
-        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration)
+        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration, in_forces)
       if (allocated(mine%shear_force)) &
-        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force)
+        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force, in_forces)
     end associate
   contains
-    pure function error_of(history, fewer, neglected, by_half) result(error)
+    pure function error_of(history, fewer, neglected, by_half, of_steps) result(error)
       !! Of a quantity. Where there are no more modes to look at, it is that of half of the modes.
       real(dp), intent(in) :: history(:, :), fewer(:, :)   !! (samples, points)
       real(dp), allocatable, intent(in) :: neglected(:), by_half(:)   !! (points)
+      real(dp), intent(in), optional :: of_steps     !! of their tolerance; absent: that of histories
       real(dp), dimension(size(history, 2)) :: error, least, ratio
-      real(dp), parameter :: most = 0.9_dp, hidden = 0.1_dp, remains = 0.5_dp   ! tuned
+      real(dp) :: steps
+      real(dp), parameter :: most = 0.9_dp, hidden = 0.1_dp   ! tuned
       error = largest_distance(history, fewer)
       least = 0.0_dp
-      if (fall >= 1.0_dp) least = remains*error
+      if (fall >= 1.0_dp) least = error
       if (allocated(neglected) .and. allocated(by_half)) then
         ratio = 1.0_dp
         where (neglected < by_half) ratio = neglected/by_half
@@ -60,7 +62,9 @@ contains
       else
         error = of_half*error
       end if
-      error = max(least, error) + in_histories*run%step_tolerance*largest_magnitude(history)
+      steps = in_histories
+      if (present(of_steps)) steps = of_steps
+      error = max(least, error) + steps*run%step_tolerance*largest_magnitude(history)
     end function error_of
   end subroutine find_history_errors
 
@@ -91,7 +95,10 @@ contains
         end associate
       end do
       if (size(these) == 0) return
-      where (events%kind == capture_event) events%time_error = events(these(size(these)))%end_error
+      where (events%kind == capture_event)
+        events%time_error = events(these(size(these)))%end_error
+        events%end_error = events%time_error
+      end where
     end associate
   end subroutine find_force_errors
 
@@ -111,7 +118,7 @@ contains
     type(run_type), intent(in) :: run, half
     fall = 1.0_dp
     associate (kinds => run%timeline%events%kind)
-      if (any(kinds == arrival_event .or. kinds == departure_event .or. kinds == exchange_event)) return
+      if (any(kinds == arrival_event .or. kinds == departure_event .or. kinds == exchange_event .or. kinds == release_event)) return
     end associate
     if (same_contacts(run, half) == max(size(contacts_of(run)), size(contacts_of(half)))) fall = fall_as_struck(run, half)
   end function fall_of_force
@@ -133,7 +140,7 @@ contains
     !! By how much the velocity of the modes that are missing falls at the place that the mass strikes, when their number doubles.
     type(run_type), intent(in) :: run, half
     fall = 1.0_dp
-    if (run%neglected%struck < half%neglected%struck) &
+    if (allocated(run%neglected%displacement) .and. run%neglected%struck < half%neglected%struck) &
       fall = (run%neglected%struck/half%neglected%struck)**(1.0_dp/octaves_between(run, half))
   end function fall_as_struck
 

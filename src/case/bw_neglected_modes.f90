@@ -4,16 +4,15 @@ module bw_neglected_modes
   !! those modes that is what is missing, but for the modes that come after them.
   !!
   !! The beam is the one that was struck, whatever comes to it or leaves it later.
-  use bw_case_histories, only: sum_histories
+  use bw_case_histories, only: find_loaded_segments, sum_histories
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_histories, case_motion
   use bw_double_double, only: operator(-)
   use bw_first_motion, only: find_first_motion
-  use bw_force_response, only: force_degree
-  use bw_force_step, only: drive, find_step_end, force_in_step, polynomial_of
+  use bw_force_step, only: drive, find_step_end
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
-  use bw_mode_set, only: curvatures, deflections, first_numbers, values_at
+  use bw_mode_set, only: curvatures, deflections, first_numbers, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_oscillators, only: oscillators, oscillators_of
@@ -41,7 +40,6 @@ contains
     type(neglected_type), intent(out) :: neglected
     type(scene_type) :: seen                         ! also where the mass strikes, and with velocities there
     type(case_motion) :: beyond
-    real(dp) :: largest(size(scene%response%points) + 1, 3)   ! displacement, velocity, curvature
     integer :: more, points
     more = min(summed, motion%modes%configuration(alone)%source%highest - summed)
     if (more <= 0 .or. size(motion%timeline%segments) == 0) return
@@ -55,96 +53,79 @@ contains
     call motion%modes%configuration(alone)%source%find(summed + first_numbers(more), beyond%modes%configuration(1)%set, &
                                                        scene%response%duration/motion%units%time%hi, monitor)
     if (monitor%stop_requested()) return
-    call drive_through(seen, motion%timeline%segments, beyond, monitor, largest)
+    call drive_through(seen, motion%timeline%segments, beyond, monitor)
     if (monitor%stop_requested()) return
-    call look(deflections, largest(:, 1), largest(:, 2))
+    call find_loaded_segments(seen, beyond, monitor)
     if (monitor%stop_requested()) return
-    neglected%displacement = largest(:points, 1)
-    neglected%velocity = largest(:points, 2)
-    neglected%struck = largest(points + 1, 2)
+    call look(deflections, neglected%displacement, neglected%velocity)
+    if (monitor%stop_requested()) return
+    neglected%struck = neglected%velocity(points + 1)
+    neglected%displacement = neglected%displacement(:points)
+    neglected%velocity = neglected%velocity(:points)
     if (.not. scene%response%bending_moment) return
-    call look(curvatures, largest(:, 3))
-    neglected%bending_moment = largest(:points, 3)*scale_of_moments(scene)
+    call look(curvatures, neglected%bending_moment)
+    neglected%bending_moment = neglected%bending_moment(:points)*scale_of_moments(scene)
   contains
     subroutine look(quantity, value, rate)
-      !! At the samples of free flights.
       integer, intent(in) :: quantity
-      real(dp), intent(inout) :: value(:)
-      real(dp), intent(inout), optional :: rate(:)
+      real(dp), allocatable, intent(out) :: value(:)
+      real(dp), allocatable, intent(out), optional :: rate(:)
       type(case_histories) :: found
-      integer :: n, p
+      integer :: p
       call sum_histories(seen, beyond, quantity, monitor, workspace, found)
       if (monitor%stop_requested()) return
-      n = found%response%finite_samples
-      do p = 1, size(value)
-        value(p) = max(value(p), largest_magnitude(found%response%displacement(:n, p)))
-        if (present(rate)) rate(p) = max(rate(p), largest_magnitude(found%response%velocity(:n, p)))
-      end do
+      associate (response => found%response, n => found%response%finite_samples)
+        value = [(largest_magnitude(response%displacement(:n, p)), p=1, points + 1)]
+        if (present(rate)) rate = [(largest_magnitude(response%velocity(:n, p)), p=1, points + 1)]
+      end associate
     end subroutine look
   end subroutine find_neglected
 
-  subroutine drive_through(scene, segments, beyond, monitor, largest)
-    !! The segments of a motion once more, for other modes: each starts where the one before it left them. What they show in contacts is
-    !! looked at where steps end, so that nothing of it is left to the histories.
+  subroutine drive_through(scene, segments, beyond, monitor)
+    !! The segments of a motion once more, for other modes: each starts where the one before it left them.
     type(scene_type), intent(in) :: scene
     type(segment_type), intent(in) :: segments(:)
     type(case_motion), intent(inout) :: beyond       !! its modes are known
     class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
-    real(dp), intent(out) :: largest(:, :)           !! in contacts, beyond what follows the force at once, SI but for curvatures,
-                                                     !! (points, 3)
     type(oscillators) :: parts
-    real(dp), allocatable :: bends(:, :), c(:), q(:), rate(:), shapes(:, :), soft(:)
+    real(dp), allocatable :: c(:), q(:), rate(:), following(:, :)
     integer :: i
     call find_first_motion(scene, alone, beyond, q, rate)
     q = q/unit_velocity(scene)
     rate = rate/unit_velocity(scene)
-    largest = 0.0_dp
     allocate (beyond%timeline%segments(size(segments)))
     allocate (beyond%ladder(0:maxval([(levels_in(segments(i)), i=1, size(segments))]), 1))
-    associate (set => beyond%modes%configuration(1)%set, unit => beyond%units%time%hi)
+    associate (set => beyond%modes%configuration(1)%set)
       c = 0.0_dp*set%modal_mass
       if (allocated(set%damping)) c = set%damping
       parts = oscillators_of(set%beta_squared, c)
-      soft = set%struck/(set%modal_mass*set%beta_squared%hi)
-      shapes = values_at(set, deflections, 1, set%count, scene%response%points)
-      bends = values_at(set, curvatures, 1, set%count, scene%response%points)
+      following = what_follows(set, scene%response%points)
       do i = 1, size(segments)
         if (monitor%stop_requested()) return
-        beyond%timeline%segments(i) = segment_type(start=segments(i)%start, count=set%count, q=q, rate=rate)
-        if (allocated(segments(i)%load)) then
-          beyond%timeline%segments(i)%q = 0.0_dp
-          beyond%timeline%segments(i)%rate = 0.0_dp
-          call press(segments(i)%load)
-        else if (i < size(segments)) then
-          call move(set, segments(i + 1)%start - segments(i)%start, q, rate)
-        end if
+        associate (given => segments(i), own => beyond%timeline%segments(i))
+          own = segment_type(start=given%start, count=set%count, q=q, rate=rate)
+          if (allocated(given%load)) then
+            own%load = load_type(given%load%length, given%load%level, given%load%force, set%count, -following)
+            call press(own%load)
+          else if (i < size(segments)) then
+            call move(set, segments(i + 1)%start - given%start, q, rate)
+          end if
+        end associate
       end do
-      largest = largest*abs(unit_velocity(scene))
-      largest(:, [1, 3]) = largest(:, [1, 3])*unit
     end associate
   contains
     subroutine press(load)
       !! To the end of a contact, whose last step may be of any length.
       type(load_type), intent(in) :: load
-      real(dp) :: coefficients(0:force_degree), force, slope
       integer :: j
-      associate (set => beyond%modes%configuration(1)%set)
-        do j = 1, size(load%length)
-          if (j < size(load%length)) then
-            associate (step => beyond%ladder(load%level(j), 1))
-              if (step%length <= 0.0_dp) call find_step_end(parts, set%struck, set%modal_mass, load%length(j), step)
-              call step%advance(load%force(:, j), q, rate)
-            end associate
-          else
-            call drive(parts, set%struck, set%modal_mass, load%length(j), 1.0_dp, load%force(:, j), q, rate)
-          end if
-          coefficients = polynomial_of(load%force(:, j))
-          call force_in_step(coefficients, 1.0_dp, force, slope)
-          slope = slope/load%length(j)
-          largest(:, 1) = max(largest(:, 1), abs(matmul(q - soft*force, shapes)))
-          largest(:, 2) = max(largest(:, 2), abs(matmul(rate - soft*slope, shapes)))
-          largest(:, 3) = max(largest(:, 3), abs(matmul(q - soft*force, bends)))
+      associate (set => beyond%modes%configuration(1)%set, last => size(load%length))
+        do j = 1, last - 1
+          associate (step => beyond%ladder(load%level(j), 1))
+            if (step%length <= 0.0_dp) call find_step_end(parts, set%struck, set%modal_mass, load%length(j), step)
+            call step%advance(load%force(:, j), q, rate)
+          end associate
         end do
+        if (last > 0) call drive(parts, set%struck, set%modal_mass, load%length(last), 1.0_dp, load%force(:, last), q, rate)
       end associate
     end subroutine press
   end subroutine drive_through
@@ -156,5 +137,19 @@ contains
     if (.not. allocated(segment%load)) return
     if (size(segment%load%level) > 0) levels = maxval(segment%load%level)
   end function levels_in
+
+  pure function what_follows(modes, points) result(shown)
+    !! What modes add at once under a force of 1 where the mass strikes: displacements, curvatures and the turn of the hub.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: points(:)                !! ξ
+    real(dp) :: shown(size(points), 3)
+    integer, parameter :: quantities(3) = [deflections, curvatures, turns]
+    integer :: i
+    associate (soft => modes%struck/(modes%modal_mass*modes%beta_squared%hi))
+      do i = 1, size(quantities)
+        shown(:, quantities(i)) = matmul(soft, values_at(modes, quantities(i), 1, modes%count, points))
+      end do
+    end associate
+  end function what_follows
 
 end module bw_neglected_modes

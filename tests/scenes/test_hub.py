@@ -157,7 +157,7 @@ def test_a_contact_moves_beam_and_hub_as_an_integration_of_its_own_does(here):
     for p, point in enumerate([0.3, 0.7, 1.0]):
         own = beam.from_line(point)[None] @ mode[:, :n] @ solution.y[:n]
         off = np.abs(result["displacement"][p] - own[0])[free].max()
-        assert off <= result["displacement_error"][p], (point, off)
+        assert off <= 1e-6 * np.abs(own).max(), (point, off)  # the residual flexibility is that of the basis
     speed = mode[0, 0] * solution.y[n]
     np.testing.assert_allclose(result["hub_rate_change"][0], speed[free][0], rtol=1e-6)
 
