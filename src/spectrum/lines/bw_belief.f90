@@ -56,7 +56,6 @@ contains
     type(line_errors) :: errors
     type(believed_line) :: line
     real(dp), allocatable :: windows(:, :, :)
-    real(dp), parameter :: band = 0.5_dp           ! of frequencies, periods per step
     integer :: j, k
     done = .false.
     do while (.not. all(done))
@@ -71,12 +70,21 @@ contains
         if (.not. own(k)) cycle
         j = j + 1
         line = judged(model, errors, j, confidence)
-        if (line%frequency_error > band) cycle             ! it may have any frequency: something else is told by it
+        if (.not. is_in_band(line, student_quantile(confidence, freedom_of(model))/span_of_model(model))) cycle
         line%windows = windows(:, :, j)
         believed = [believed, line]
       end do
     end do
   end subroutine judge_lines
+
+  pure logical function is_in_band(line, unresolved)
+    !! Whether a line is known to have a frequency between 0 and half the sampling rate, but for what is not resolved. Else something
+    !! else is told by it.
+    type(believed_line), intent(in) :: line
+    real(dp), intent(in) :: unresolved             !! half the interval of a frequency that nothing else tells
+    real(dp), parameter :: middle = 0.25_dp        ! of the band, periods per step
+    is_in_band = abs(line%frequency - middle) + line%frequency_error <= middle + 2*unresolved
+  end function is_in_band
 
   type(believed_line) function judged(model, errors, j, confidence) result(line)
     !! Frequency and decay at the time at which the record tells them best; the intervals of a line that drifts reach from the blow to
