@@ -41,7 +41,8 @@ module bw_contact_case
   public :: run_contact_case
 
   integer, parameter :: first_count = 32           !! modes that a tolerance begins with
-  integer, parameter :: most_count = 4096          !! and the most that it may take
+  integer, parameter :: most_count = 4096          !! and the most that it may take,
+  integer, parameter :: most_by_default = 1024     !! or that the default tolerance may where accelerations are asked for
 
 contains
 
@@ -129,6 +130,7 @@ contains
     logical :: grown
     allocate (run)
     most = most_count
+    if (scene%response%acceleration .and. .not. scene%modes%asked) most = most_by_default   ! accelerations converge slowly
     before = huge(before)
     if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     counted = scene

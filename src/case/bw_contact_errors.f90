@@ -64,7 +64,8 @@ contains
       end if
       steps = in_histories
       if (present(of_steps)) steps = of_steps
-      error = max(least, error) + steps*run%step_tolerance*largest_magnitude(history)
+      error = max(least, error)
+      where (any(history /= 0.0_dp, dim=1)) error = error + steps*run%step_tolerance*largest_magnitude(history)
     end function error_of
   end subroutine find_history_errors
 
