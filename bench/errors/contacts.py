@@ -8,6 +8,7 @@ knows no changes of bodies. BEAMWAVE_SEED sets the seed, BEAMWAVE another progra
 from __future__ import annotations
 
 import argparse
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -15,7 +16,7 @@ from pathlib import Path
 import contact_reference
 import contact_scenes
 import numpy as np
-from workplace import Workplace
+from workplace import SECONDS, Workplace
 
 from .loads import PROGRAM, SEED, run_in
 
@@ -55,7 +56,7 @@ def judged(judge, scenes: int, kind: str) -> list[tuple[bool, contact_scenes.Jud
         with tempfile.TemporaryDirectory() as folder:
             try:
                 own = list(judge(run_in(Workplace(PROGRAM, Path(folder))), scene))
-            except contact_reference.TooLongError:
+            except (contact_reference.TooLongError, subprocess.TimeoutExpired):
                 left_out += 1
                 continue
         found += [("damping" in scene["contact"], j) for j in own]
@@ -63,7 +64,7 @@ def judged(judge, scenes: int, kind: str) -> list[tuple[bool, contact_scenes.Jud
             if j.estimate < 1:
                 print(f"below: scene {number}, {j}", file=sys.stderr, flush=True)
     if left_out:
-        print(f"{left_out} of {scenes} scenes were left out, whose integration takes more than {contact_reference.MOST_STEPS} steps.")
+        print(f"{left_out} of {scenes} scenes were left out, whose integration takes more than {contact_reference.MOST_STEPS} steps, or a run more than {SECONDS} s.")
     return found
 
 
