@@ -227,9 +227,9 @@ contains
       else
         call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//'.')
         call lines%append_line('  An instantaneous blow with that restitution has the impulse '//shortest(blow, 4)// &
-          ' N s on a rigid wall, '//shortest(blow/(1.0_dp + scene%impact%mass_ratio*sum(result%modes%struck**2/ &
+          ' N s on a rigid wall and '//shortest(blow/(1.0_dp + scene%impact%mass_ratio*sum(result%modes%struck**2/ &
           result%modes%modal_mass)), 4)//' N s on '//text_of(result%modes%count)// &
-          ' modes of the beam, and none on infinitely many.')
+          ' modes of the beam, where it tends to 0 as modes are added.')
       end if
       hardest = maxloc(abs(contact%largest), dim=1, mask=presses)
       if (count(presses) > 1) call lines%append_line('  '//text_of(count(presses))//' contacts, with the impulse '// &
