@@ -66,7 +66,7 @@ module bw_case_cost
   real(dp), parameter :: changing_passes = 80.0_dp   !! of pairs before and after a change, of which a part is integrated: seven runs
   real(dp), parameter :: loaded_passes = 4.0_dp*changing_passes/7.0_dp   !! of one run, under loads, which hands on four times as many
   real(dp), parameter :: changing_sums = 4.4_dp      !! of the modes of these runs over those of the whole
-  real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: three runs of some contacts
+  real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: two runs of some contacts
 
 contains
 
@@ -132,7 +132,7 @@ contains
     if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
     if (allocated(scene%contact) .and. planning) &
-      & counts(contacts) = counts(contacts)*sqrt(1.0e-6_dp/scene%modes%tolerance)    ! errors fall as n^-3, and work grows as n^1.5
+      counts(contacts) = counts(contacts)*sqrt(1.0e-6_dp/scene%modes%tolerance)    ! errors fall as n^-3, and work grows as n^1.5
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving

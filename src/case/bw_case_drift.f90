@@ -114,9 +114,9 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     unit = abs(unit_velocity(scene))
     if (velocity) then
-      peak = largest_magnitude(response%velocity)
+      peak = largest_magnitude(response%velocity(:response%finite_samples, :))
     else
-      peak = largest_magnitude(response%displacement)
+      peak = largest_magnitude(response%displacement(:response%finite_samples, :))
       unit = unit*motion%units%time%hi
     end if
     errors = 0.0_dp

@@ -65,7 +65,9 @@ contains
       steps = in_histories
       if (present(of_steps)) steps = of_steps
       error = max(least, error)
-      where (any(history /= 0.0_dp, dim=1)) error = error + steps*run%step_tolerance*largest_magnitude(history)
+      associate (known => history(:run%response%finite_samples, :))
+        where (any(known /= 0.0_dp, dim=1)) error = error + steps*run%step_tolerance*largest_magnitude(known)
+      end associate
     end function error_of
   end subroutine find_history_errors
 
@@ -146,9 +148,10 @@ contains
   end function fall_as_struck
 
   pure real(dp) function octaves_between(run, half) result(octaves)
-    !! From the modes of one motion to those of the other.
+    !! From the modes of one motion to those of the other; 1 of a single mode, which has no half.
     type(run_type), intent(in) :: run, half
-    octaves = log(real(run%summed, dp)/half%summed)/log(2.0_dp)
+    octaves = 1.0_dp
+    if (run%summed > half%summed) octaves = log(real(run%summed, dp)/half%summed)/log(2.0_dp)
   end function octaves_between
 
   pure function largest_distance(table, other) result(distance)

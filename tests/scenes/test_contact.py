@@ -108,6 +108,14 @@ def test_estimates_are_near_the_errors_of_a_few_contacts(here, kind):
     assert len(ratios) >= 5 and min(ratios) >= 1 and np.median(ratios) <= 5, ratios
 
 
+def test_estimates_are_numbers_of_a_single_mode_and_of_a_motion_that_is_not_known_to_its_end(here):
+    cut = {"modes": {"before": 20}, "contact": {"radius": 0.025, "max_contacts": 1}}
+    for name, changes, status in (("single", {"modes": {"before": 1}}, 0), ("cut", cut, 4)):
+        found = run(here, name, struck({"radius": 0.025}) | changes, status)
+        error, known = found["displacement_error"].values, np.abs(found["displacement"]).max("time").values
+        assert ((error > 0) == (known > 0)).all() and (error <= 10 * known).all(), (name, error)
+
+
 @pytest.mark.parametrize("number", [8, 11, 22])
 def test_random_contacts_are_those_of_an_integration_of_the_same_modes(here, number):
     """Up to five contacts, which hardly amplify what rounding and the steps leave, 1e-9 of the largest force."""
