@@ -21,10 +21,9 @@ module bw_case_modes
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   use bw_text, only: text_of
   use bw_timeline, only: carried_type, comes_back, configurations_of, number_of, start_of
-  use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch, whole_beam
+  public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
 
   type, public :: case_mode_cache
     !! Modes that cases of a sweep share.
@@ -219,18 +218,6 @@ contains
     problem%captured = pieces%captured
     problem%uniform = .not. is_built_up(scene)
   end function problem_of
-
-  pure subroutine whole_beam(scene, units, given, struck)
-    !! The beam alone with its tension.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(varying_beam), intent(out) :: given
-    integer, intent(out) :: struck                 !! the joint at which the mass strikes
-    type(struck_beam) :: pieces
-    pieces = pieces_of(scene, units, .false.)
-    struck = pieces%struck
-    given = varying_of(scene, units, pieces)
-  end subroutine whole_beam
 
   subroutine solve_strains(problem, count, source, monitor, cache)
     !! Modes under tension, from the cache if they are there.

@@ -259,7 +259,7 @@ contains
       mass = body_type(position=given%position, mass=given%mass_ratio)
       call set_pull(scene, motion%units, mass)
       speed = speed_in_plane(scene%rotation, motion%units)
-      place = sum(energy_at(modes, state%q(:state%count), mass(1), dot_product(modes%struck, state%q), speed**2))
+      place = sum(energy_at(modes, state%q(:state%count), mass(1), [dot_product(modes%struck, state%q), 0.0_dp], speed**2))
       if (limit) then
         energy = energy_of(modes, state) &
           + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2 + place, 0.0_dp)

@@ -161,10 +161,7 @@ contains
       call watch%lap(stage_events)
       errors = history_errors()
       call find_history_errors(run, half, errors)
-      if (bodies_change(scene)) then
-        motion%timeline = run%timeline
-        call join_state_errors(counted, motion, errors)
-      end if
+      call join_state_errors(counted, motion, errors)
       call watch%lap(stage_response)
       if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
       motion%plan%reached = part_of_peak(run%response, errors)

@@ -1,6 +1,6 @@
 module bw_contact_changes
-  !! Contacts of a finite duration on a beam to which bodies come, or which they leave. Between two changes its modes are those of one
-  !! configuration, and contacts and flights are followed up to the next. There the motion goes over to other modes, as where nothing
+  !! Contacts of a finite duration, also on a beam to which bodies come, or which they leave. Between two changes its modes are those of
+  !! one configuration, and contacts and flights are followed up to the next. There the motion goes over to other modes, as where nothing
   !! strikes; in the middle of a contact with what the force moves at once of the modes that are not summed. A mass that is captured is one
   !! of the bodies from then on.
   use bw_acting_loads, only: acting_loads
@@ -9,6 +9,7 @@ module bw_contact_changes
   use bw_change_of_bodies, only: beam_state, body_type, hand_over
   use bw_changing_motion, only: kind_of_change, note_late_change
   use bw_contact_bodies, only: bodies_after, first_motion
+  use bw_contact_flexibility, only: flexibility_of, flexibility_type, show_residual
   use bw_contact_law, only: contact_law_of, stored_energy
   use bw_contact_steps, only: contact_run
   use bw_double_double, only: dd, to_dd, operator(-), operator(/)
@@ -21,30 +22,18 @@ module bw_contact_changes
   use bw_load_course, only: loads_before
   use bw_loads_beside, only: beam_of, place_beside, taking_part
   use bw_missing, only: is_missing
-  use bw_mode_set, only: deflections, mode_set, turns
+  use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: moving_state, oscillators, oscillators_of
-  use bw_piece_beam, only: arm_of
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type, unit_velocity
-  use bw_scene_pieces, only: pieces_of, struck_beam, varying_of
-  use bw_segment, only: leaves_range, move, segment_type, shape_term
-  use bw_static_shape, only: find_motion_residual, find_residual
+  use bw_segment, only: leaves_range, move, segment_type
   use bw_text, only: append
   use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of
   use bw_unhanded, only: unhanded_motion
-  use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: flexibility_of, follow_changing_contacts
-
-  type, public :: flexibility_type
-    !! What modes that are not summed give way by under a force of 1 at the place that the mass strikes.
-    real(dp) :: here = 0.0_dp                        !! that place
-    real(dp), allocatable :: seen(:, :)              !! as that of load_type, (points, 3)
-    real(dp), allocatable :: at_bodies(:, :)         !! deflection and turning, (bodies, 2)
-    real(dp), allocatable :: of_loads(:, :, :)       !! the same under loads of 1, (bodies, 2, loads)
-  end type flexibility_type
+  public :: follow_contacts
 
   type :: now_type
     integer :: configuration = 1
@@ -54,13 +43,12 @@ module bw_contact_changes
     type(flexibility_type) :: flexibility
     type(acting_loads), allocatable :: loads         !! as the modes and the mass see them; unallocated: none act
     type(beam_state) :: state                        !! once the mass is captured, at the start of its last segment
-    real(dp) :: indentation = 0.0_dp                 !! with which it was
     type(contact_run) :: run
   end type now_type
 
 contains
 
-  subroutine follow_changing_contacts(scene, motion, demand, first, monitor, contacts, loads)
+  subroutine follow_contacts(scene, motion, demand, first, monitor, contacts, loads)
     !! From t = 0 to the end of the record.
     type(scene_type), intent(in) :: scene            !! with counts of modes
     type(case_motion), intent(inout) :: motion       !! its modes are known
@@ -80,17 +68,19 @@ contains
     now%bodies = bodies_of(scene, motion%units)
     where (.not. is_missing(now%bodies%velocity)) now%bodies%velocity = now%bodies%velocity/unit_velocity(scene)
     steps = steps(size(steps) - count(.not. (steps(2:)%is_impact .or. steps(2:)%is_capture)) + 1:)
-    associate (set => motion%modes%configuration(1)%set, &
-               law => contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene))))
-      call find_flexibility(scene, motion, demand%modes, now, monitor, loads)
-      if (monitor%stop_requested()) return
-      if (allocated(now%loads)) first%loads = now%loads
-      call begin_contacts(set, scene%impact%mass_ratio, law, full_speed_in_plane(scene%rotation, motion%units), demand, &
-                          size(motion%modes%configuration), now%run, contacts, first)
+    call find_flexibility(scene, motion, demand%modes, now, monitor, loads)
+    if (monitor%stop_requested()) return
+    if (allocated(now%loads)) first%loads = now%loads
+    now%run%captured = nothing_strikes(scene, first)
+    if (now%run%captured) then
+      call begin_without(demand, first, now, contacts)
+    else
+      call begin_contacts(motion%modes%configuration(1)%set, scene%impact%mass_ratio, &
+                          contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene))), &
+                          full_speed_in_plane(scene%rotation, motion%units), demand, size(motion%modes%configuration), now%run, &
+                          contacts, first)
       now%run%law%residual = now%flexibility%here
-    end associate
-    now%run%captured = scene%impact%mass_ratio == 0.0_dp           ! nothing strikes the beam
-    if (now%run%captured) call begin_without(scene, motion, demand, first, now, contacts)
+    end if
     do i = 1, size(steps) + 1
       time = to_dd(demand%longest)
       if (i <= size(steps)) then
@@ -113,47 +103,32 @@ contains
       if (monitor%stop_requested()) return
     end do
     call finish_contacts(now%run, demand, contacts)
-    contacts%captured = now%run%captured .and. scene%impact%mass_ratio > 0.0_dp
-  end subroutine follow_changing_contacts
+    contacts%captured = now%run%captured .and. .not. nothing_strikes(scene, first)
+  end subroutine follow_contacts
 
-  subroutine begin_without(scene, motion, demand, first, now, contacts)
-    !! The beam moves, and no mass is there.
+  pure logical function nothing_strikes(scene, first) result(nothing)
+    !! There is no mass, or nothing moves.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    type(first_motion), intent(in) :: first
+    nothing = scene%impact%mass_ratio == 0.0_dp
+    if (.not. (nothing .or. allocated(first%loads))) &
+      nothing = first%speed == 0.0_dp .and. first%others == 0.0_dp .and. all(first%q == 0.0_dp) .and. all(first%rate == 0.0_dp)
+  end function nothing_strikes
+
+  pure subroutine begin_without(demand, first, now, contacts)
+    !! The beam moves, or is at rest, and no mass is there.
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(in) :: first
     type(now_type), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     type(beam_state) :: state
+    allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0))
     state = beam_state(demand%modes, first%q, first%rate)
     state%q(demand%modes + 1:) = 0.0_dp
     state%rate(demand%modes + 1:) = 0.0_dp
     allocate (state%shape(0))
-    call add_segment(scene, motion, now, state, to_dd(0.0_dp), spread(0.0_dp*first%q, 2, 2), contacts)
+    call add_segment(now, state, to_dd(0.0_dp), spread(0.0_dp*first%q, 2, 2), contacts)
   end subroutine begin_without
-
-  function flexibility_of(scene, motion, configuration, carried, summed, bodies) result(flexibility)
-    !! Of the modes of a configuration beyond those that are summed.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    integer, intent(in) :: configuration
-    type(carried_type), intent(in) :: carried
-    integer, intent(in) :: summed
-    type(body_type), intent(in) :: bodies(:)
-    type(flexibility_type) :: flexibility
-    type(struck_beam) :: pieces
-    type(varying_beam) :: given
-    real(dp) :: here(1, 3)
-    pieces = pieces_of(scene, motion%units, .false., carried%body)
-    given = varying_of(scene, motion%units, pieces)
-    associate (set => motion%modes%configuration(configuration)%set, points => scene%response%points)
-      allocate (flexibility%seen(size(points), 3))
-      call find_residual(given, pieces%struck, set, summed, [scene%impact%position], here)
-      call find_residual(given, pieces%struck, set, summed, points, flexibility%seen)
-      flexibility%here = max(0.0_dp, here(1, deflections) + arm_of(given%beam, scene%impact%position)*here(1, turns))
-      flexibility%at_bodies = find_motion_residual(given, pieces%struck, set, summed, bodies%position)
-    end associate
-  end function flexibility_of
 
   subroutine find_flexibility(scene, motion, summed, now, monitor, loads)
     !! In the configuration at hand, under the force of a contact and under loads.
@@ -167,18 +142,6 @@ contains
     if (present(loads)) call place_beside(scene, motion, now%configuration, beam_of(scene, motion, now%configuration), summed, &
                                           loads, monitor, now%loads, now%bodies%position, now%flexibility%of_loads)
   end subroutine find_flexibility
-
-  pure subroutine show_residual(flexibility, contacts)
-    !! Of the segments that have none yet.
-    type(flexibility_type), intent(in) :: flexibility
-    type(lasting_contacts), intent(inout) :: contacts
-    integer :: i
-    do i = size(contacts%segments), 1, -1
-      if (.not. allocated(contacts%segments(i)%load)) cycle
-      if (allocated(contacts%segments(i)%load%residual)) return
-      contacts%segments(i)%load%residual = flexibility%seen
-    end do
-  end subroutine show_residual
 
   subroutine take_step(scene, demand, step, time, motion, now, contacts, monitor, loads)
     !! What the scene makes happen at an instant.
@@ -215,7 +178,7 @@ contains
     if (present(loads) .or. .not. now%run%captured) call find_flexibility(scene, motion, later%count, now, monitor, loads)
     if (monitor%stop_requested()) return
     if (now%run%captured) then
-      call add_segment(scene, motion, now, later, time, error, contacts)
+      call add_segment(now, later, time, error, contacts)
       return
     end if
     held = 0.0_dp
@@ -315,7 +278,7 @@ contains
   end function last_force
 
   subroutine keep_mass(scene, demand, motion, now, contacts, monitor, loads)
-    !! The mass stays. What the contact has stored, and modes that are not summed, is lost.
+    !! The mass stays, with its indentation. What the contact has stored, and modes that are not summed, is lost.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
     type(case_motion), intent(in) :: motion
@@ -330,8 +293,10 @@ contains
     associate (run => now%run)
       event%kind = capture_event
       event%time = run%bodies%state%time%hi
-      now%bodies(size(now%bodies))%velocity = run%bodies%state%v(size(run%bodies%state%v))
-      now%indentation = run%last_indentation
+      associate (mass => now%bodies(size(now%bodies)))
+        mass%velocity = run%bodies%state%v(size(run%bodies%state%v))
+        mass%beside = run%last_indentation
+      end associate
       now%state = state_of(run, taking_part(motion, now%configuration, demand%modes))
       stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
       call change(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, contacts, later, &
@@ -341,7 +306,7 @@ contains
       if (monitor%stop_requested()) return
       event%energy_before = event%energy_before + stored
       contacts%events = [contacts%events, event]
-      call add_segment(scene, motion, now, later, run%bodies%state%time, error, contacts)
+      call add_segment(now, later, run%bodies%state%time, error, contacts)
     end associate
   end subroutine keep_mass
 
@@ -398,32 +363,17 @@ contains
     state%rate = moved%v
   end subroutine drive
 
-  subroutine add_segment(scene, motion, now, later, time, error, contacts)
-    !! Free motion about the equilibrium. A mass that was captured keeps its indentation δ: in the plane of rotation the centrifugal force
-    !! on that much moves the equilibrium, and with tension in the beam the body's pull, which acts δ beside the axis.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+  pure subroutine add_segment(now, later, time, error, contacts)
+    !! Free motion about the equilibrium.
     type(now_type), intent(inout) :: now
     type(beam_state), intent(in) :: later
     type(dd), intent(in) :: time
     real(dp), intent(in) :: error(:, :)
     type(lasting_contacts), intent(inout) :: contacts
     type(segment_type) :: segment
-    real(dp), allocatable :: rest(:)
-    real(dp) :: speed
-    speed = speed_in_plane(scene%rotation, motion%units)
     now%state = later
-    associate (set => motion%modes%configuration(now%configuration)%set, state => now%state, n => later%count)
-      if (speed > 0.0_dp .and. now%carried%captured) then
-        rest = 0.0_dp*state%q
-        where (set%beta_squared%hi /= 0.0_dp) rest = now%indentation*(scene%impact%mass_ratio*speed**2*set%struck &
-          - now%bodies(size(now%bodies))%pull*set%turnings())/(set%modal_mass*set%beta_squared%hi)
-        state%q(:n) = state%q(:n) - rest(:n)
-        state%shape = [state%shape, shape_term(now%configuration, now%there, rest(:n))]
-      end if
-      segment = segment_type(now%configuration, time, count=set%count, q=state%q, rate=state%rate)
-      if (size(state%shape) > 0) segment%shape = state%shape
-    end associate
+    segment = segment_type(now%configuration, time, count=size(later%q), q=later%q, rate=later%rate)
+    if (size(later%shape) > 0) segment%shape = later%shape
     segment%error = error
     call append_segment(contacts, segment, 0)
   end subroutine add_segment

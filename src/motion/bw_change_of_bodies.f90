@@ -30,6 +30,7 @@ module bw_change_of_bodies
     real(dp) :: velocity = missing          !! that it brings; missing: that of the beam
     real(dp) :: pull = 0.0_dp               !! Ω²m(R + ξ): the tension that it brings into the beam inside of it
     real(dp) :: unstressed(2) = 0.0_dp      !! deflection and turning at which its springs are so
+    real(dp) :: beside = 0.0_dp             !! how far across the beam it sits from the axis
   end type body_type
 
   type, public :: beam_state
@@ -37,7 +38,7 @@ module bw_change_of_bodies
     integer :: count = 0                    !! how many
     real(dp), allocatable :: q(:), rate(:)  !! (modes of the set), 0 beyond the count
     type(shape_term), allocatable :: shape(:)       !! of size 0: straight
-    real(dp) :: level = 0.0_dp              !! energy of that shape, which springs that came to a bent beam hold
+    real(dp) :: level = 0.0_dp              !! energy of that shape, which forces at bodies hold
   end type beam_state
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
@@ -63,7 +64,7 @@ contains
     type(shape_term) :: motion(1)                   ! the velocity
     real(dp), dimension(size(bodies), 2) :: moved, moving, push
     real(dp) :: momenta(2)
-    real(dp), allocatable :: bent(:)
+    real(dp), allocatable :: bent(:), rest(:)
     type(energy_type) :: coming(2), leaving(2), left, potential
     integer :: b
     motion(1) = shape_term(from, was, state%rate(:state%count))
@@ -105,8 +106,17 @@ contains
       later%q(count + 1:) = 0.0_dp
       later%rate(count + 1:) = 0.0_dp
       if (any(is_bent(bodies) .and. is)) then
-        later%q(:count) = later%q(:count) - equilibrium_of(after, count, bodies, is)
+        later%q(:count) = later%q(:count) - equilibrium_of(after, count, bodies, spring_forces(bodies, is))
         later%shape = [whole, shape_term(onto, is, -later%q(:count))]
+      end if
+      if (any(is .and. bodies%beside /= 0.0_dp)) then
+        rest = equilibrium_of(after, count, bodies, offset_forces(bodies, is, spin_squared))
+        later%q(:count) = later%q(:count) - rest
+        later%shape = [later%shape, shape_term(onto, is, rest)]
+        later%level = -0.5_dp*(sum(after%modal_mass(:count)*after%beta_squared(:count)%hi*rest**2) &
+                               + spin_squared*sum(bodies%mass*bodies%beside**2, mask=is))
+      end if
+      if (any(is_bent(bodies) .and. is)) then       ! it holds all of the shape
         left = part_of_energy(after, later, .false.)
         later%level = potential%value - left%value
       end if
@@ -149,8 +159,8 @@ contains
     end function set_seen
   end function seen_by
 
-  function pushed_by(modes, bodies, push) result(sums)
-    !! What momenta and spins at the bodies are to modes, (modes).
+  pure function pushed_by(modes, bodies, push) result(sums)
+    !! What momenta and spins, or forces and moments, at the bodies are to modes, (modes).
     class(mode_set), intent(in) :: modes
     type(body_type), intent(in) :: bodies(:)
     real(dp), intent(in) :: push(:, :)              !! (bodies, 2)
@@ -261,22 +271,23 @@ contains
         else if (.not. is_missing(body%velocity)) then
           part(1:2) = [0.5_dp*body%mass*body%velocity**2, 0.0_dp]
         end if
-        part(4:5) = energy_at(modes, bent, body, moved(b, 1), spin_squared)
+        part(4:5) = energy_at(modes, bent, body, moved(b, :), spin_squared)
         energy = energy + [energy_type(sum(part(:2)), projection_rounding*sum(abs(part(:2)))), &
                            energy_type(sum(part(3:)), projection_rounding*sum(abs(part(3:))))]
       end associate
     end do
   end function brought
 
-  pure function energy_at(modes, bent, body, deflection, spin_squared) result(energy)
-    !! What a body has where it is of the centrifugal force: across the beam, and along it, as bending has drawn it inwards.
+  pure function energy_at(modes, bent, body, moved, spin_squared) result(energy)
+    !! What a body has where it is of the centrifugal force: across the beam, and along it, as bending and turning have drawn it inwards.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: bent(:)                 !! modal displacements
     type(body_type), intent(in) :: body
-    real(dp), intent(in) :: deflection, spin_squared
+    real(dp), intent(in) :: moved(2)                !! deflection and turning of the beam at it
+    real(dp), intent(in) :: spin_squared
     real(dp) :: energy(2)
-    energy = [-0.5_dp*body%mass*spin_squared*deflection**2, 0.0_dp]
-    if (body%pull > 0.0_dp) energy(2) = body%pull*modes%energy_of_pull(body%position, bent)
+    energy = [-0.5_dp*body%mass*spin_squared*(moved(1) + body%beside)**2, 0.0_dp]
+    if (body%pull > 0.0_dp) energy(2) = body%pull*(modes%energy_of_pull(body%position, bent) + body%beside*moved(2))
   end function energy_at
 
   pure type(energy_type) function energy_of(modes, state) result(energy)
@@ -308,21 +319,35 @@ contains
     is_bent = any([body%stiffness, body%turning_stiffness]*body%unstressed /= 0.0_dp)
   end function is_bent
 
-  pure function equilibrium_of(modes, count, bodies, there) result(rest)
-    !! f_k/(M_kβ_k²), (count). A mode that nothing holds is not bent by springs.
+  pure function spring_forces(bodies, there) result(forces)
+    !! Those on a straight beam, and their moments, (bodies, 2).
+    type(body_type), intent(in) :: bodies(:)
+    logical, intent(in) :: there(:)
+    real(dp) :: forces(size(bodies), 2)
+    forces(:, 1) = merge(bodies%stiffness*bodies%unstressed(1), 0.0_dp, there)
+    forces(:, 2) = merge(bodies%turning_stiffness*bodies%unstressed(2), 0.0_dp, there)
+  end function spring_forces
+
+  pure function offset_forces(bodies, there, spin_squared) result(forces)
+    !! The centrifugal forces across the beam on what bodies sit beside its axis, and the moments of those along it, (bodies, 2).
+    type(body_type), intent(in) :: bodies(:)
+    logical, intent(in) :: there(:)
+    real(dp), intent(in) :: spin_squared
+    real(dp) :: forces(size(bodies), 2)
+    forces(:, 1) = merge(spin_squared*bodies%mass*bodies%beside, 0.0_dp, there)
+    forces(:, 2) = merge(-bodies%pull*bodies%beside, 0.0_dp, there)
+  end function offset_forces
+
+  pure function equilibrium_of(modes, count, bodies, forces) result(rest)
+    !! f_k/(M_kβ_k²), (count). A mode that nothing holds is not bent.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: count
     type(body_type), intent(in) :: bodies(:)
-    logical, intent(in) :: there(:)
+    real(dp), intent(in) :: forces(:, :)            !! and moments at them, (bodies, 2)
     real(dp) :: rest(count)
-    real(dp) :: shape(modes%count, 2)
-    integer :: b
-    rest = 0.0_dp
-    do b = 1, size(bodies)
-      if (.not. (there(b) .and. is_bent(bodies(b)))) cycle
-      shape = modes%motion_at(bodies(b)%position)
-      rest = rest + matmul(shape(:count, :), [bodies(b)%stiffness, bodies(b)%turning_stiffness]*bodies(b)%unstressed)
-    end do
+    real(dp) :: pushed(modes%count)
+    pushed = pushed_by(modes, bodies, forces)
+    rest = pushed(:count)
     where (modes%beta_squared(:count)%hi /= 0.0_dp)
       rest = rest/(modes%modal_mass(:count)*modes%beta_squared(:count)%hi)
     elsewhere

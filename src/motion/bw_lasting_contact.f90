@@ -14,7 +14,7 @@ module bw_lasting_contact
   use bw_contact_force, only: find_largest
   use bw_contact_law, only: contact_law, held_force, stored_energy, usual_contact
   use bw_contact_steps, only: contact_run, levels, press
-  use bw_double_double, only: dd, to_dd, operator(+)
+  use bw_double_double, only: dd, operator(+)
   use bw_event, only: contact_event, event_type
   use bw_force_response, only: force_degree
   use bw_force_step, only: force_step, step_end
@@ -22,11 +22,11 @@ module bw_lasting_contact
   use bw_missing, only: missing
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
-  use bw_oscillators, only: moving_state
-  use bw_segment, only: alone, growth_ends, largest_exponent, load_type, segment_type
+  use bw_segment, only: growth_ends, largest_exponent, load_type, segment_type
+
   implicit none (type, external)
   private
-  public :: append_segment, begin_contacts, finish_contacts, follow_lasting_contacts, follow_until, go_on, load_of
+  public :: append_segment, begin_contacts, finish_contacts, follow_until, go_on, load_of
 
   type, public :: demand_type
     !! How contacts are to be followed.
@@ -52,30 +52,10 @@ module bw_lasting_contact
     logical :: cut = .false.                      !! since a contact more than were asked for begins then
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
     logical :: failed = .false.                   !! no force was found that obeys the law
-    logical :: captured = .false.                 !! the mass stayed when the last contact ended, with
-    type(moving_state) :: state                   !! this state of modes and mass,
-    real(dp) :: force = 0.0_dp                    !! this force between them
-    real(dp) :: indentation = 0.0_dp              !! and this indentation
+    logical :: captured = .false.                 !! the mass stayed when the last contact ended
   end type lasting_contacts
 
 contains
-
-  subroutine follow_lasting_contacts(free, mass_ratio, law, omega, demand, contacts, monitor, first)
-    !! From the instant on at which the mass touches the beam, pressed against it or not.
-    class(mode_set), intent(in) :: free           !! modes of the beam alone
-    real(dp), intent(in) :: mass_ratio            !! γ > 0
-    type(contact_law), intent(in) :: law          !! with the residual flexibility of the modes that take part
-    type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
-    type(demand_type), intent(in) :: demand
-    type(lasting_contacts), intent(out) :: contacts
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
-    type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
-    type(contact_run) :: run
-    call begin_contacts(free, mass_ratio, law, omega, demand, 1, run, contacts, first)
-    call follow_until(run, demand%longest, contacts, monitor)
-    if (stops(monitor)) return
-    call finish_contacts(run, demand, contacts)
-  end subroutine follow_lasting_contacts
 
   subroutine begin_contacts(free, mass_ratio, law, omega, demand, configurations, run, contacts, first)
     !! What is known before.
@@ -87,7 +67,7 @@ contains
     integer, intent(in) :: configurations         !! how many there may be
     type(contact_run), intent(out) :: run
     type(lasting_contacts), intent(out) :: contacts
-    type(first_motion), intent(in), optional :: first
+    type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
     real(dp) :: pace                              ! speed that contacts may have
     run%bodies = bodies_of(free, demand%modes, mass_ratio, omega, first)
     run%law = law
@@ -218,12 +198,7 @@ contains
     contacts%failed = run%failed
     contacts%captured = run%captured
     contacts%largest_indentation = run%indentation
-    if (run%captured) then
-      contacts%state = run%bodies%state
-      contacts%force = run%last_force
-      contacts%indentation = run%last_indentation
-      return
-    end if
+    if (run%captured) return
     contacts%out_of_range = .not. (contacts%cut .or. run%failed) .and. run%in_range < demand%longest
     contacts%lasting = .not. (run%ended .or. contacts%out_of_range)
     if (contacts%cut .or. contacts%out_of_range .or. run%failed) contacts%known_until = run%bodies%state%time%hi

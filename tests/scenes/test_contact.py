@@ -204,6 +204,18 @@ def test_the_motion_goes_on_through_a_capture_and_a_release(here):
     assert float(ds["energy_after"][2]) <= float(ds["energy_before"][2]) * (1 + 1e-3)
 
 
+def test_energy_goes_on_through_a_soft_contact_a_capture_and_a_release_in_plane(here):
+    # with the indentation the mass sits beside the axis, where its centrifugal potential is another one
+    turning = {"capture": {}, "release": {"time": 0.008}, "rotation": {"angular_velocity": 50.0}}
+    ds = run(here, "soft", struck({"stiffness": 1e6, "exponent": 1.0}, modes={"before": 60}, **turning))
+    assert list(ds["event_kind"].values[:3]) == [4, 2, 3]
+    before, after = ds["energy_before"].values[:3], ds["energy_after"].values[:3]
+    assert after[0] == pytest.approx(before[0], rel=1e-11)
+    assert before[1:] == pytest.approx(after[:2], rel=1e-11)
+    lost = float(before[1] - after[1])
+    assert 0 < lost < 0.5 * 1e6 * float(ds["event_force"][0]) ** 2 / 1e12 * 1.1  # little more than the stop has stored
+
+
 def test_contacts_beyond_the_most_end_what_is_known(here):
     ds = run(here, "cut", struck({"stiffness": HERTZ, "max_contacts": 1}, modes={"before": 30}), status=4)
     assert ds.attrs["notes"].count("contacts used up") == 1
