@@ -96,7 +96,8 @@ contains
         shortest(run%samples*(scene%response%duration/scene%response%samples), 6)//' s; the histories hold fill from there on')
     end if
     if (by_tolerance(scene%modes)) call judge_tolerance(scene%modes, reached, run%count, &
-                                                         'fewer quantities, loads without jumps', errors)
+                                                         'fewer quantities, loads without jumps', &
+                                                         histories%response, errors)
     found%count = run%count
     if (present(before_event)) call move_alloc(run%before_event, before_event)
     motion%plan%reached = max(motion%plan%reached, part_of_peak(run))

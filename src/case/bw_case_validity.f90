@@ -121,7 +121,7 @@ contains
   end subroutine note_return
 
   subroutine note_contact(scene, units, found, events, notes)
-    !! The first contact lasts longer than shear takes to cross the section, so that this moves as a whole, and the indentation is small
+    !! The hardest contact lasts longer than shear takes to cross the section, so that this moves as a whole, and the indentation is small
     !! beside the radius of the sphere.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -132,7 +132,7 @@ contains
     real(dp), parameter :: stretched = 1.612_dp    ! √(2(1 + ν)): the speed of longitudinal waves over that of shear, ν = 0.3
     real(dp) :: crossing
     integer :: i
-    i = findloc(events%kind, contact_event, dim=1)
+    i = maxloc(abs(found%largest), dim=1, mask=events(:size(found%largest))%kind == contact_event)
     if (i == 0) return
     crossing = 4.0_dp*slenderness(scene%beam)**2*units%time%hi*stretched    ! thickness over √(G/ρ), √(E/ρ) being h over √(I/A)
     if (events(i)%end_time - events(i)%time < crossing) call append(notes, &

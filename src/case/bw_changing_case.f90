@@ -18,7 +18,7 @@ module bw_changing_case
   use bw_event, only: event_words
   use bw_changing_errors, only: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, &
     rounding_of_turn
-  use bw_contact_errors, only: add_rounding, part_of_peak
+  use bw_contact_errors, only: add_rounding
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_mode_set, only: attend, deflections, first_numbers, mode_set, search_failure
@@ -28,7 +28,7 @@ module bw_changing_case
   use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
-  use bw_reached_tolerance, only: judge_tolerance
+  use bw_reached_tolerance, only: judge_tolerance, part_of_peak
   use bw_scene, only: by_pieces, changes_shapes, is_loaded, scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: shortest, string
@@ -81,7 +81,8 @@ contains
       if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, foremost, validity)
       if (by_tolerance(scene%modes) .and. errors%status == case_done) then
         motion%plan%within = motion%plan%reached <= scene%modes%tolerance
-        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', errors)
+        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', &
+                             histories%response, errors)
       end if
     else
       errors%status = case_not_converged

@@ -22,7 +22,7 @@ module bw_contact_case
   use bw_missing, only: missing
   use bw_mode_set, only: attend, configuration_type, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
-  use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors, part_of_peak
+  use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors
   use bw_event, only: contact_event
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type
@@ -31,7 +31,7 @@ module bw_contact_case
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
-  use bw_reached_tolerance, only: judge_tolerance
+  use bw_reached_tolerance, only: judge_tolerance, part_of_peak
   use bw_scene, only: bodies_change, by_pieces, changes_shapes, is_loaded, scene_type, unit_velocity
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
@@ -87,7 +87,8 @@ contains
       call note_lasting_contacts(scene, motion, run%result, run%cut, run%out_of_range, run%failed)
       if (by_tolerance(scene%modes) .and. errors%status == case_done) then
         motion%plan%within = motion%plan%reached <= scene%modes%tolerance
-        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'a shorter duration', errors)
+        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'a shorter duration', run%response, &
+                             errors)
       end if
     end if
     call watch%lap(stage_response)

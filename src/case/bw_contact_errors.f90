@@ -15,7 +15,7 @@ module bw_contact_errors
   use bw_scene, only: scene_type
   implicit none (type, external)
   private
-  public :: add_rounding, fall_of_force, find_force_errors, find_history_errors, largest_distance, part_of_peak
+  public :: add_rounding, fall_of_force, find_force_errors, find_history_errors, largest_distance
 
   real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 5.0_dp   !! tuned: how many times what is found of either is told,
   real(dp), parameter :: of_half = 2.0_dp                            !! tuned: the latter no more than so many times what half of the modes lack
@@ -75,26 +75,25 @@ contains
     !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half
-    integer, allocatable :: these(:), others(:)     ! events that are contacts
+    integer, allocatable :: these(:), partner(:)
     real(dp) :: fall
-    integer :: i, known
+    integer :: i
     these = contacts_of(run)
-    others = contacts_of(half)
-    known = min(size(these), size(others))
+    partner = partners_of(run, half)
     associate (events => run%timeline%events, kept => run%result, of_fewer => half%timeline%events)
       kept%force_error = missing
       do i = 1, size(these)
         associate (event => events(these(i)))
           event%time_error = event%time
           event%end_error = event%end_time
-          if (i > known) cycle
+          if (partner(i) == 0) cycle
           fall = 1.0_dp
           if (i <= same_contacts(run, half)) fall = fall_as_struck(run, half)**octaves_between(run, half)
           fall = min(of_half, of_forces*fall)
-          event%time_error = fall*abs(event%time - of_fewer(others(i))%time)
-          event%end_error = fall*abs(event%end_time - of_fewer(others(i))%end_time)
-          kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, others(i)))) &
-            + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these(:known)))
+          event%time_error = fall*abs(event%time - of_fewer(partner(i))%time)
+          event%end_error = fall*abs(event%end_time - of_fewer(partner(i))%end_time)
+          kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, partner(i)))) &
+            + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these))
         end associate
       end do
       if (size(these) == 0) return
@@ -129,15 +128,36 @@ contains
   pure integer function same_contacts(run, half) result(same)
     !! The first of both motions, as far as they overlap in time.
     type(run_type), intent(in) :: run, half
-    integer, allocatable :: these(:), others(:)
-    these = contacts_of(run)
+    integer, allocatable :: others(:), partner(:)
     others = contacts_of(half)
-    do same = 0, min(size(these), size(others)) - 1
-      associate (one => run%timeline%events(these(same + 1)), other => half%timeline%events(others(same + 1)))
-        if (one%time > other%end_time .or. other%time > one%end_time) return
-      end associate
+    partner = partners_of(run, half)
+    do same = 0, min(size(partner), size(others)) - 1
+      if (partner(same + 1) /= others(same + 1)) return
     end do
   end function same_contacts
+
+  pure function partners_of(run, half) result(partner)
+    !! For each contact the event of the other motion that is the same one, the first that overlaps with it in time; 0: none.
+    type(run_type), intent(in) :: run, half
+    integer, allocatable :: partner(:), these(:), others(:)
+    integer :: i, j
+    these = contacts_of(run)
+    others = contacts_of(half)
+    allocate (partner(size(these)), source=0)
+    j = 1
+    do i = 1, size(these)
+      associate (one => run%timeline%events(these(i)), beside => half%timeline%events)
+        do while (j <= size(others))
+          if (beside(others(j))%end_time >= one%time) exit
+          j = j + 1
+        end do
+        if (j > size(others)) exit
+        if (beside(others(j))%time > one%end_time) cycle
+        partner(i) = others(j)
+        j = j + 1
+      end associate
+    end do
+  end function partners_of
 
   pure real(dp) function fall_as_struck(run, half) result(fall)
     !! By how much the velocity of the modes that are missing falls at the place that the mass strikes, when their number doubles.
@@ -190,27 +210,5 @@ contains
     if (allocated(errors%acceleration)) errors%acceleration = errors%acceleration + response%acceleration_error
     if (allocated(errors%shear_force)) errors%shear_force = errors%shear_force + response%shear_force_error
   end subroutine add_rounding
-
-  pure real(dp) function part_of_peak(response, errors) result(part)
-    !! The largest error of a quantity over its peak.
-    type(response_type), intent(in) :: response
-    type(history_errors), intent(in) :: errors
-    integer :: n
-    n = response%finite_samples
-    part = 0.0_dp
-    if (n == 0) return
-    call look(response%displacement, errors%displacement)
-    if (allocated(response%velocity)) call look(response%velocity, errors%velocity)
-    if (allocated(response%bending_moment)) call look(response%bending_moment, errors%bending_moment)
-    if (allocated(response%acceleration)) call look(response%acceleration, errors%acceleration)
-    if (allocated(response%shear_force)) call look(response%shear_force, errors%shear_force)
-  contains
-    pure subroutine look(history, error)
-      real(dp), intent(in) :: history(:, :), error(:)
-      real(dp) :: peak
-      peak = largest_magnitude(history(:n, :))
-      if (maxval(error) > 0.0_dp .and. peak > 0.0_dp) part = max(part, maxval(error)/peak)
-    end subroutine look
-  end function part_of_peak
 
 end module bw_contact_errors

@@ -2,23 +2,28 @@ module bw_reached_tolerance
   !! What a tolerance comes to where the run itself finds the number of modes: kept, missed, or, where it was not asked for, relaxed.
   use bw_case_result, only: case_done, case_not_converged, history_errors
   use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing
   use bw_modes_par, only: modes_par, relaxed_tolerance
   use bw_note, only: remark
+  use bw_response, only: response_type
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
-  public :: judge_tolerance
+  public :: judge_tolerance, part_of_peak
 
 contains
 
-  subroutine judge_tolerance(modes, reached, count, instead, errors)
+  subroutine judge_tolerance(modes, reached, count, instead, response, errors)
     !! Say it, and in the status of the histories where a tolerance is missed.
     type(modes_par), intent(in) :: modes             !! with a tolerance
     real(dp), intent(in) :: reached                  !! the largest error over its peak
     integer, intent(in) :: count                     !! modes that were summed
     character(*), intent(in) :: instead              !! of a tolerance, what else would give histories
+    type(response_type), allocatable, intent(in) :: response
     type(history_errors), intent(inout) :: errors
+    character(*), parameter :: name(*) = [character(14) :: 'displacement', 'velocity', 'bending moment', 'acceleration', &
+                                          'shear force']
     if (errors%status /= case_done .or. reached <= modes%tolerance) return
     if (modes%asked) then
       errors%status = case_not_converged
@@ -30,8 +35,38 @@ contains
                   ', or before = '//text_of(count))
     else
       call remark(errors%notes, 'tolerance: the histories are found to '//shortest(relaxed_tolerance(reached), 6)//' of their '// &
-                  'peaks; the default '//shortest(modes%tolerance, 6)//' is out of reach')
+                  'peaks, the '//trim(name(maxloc(parts_of_peak(response, errors), dim=1)))//' being the least accurate; '// &
+                  'the default '//shortest(modes%tolerance, 6)//' is out of reach')
     end if
   end subroutine judge_tolerance
+
+  pure real(dp) function part_of_peak(response, errors) result(part)
+    !! The largest error of a quantity over its peak.
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(in) :: errors
+    part = maxval(parts_of_peak(response, errors))
+  end function part_of_peak
+
+  pure function parts_of_peak(response, errors) result(part)
+    !! Of displacement, velocity, bending moment, acceleration and shear force.
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(in) :: errors
+    real(dp) :: part(5)
+    part = 0.0_dp
+    if (response%finite_samples == 0) return
+    part(1) = of_peak(response%displacement, errors%displacement)
+    if (allocated(response%velocity)) part(2) = of_peak(response%velocity, errors%velocity)
+    if (allocated(response%bending_moment)) part(3) = of_peak(response%bending_moment, errors%bending_moment)
+    if (allocated(response%acceleration)) part(4) = of_peak(response%acceleration, errors%acceleration)
+    if (allocated(response%shear_force)) part(5) = of_peak(response%shear_force, errors%shear_force)
+  contains
+    pure real(dp) function of_peak(history, error)
+      real(dp), intent(in) :: history(:, :), error(:)
+      real(dp) :: peak
+      peak = largest_magnitude(history(:response%finite_samples, :))
+      of_peak = 0.0_dp
+      if (maxval(error) > 0.0_dp .and. peak > 0.0_dp) of_peak = maxval(error)/peak
+    end function of_peak
+  end function parts_of_peak
 
 end module bw_reached_tolerance

@@ -222,9 +222,9 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
     type(event_type) :: event
-    real(dp) :: balance(3), rounding
+    real(dp) :: balance(3), unseen                ! an indentation that sums of modes, or steps, do not tell from none
     call start_segment(run, segment)
-    rounding = run%bodies%rounding()
+    unseen = max(run%bodies%rounding(), (run%tolerance*run%typical/run%law%stiffness)**(1.0_dp/run%law%exponent))
     if (run%goes_on) then
       event = contacts%events(run%event)
     else
@@ -243,7 +243,7 @@ contains
     call press(run, segment%load, monitor)
     if (stops(monitor) .or. run%failed) return
     run%indentation = max(run%indentation, run%deepest)
-    if (run%ended .and. run%deepest <= rounding .and. .not. run%goes_on) then   ! by which alone the bodies may have met
+    if (run%ended .and. run%deepest <= unseen .and. .not. run%goes_on) then
       call append_segment(contacts, segment, 0)
       return
     end if

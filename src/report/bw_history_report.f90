@@ -122,7 +122,7 @@ contains
     call lines%append('  Largest bending stress: '//shortest(abs(stress(p)), 6)//' Pa at xi = '// &
       shortest(scene%response%points(p), 4)//', t = '// &
       shortest((at(p) - 1)*(scene%response%duration/scene%response%samples), 5)//' s, at the extreme fibre')
-    if (allocated(response%bending_moment_error)) call lines%append('; estimated error '// &
+    if (allocated(response%bending_moment_error)) call lines%append('; estimated numerical error '// &
       short(scaled(response%bending_moment_error(p), response%stress_of_moment(p)))//' Pa')
     call lines%append_line('')
   end subroutine report_stress

@@ -200,6 +200,7 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: text
+    logical, allocatable :: matters(:)
     integer :: i, hardest
     call lines%append_line('')
     if (all(result%events%kind /= contact_event)) then
@@ -211,48 +212,79 @@ contains
       if (size(result%events) > 0) call report_events(result, lines)
       return
     end if
+    matters = forces_that_matter(result)
+    hardest = maxloc(abs(result%contact%largest), dim=1, mask=matters)
     i = findloc(result%events%kind, contact_event, dim=1)
-    associate (first => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
-               presses => result%events(:size(result%contact%largest))%kind == contact_event, &
+    if (.not. matters(i)) i = hardest
+    associate (told => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
+               presses => result%events(:size(matters))%kind == contact_event, &
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
-      text = '  The first contact lasts '//shortest(1.0e6_dp*(first%end_time - first%time), 5)//' us with up to '// &
-        shortest(abs(contact%largest(i)), 6)//' N, '//shortest(1.0e6_dp*(contact%largest_time(i) - first%time), 4)// &
+      text = '  The first contact '
+      if (i == hardest .and. count(presses(:i)) > 1) text = '  Contact '//text_of(count(presses(:i)))//', the hardest, '
+      text = text//'lasts '//shortest(1.0e6_dp*(told%end_time - told%time), 5)//' us with up to '// &
+        shortest(abs(contact%largest(i)), 6)//' N, '//shortest(1.0e6_dp*(contact%largest_time(i) - told%time), 4)// &
         ' us after its beginning; impulse '//shortest(impulse(i), 6)//' N s'
       if (any(result%events%kind == capture_event)) then
         call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
-      else if (is_missing(contact%restitution)) then
+      else if (is_missing(contact%restitution) .or. count(presses(:i)) > 1) then
         call lines%append_line(text//'.')
         if (contact%lasting .and. count(result%events%kind == contact_event) == 1) &
           call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
       else
-        call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//'.')
+        call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//' as it ends.')
         call lines%append_line('  An instantaneous blow with that restitution has the impulse '//shortest(blow, 4)// &
           ' N s on a rigid wall and '//shortest(blow/(1.0_dp + scene%impact%mass_ratio*sum(result%modes%struck**2/ &
           result%modes%modal_mass)), 4)//' N s on '//text_of(result%modes%count)// &
           ' modes of the beam, where it tends to 0 as modes are added.')
       end if
-      hardest = maxloc(abs(contact%largest), dim=1, mask=presses)
       if (count(presses) > 1) call lines%append_line('  '//text_of(count(presses))//' contacts, with the impulse '// &
         shortest(sum(impulse, mask=result%events%kind == contact_event), 6)//' N s in all. The largest force, '// &
         shortest(abs(contact%largest(hardest)), 6)//' N, is that of contact '//text_of(count(presses(:hardest)))//', at '// &
         shortest(contact%largest_time(hardest), 6)//' s.')
+      if (count(matters) < count(presses)) call lines%append_line('  '//text_of(count(presses) - count(matters))// &
+        ' of them stay below a millionth of that: waves run ahead, and the mass chatters before it feels the beam.')
       if (.not. is_missing(contact%leaving)) call lines%append_line('  After the last contact the mass moves at '// &
-        shortest(contact%leaving, 5)//' m/s.')
+        shortest(contact%leaving, 5)//' m/s'//part_of_approach(scene, contact%leaving)//'.')
     end associate
-    call report_events(result, lines)
+    call report_events(result, lines, matters)
   end subroutine report_contact
 
-  subroutine report_events(result, lines)
+  pure function forces_that_matter(result) result(matters)
+    !! Contacts with more than a small part of the largest force, (events up to the last contact). The waves that run ahead of a beam that is
+    !! let go let a mass beside it chatter long before it feels the beam.
+    type(case_result), intent(in) :: result
+    logical, allocatable :: matters(:)
+    real(dp), parameter :: part = 1.0e-6_dp
+    associate (force => abs(result%contact%largest))
+      matters = result%events(:size(force))%kind == contact_event
+      matters = matters .and. force >= part*maxval(force, mask=matters)
+    end associate
+  end function forces_that_matter
+
+  pure function part_of_approach(scene, leaving) result(text)
+    !! The last velocity of a mass beside the one it came with, if it did.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: leaving
+    character(:), allocatable :: text
+    text = ''
+    if (scene%impact%approach_velocity /= 0.0_dp) &
+      text = ', '//shortest(leaving/scene%impact%approach_velocity, 3)//' of the velocity it came with'
+  end function part_of_approach
+
+  subroutine report_events(result, lines, matters)
     !! The balance of every event; their times where not all are at t = 0, with their errors where contacts amplify them,
     !! their ends where one lasts.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
+    logical, intent(in), optional :: matters(:)   !! which contacts do; absent: all events matter
     real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time, &
       impulse, hub
     type(text_table) :: table
     character(:), allocatable :: until
-    logical :: timed, lasting, doubtful           ! columns
-    integer :: i
+    logical :: timed, lasting, doubtful, pressed  ! columns
+    logical, allocatable :: shown(:)
+    integer, allocatable :: rows(:)
+    integer :: i, j
     time = values_of(result, 'event_time')
     end_time = values_of(result, 'event_end')
     timed = any(end_time > 0.0_dp)
@@ -260,27 +292,46 @@ contains
     doubtful = timed .and. any(result%events%time_error > 0.0_dp)
     hub = values_of(result, 'hub_rate_change')
     call lines%append_line('')
-    table = table_of('  event|time|+/-|until|impulse|energy before|energy after|momentum before|momentum after|hub faster by', &
-                     '|s|s|s|N s|J|J|kg m/s|kg m/s|rad/s', [-10, 14, 10, 14, 12, 15, 15, 17, 16, 15], &
-                     [.true., timed, doubtful, lasting, (.true., i=1, 5), any(abs(hub) > 0.0_dp)])
+    pressed = allocated(result%contact)
+    table = table_of('  event|time|+/-|until|impulse|largest force|energy before|energy after|momentum before|momentum after|'// &
+                     'hub faster by', '|s|s|s|N s|N|J|J|kg m/s|kg m/s|rad/s', [-10, 14, 10, 14, 12, 15, 15, 15, 17, 16, 15], &
+                     [.true., timed, doubtful, lasting, .true., pressed, .true., .true., .not. pressed, .not. pressed, &
+                      any(abs(hub) > 0.0_dp)])
     call table%put_head(lines)
+    shown = result%events%kind /= contact_event .or. .not. pressed
+    if (present(matters)) shown(:size(matters)) = shown(:size(matters)) .or. matters
     impulse = values_of(result, 'event_impulse')
     energy_before = values_of(result, 'energy_before')
     energy_after = values_of(result, 'energy_after')
     momentum_before = values_of(result, 'momentum_before')
     momentum_after = values_of(result, 'momentum_after')
-    do i = 1, min(most_rows, size(result%events))
+    if (size(shown) <= most_rows) then
+      rows = [(i, i=1, size(shown))]
+    else
+      rows = pack([(i, i=1, size(shown))], shown)
+      rows = rows(:min(most_rows, size(rows)))
+    end if
+    do j = 1, size(rows)
+      i = rows(j)
       until = ''
       if (end_time(i) > time(i)) until = shortest(end_time(i), 7)
       call table%put_row(lines, '  '//event_words(result%events(i)%kind)//'|'//shortest(time(i), 7)//'|'// &
-                         shortest(result%events(i)%time_error, 2)//'|'//until//'|'//fixed(impulse(i))//'|'// &
+                         shortest(result%events(i)%time_error, 2)//'|'//until//'|'//fixed(impulse(i))//'|'//force_cell(i)//'|'// &
                          fixed(energy_before(i))//'|'//fixed(energy_after(i))//'|'//fixed(momentum_before(i))//'|'// &
-                         fixed(momentum_after(i))//hub_cell(i), detail=i > shown_events)
+                         fixed(momentum_after(i))//hub_cell(i), detail=.not. shown(i) .or. count(shown(:i)) > shown_events)
     end do
     call note_rest(lines, size(result%events), most_rows)
     if (any(is_missing([energy_before, energy_after]))) call lines%append_line('  -: a small difference of large numbers, '// &
       'of which rounding leaves no three digits.')
   contains
+    function force_cell(i) result(cell)
+      integer, intent(in) :: i                    !! the event
+      character(:), allocatable :: cell
+      cell = ''
+      if (.not. pressed) return
+      if (result%events(i)%kind == contact_event) cell = fixed(abs(result%contact%largest(i)))
+    end function force_cell
+
     function hub_cell(i) result(cell)
       integer, intent(in) :: i                    !! the event
       character(:), allocatable :: cell

@@ -178,7 +178,10 @@ def test_a_report_says_how_mass_and_hub_go_on_after_contacts(here):
     at = int(hardest[2]) - 1
     assert float(hardest[1]) == pytest.approx(float(ds["largest_contact_force"]), rel=1e-5) and at == np.argmax(force)
     assert float(hardest[3]) == pytest.approx(ds["event_force_time"][at], rel=1e-5)
+    leaves = re.search(r"m/s, (\S+) of the velocity it came with", said)
+    assert float(leaves[1]) == pytest.approx(moves, abs=2e-3)  # it came with 1 m/s
     rows = [line.split() for line in said.splitlines() if line.startswith("  contact ")]
+    assert "largest force" in said and np.allclose([float(row[5]) for row in rows], force[: len(rows)], rtol=1e-6)
     assert "hub faster by" in said
     assert np.allclose([float(row[-1]) for row in rows], ds["hub_rate_change"][: len(rows)], rtol=1e-5)
 
