@@ -22,6 +22,21 @@ module bw_case_rows
     limit_of = '; with a capture, a contact that lasts or loads against infinitely many modes', &
     momentum = 'generalised momentum of the first mode that the mass strikes, per unit of displacement there'
 
+  type :: modal_row
+    character(17) :: name
+    character(7) :: units
+    character(44) :: long_name
+  end type modal_row
+
+  type(modal_row), parameter :: of_modes(*) = [ &
+    modal_row('alpha', '1', 'wave number times length'), &
+    modal_row('wavenumber', 'm-1', 'wave number P'), &
+    modal_row('angular_frequency', 'rad s-1', 'angular frequency'), &
+    modal_row('growth_rate', 's-1', 'growth rate, the real part of the eigenvalue'), &
+    modal_row('modal_mass', 'kg', 'modal mass'), &
+    modal_row('phase_velocity', 'm s-1', 'phase velocity'), &
+    modal_row('group_velocity', 'm s-1', 'group velocity')]     !! what a set of modes has, alone or as one of several
+
 contains
 
   subroutine case_rows(table, result)
@@ -33,9 +48,11 @@ contains
     before => null()
     if (allocated(result%modes)) modes => result%modes
     if (allocated(result%before)) before => result%before
-    call modal_rows(table, result, modes, 'mode', [character(12) :: 'Eq. 19', 'Eq. 30', 'Eq. 27', 'Eq. 21'])
+    call modal_rows(table, result%units, modes, 'mode', &
+                    [character(12) :: 'Eq. 19', 'Eq. 19', 'Eq. 30', 'Eq. 27', 'Eq. 21', 'Eq. 32', 'Eq. 33'])
     call table%begin_names('_before', ', before the capture')
-    call modal_rows(table, result, before, 'mode_before', [character(12) :: 'Eq. 8', 'Eqs 2 and 10', 'Eqs 2 and 10', 'Eq. 10'])
+    call modal_rows(table, result%units, before, 'mode_before', &
+                    [character(12) :: 'Eq. 8', 'Eq. 8', 'Eqs 2 and 10', 'Eqs 2 and 10', 'Eq. 10', 'Eq. 32', 'Eq. 33'])
     call table%begin_names('', '')
     if (table%real_row('modal_velocity', 'mode', 'm s-1', 'modal velocity just after the last event at t = 0', 'Eq. 26', &
                        needs='blow')) &
@@ -61,54 +78,33 @@ contains
     if (table%whole_row('note_count', '', 'number of notes', needs='case')) call table%put([size(result%notes)])
   end subroutine case_rows
 
-  subroutine modal_rows(table, result, modes, dimension, equations)
+  subroutine modal_rows(table, units, modes, dimension, equations)
     !! What any set of modes has.
     class(result_table), intent(inout) :: table
-    type(case_result), intent(in) :: result
+    type(beam_units), intent(in) :: units
     class(mode_set), pointer, intent(in) :: modes
     character(*), intent(in) :: dimension
-    character(*), intent(in) :: equations(:)           !! the paper's, of wave number, frequency, growth, mass
-    integer :: n
-    n = 0
-    if (associated(modes)) n = modes%count
-    associate (units => result%units)
-      if (table%real_row('alpha', dimension, '1', 'wave number times length', equations(1))) call table%put(modes%alpha(:n))
-      if (table%real_row('wavenumber', dimension, 'm-1', 'wave number P', equations(1))) &
-        call table%put(modes%alpha(:n)/units%length)
-      if (table%real_row('angular_frequency', dimension, 'rad s-1', 'angular frequency', equations(2), &
-                         summary=dimension == 'mode')) &
-        call table%put(frequencies_of(modes, units))
-      if (table%real_row('growth_rate', dimension, 's-1', 'growth rate, the real part of the eigenvalue', equations(3))) &
-        call table%put(growth_of(modes, units))
-      if (table%real_row('modal_mass', dimension, 'kg', 'modal mass', equations(4))) &
-        call table%put(modes%modal_mass(:n)*units%mass)
-      if (table%real_row('phase_velocity', dimension, 'm s-1', 'phase velocity', 'Eq. 32')) &
-        call table%put(scaled(modes%phase_velocity(:n), units%velocity))
-      if (table%real_row('group_velocity', dimension, 'm s-1', 'group velocity', 'Eq. 33')) &
-        call table%put(scaled(modes%group_velocity(:n), units%velocity))
-    end associate
+    character(*), intent(in) :: equations(:)           !! the paper's, of each of `of_modes`
+    integer :: i
+    do i = 1, size(of_modes)
+      if (table%real_row(trim(of_modes(i)%name), dimension, trim(of_modes(i)%units), trim(of_modes(i)%long_name), equations(i), &
+                         summary=dimension == 'mode' .and. of_modes(i)%name == 'angular_frequency')) &
+        call table%put(modal_values(modes, units, of_modes(i)%name))
+    end do
   end subroutine modal_rows
 
   subroutine configuration_rows(table, result)
     !! The modes of all configurations of a beam that changes in time, and when each begins first.
     class(result_table), intent(inout) :: table
     type(case_result), intent(in) :: result
-    character(*), parameter :: both = 'configuration mode', ending = ', of every configuration'
+    integer :: i
     if (table%real_row('configuration_start', 'configuration', 's', 'time at which the configuration begins first')) &
       call table%put(starts_of(result))
-    if (row('alpha', '1', 'wave number times length')) call table%put_columns(all_modes(result, 'alpha'))
-    if (row('wavenumber', 'm-1', 'wave number P')) call table%put_columns(all_modes(result, 'wavenumber'))
-    if (row('angular_frequency', 'rad s-1', 'angular frequency')) call table%put_columns(all_modes(result, 'angular_frequency'))
-    if (row('growth_rate', 's-1', 'growth rate, the real part of the eigenvalue')) &
-      call table%put_columns(all_modes(result, 'growth_rate'))
-    if (row('modal_mass', 'kg', 'modal mass')) call table%put_columns(all_modes(result, 'modal_mass'))
-    if (row('phase_velocity', 'm s-1', 'phase velocity')) call table%put_columns(all_modes(result, 'phase_velocity'))
-    if (row('group_velocity', 'm s-1', 'group velocity')) call table%put_columns(all_modes(result, 'group_velocity'))
-  contains
-    logical function row(name, units, words)
-      character(*), intent(in) :: name, units, words
-      row = table%real_row('configuration_'//name, both, units, words//ending)
-    end function row
+    do i = 1, size(of_modes)
+      if (table%real_row('configuration_'//trim(of_modes(i)%name), 'configuration mode', trim(of_modes(i)%units), &
+                         trim(of_modes(i)%long_name)//', of every configuration')) &
+        call table%put_columns(all_modes(result, of_modes(i)%name))
+    end do
   end subroutine configuration_rows
 
   function starts_of(result) result(seconds)
@@ -136,37 +132,35 @@ contains
     allocate (values(n, size(result%configurations)), source=missing)
     do c = 1, size(result%configurations)
       if (.not. allocated(result%configurations(c)%set)) cycle
-      associate (set => result%configurations(c)%set, units => result%units)
-        select case (name)
-        case ('alpha'); values(:set%count, c) = set%alpha
-        case ('wavenumber'); values(:set%count, c) = set%alpha/units%length
-        case ('angular_frequency'); values(:set%count, c) = frequencies_of(set, units)
-        case ('growth_rate'); values(:set%count, c) = growth_of(set, units)
-        case ('modal_mass'); values(:set%count, c) = set%modal_mass*units%mass
-        case ('phase_velocity'); values(:set%count, c) = scaled(set%phase_velocity, units%velocity)
-        case default; values(:set%count, c) = scaled(set%group_velocity, units%velocity)
-        end select
-      end associate
+      values(:result%configurations(c)%set%count, c) = modal_values(result%configurations(c)%set, result%units, name)
     end do
   end function all_modes
 
-  pure function frequencies_of(modes, units) result(values)
-    !! Angular frequencies; missing of modes that have none.
+  pure function modal_values(modes, units, name) result(values)
+    !! One of `of_modes` in SI; missing of modes that have none.
     class(mode_set), intent(in) :: modes
     type(beam_units), intent(in) :: units
+    character(*), intent(in) :: name
     real(dp) :: values(modes%count)
-    call find_angular_frequencies(modes, values)
-    values = scaled(values, units%frequency)
-  end function frequencies_of
-
-  pure function growth_of(modes, units) result(values)
-    !! Growth rates.
-    class(mode_set), intent(in) :: modes
-    type(beam_units), intent(in) :: units
-    real(dp) :: values(modes%count)
-    call find_growth_rates(modes, values)
-    values = values*units%frequency
-  end function growth_of
+    select case (name)
+    case ('alpha')
+      values = modes%alpha(:modes%count)
+    case ('wavenumber')
+      values = modes%alpha(:modes%count)/units%length
+    case ('angular_frequency')
+      call find_angular_frequencies(modes, values)
+      values = scaled(values, units%frequency)
+    case ('growth_rate')
+      call find_growth_rates(modes, values)
+      values = values*units%frequency
+    case ('modal_mass')
+      values = modes%modal_mass(:modes%count)*units%mass
+    case ('phase_velocity')
+      values = scaled(modes%phase_velocity(:modes%count), units%velocity)
+    case default
+      values = scaled(modes%group_velocity(:modes%count), units%velocity)
+    end select
+  end function modal_values
 
   function shapes_of(modes, points) result(shapes)
     !! Mode shapes at evenly spaced places, (places, modes).

@@ -1,7 +1,6 @@
 module bw_model_rows
   !! What a result holds of the modal model of a case (bw_modal_model): a row for each variable.
   use bw_case_result, only: modal_model
-  use bw_kinds, only: dp
   use bw_result_table, only: result_table
   implicit none (type, external)
   private
@@ -33,17 +32,17 @@ contains
     if (table%real_row('shear_at_points', at_points, 'N m-1', 'shear force of the mode', needs=needs)) &
       call table%put_columns(model%shear)
     if (table%real_row('residual_flexibility', by_force, 'm N-1', rest//'displacement'//of_force, needs=needs)) &
-      call table%put_columns(by_forces(model, 1))
+      call table%put_columns(transpose(model%residual(:, :, 1)))
     if (table%real_row('residual_moment', by_force, 'm', rest//'bending moment'//of_force, needs=needs)) &
-      call table%put_columns(by_forces(model, 2))
+      call table%put_columns(transpose(model%residual(:, :, 2)))
     if (table%real_row('residual_shear', by_force, '1', rest//'shear force'//of_force, needs=needs)) &
-      call table%put_columns(by_forces(model, 3))
+      call table%put_columns(transpose(model%residual(:, :, 3)))
     if (table%real_row('residual_of_base', 'point', 's2', rest//'displacement'//of_base, needs=needs)) &
-      call table%put(by_base(model, 1))
+      call table%put(model%base_residual(:, 1))
     if (table%real_row('residual_moment_of_base', 'point', 'kg m', rest//'bending moment'//of_base, needs=needs)) &
-      call table%put(by_base(model, 2))
+      call table%put(model%base_residual(:, 2))
     if (table%real_row('residual_shear_of_base', 'point', 'kg', rest//'shear force'//of_base, needs=needs)) &
-      call table%put(by_base(model, 3))
+      call table%put(model%base_residual(:, 3))
     if (table%real_row('hub_turn', 'mode', 'm-1', 'turn of the hub in the mode', needs=on_hub)) call table%put(model%hub_turn)
     if (table%real_row('residual_hub_turn', 'point_too', 'N-1', rest//'turn of the hub under a force of 1 N at point_too', &
                        needs=on_hub)) call table%put(model%hub_residual)
@@ -57,21 +56,5 @@ contains
     if (table%real_row('moving_mass', '', 'kg', 'mass of the beam and of what it carries', needs=needs)) &
       call table%put([model%mass])
   end subroutine model_rows
-
-  pure function by_forces(model, quantity) result(columns)
-    !! Residuals under a force at each point, (points, forces).
-    type(modal_model), intent(in) :: model
-    integer, intent(in) :: quantity                    !! deflection, moment, shear force
-    real(dp), allocatable :: columns(:, :)
-    columns = transpose(model%residual(:, :, quantity))
-  end function by_forces
-
-  pure function by_base(model, quantity) result(values)
-    !! Residuals where the base is accelerated, (points).
-    type(modal_model), intent(in) :: model
-    integer, intent(in) :: quantity
-    real(dp), allocatable :: values(:)
-    values = model%base_residual(:, quantity)
-  end function by_base
 
 end module bw_model_rows
