@@ -80,9 +80,10 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: study, checksums
     type(classic_reader) :: reader
-    character(:), allocatable :: start, statuses   ! integers of four bytes, the most significant first
-    character(:), allocatable :: of_design
-    integer :: i, problem
+    character(:), allocatable :: start, of_design
+    integer(i1), allocatable :: statuses(:)        ! bytes of integers of four, the most significant first
+    integer(i8) :: have
+    integer :: problem
     of_design = ''
     if (allocated(scene%design)) of_design = scene%design%checksum
     call reader%read_file(descriptor, length, 'case_status', start, problem)
@@ -94,8 +95,10 @@ contains
         (is_text('record_checksum', checksums) .or. is_text('load_checksum', checksums))
       existing%report = reader%text_of('report')
       existing%notes = reader%text_of('notes')
-      call read_letters(path, descriptor, reader%place, merge(reader%bytes, 0_i8, existing%is_there), statuses, error)
-      existing%not_trusted = count([(ichar(statuses(i:i)) /= case_done, i=4, len(statuses), 4)])      ! studies have none
+      allocate (statuses(merge(reader%bytes, 0_i8, existing%is_there)))
+      problem = read_bytes(descriptor, reader%place, statuses, have)
+      if (problem /= 0) call cannot_be_read(error, path, problem)
+      existing%not_trusted = count(statuses(4:have:4) /= case_done, kind=i8)      ! studies have none
       if (.not. existing%is_there .and. .not. overwrite) call fail(error, status_bad_file, path// &
         ': is there already, of another scene or version; --overwrite replaces it')
     else if (index(start, hdf5) == 1 .and. .not. overwrite) then
@@ -111,22 +114,5 @@ contains
       if (present(text)) is_text = reader%text_of(name) == text
     end function is_text
   end subroutine judge
-
-  subroutine read_letters(path, descriptor, place, count, letters, error)
-    !! Read bytes, as many as there are.
-    !! **Errors**: the system refuses it.
-    character(*), intent(in) :: path
-    integer, intent(in) :: descriptor
-    integer(i8), intent(in) :: place, count
-    character(:), allocatable, intent(out) :: letters
-    type(error_type), allocatable, intent(inout) :: error
-    integer(i1) :: bytes(count)
-    integer(i8) :: have
-    integer :: problem
-    problem = read_bytes(descriptor, place, bytes, have)
-    if (problem /= 0) call cannot_be_read(error, path, problem)
-    allocate (character(have) :: letters)
-    letters = transfer(bytes(:have), letters)
-  end subroutine read_letters
 
 end module bw_existing_result

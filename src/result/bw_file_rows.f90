@@ -2,7 +2,6 @@ module bw_file_rows
   !! What a result holds beside its cases: the coordinates and every number of the scene, which are known before any case is
   !! run, and what is known when all are done.
   use bw_amplitude_spectrum, only: frequency_axis
-  use bw_case_result, only: case_words
   use bw_classic_head, only: classic_head
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_end, window_start
@@ -20,7 +19,7 @@ module bw_file_rows
   use bw_time_grid, only: sample_times
   implicit none (type, external)
   private
-  public :: add_dimensions, coordinate_rows, end_rows, ending_rows, input_rows, note_rows, swept_names
+  public :: add_dimensions, coordinate_rows, end_rows, input_rows, swept_names
 
   character(*), parameter :: number_of_file = 'record_file'   !! a variable of repeats
   character(*), parameter, public :: quantities(*) = [character(12) :: 'displacement', 'velocity', 'acceleration', 'strain']
@@ -267,33 +266,14 @@ contains
     end do
   end subroutine put_series
 
-  subroutine ending_rows(table)
-    !! How each case ended. Nothing is put here: that has a time of its own.
-    class(result_table), intent(inout) :: table
-    logical :: ignored
-    ignored = table%whole_row('case_status', '', 'how the case ended', case_words)
-  end subroutine ending_rows
-
-  subroutine note_rows(table)
-    !! The notes of each case. Nothing is put here.
-    class(result_table), intent(inout) :: table
-    logical :: ignored
-    ignored = table%text_row('notes', 'note_letter', 'what there is to say of the case, a line for each note', needs='case')
-  end subroutine note_rows
-
   subroutine end_rows(table, seconds, over)
     !! What is known when all cases are done.
     class(result_table), intent(inout) :: table
     real(dp), intent(in) :: seconds(:)                  !! (stages)
-    type(over_cases), intent(in), optional :: over      !! all cases; absent where the rows are defined, and where there is one
+    type(over_cases), intent(in) :: over                !! all cases; empty where the rows are defined, and where there is one
     if (table%real_row('stage_seconds', 'stage', 's', 'wall time of the stage over all cases')) call table%put(seconds)
-    if (present(over)) then
-      call pooled_rows(table, over%pooled)
-      call quantile_rows(table, over%quantiles)
-    else
-      call pooled_rows(table)
-      call quantile_rows(table)
-    end if
+    call pooled_rows(table, over%pooled)
+    call quantile_rows(table, over%quantiles)
   end subroutine end_rows
 
   subroutine quantile_rows(table, quantiles)

@@ -2,10 +2,10 @@ module bw_result_draft
   !! The draft of a result: one file of classic NetCDF with a place for every number, which is laid out before any case is run. The
   !! processes of a host put their cases straight into it. A case is done when its status is there, and that is put when its
   !! numbers are on the disk.
-  use bw_case_result, only: case_done, case_not_converged, case_result
+  use bw_case_result, only: case_done, case_not_converged, case_result, case_words
   use bw_case_rows, only: case_rows
   use bw_error, only: error_type
-  use bw_file_rows, only: add_dimensions, coordinate_rows, end_rows, ending_rows, input_rows, note_rows, swept_names
+  use bw_file_rows, only: add_dimensions, coordinate_rows, end_rows, input_rows, swept_names
   use bw_files, only: cannot_be_read, cannot_be_written, remove_file
   use bw_kinds, only: dp, i1, i8
   use bw_number_file, only: whole_width
@@ -45,7 +45,8 @@ contains
     type(result_table) :: table
     type(case_result) :: none
     real(dp) :: seconds(stage_count)
-    logical :: fits
+    type(over_cases) :: nothing
+    logical :: fits, ignored
     seconds = 0
     self%scene = scene
     do
@@ -64,13 +65,13 @@ contains
       call self%begin_section(of_cases)
       call case_rows(self, none)
       call self%begin_section(of_case_ends)
-      call ending_rows(self)
+      ignored = self%whole_row('case_status', '', 'how the case ended', case_words)      ! `put_statuses` puts it
       call self%begin_section(after_cases)
-      call end_rows(self, seconds)
+      call end_rows(self, seconds, nothing)
       call self%begin_section(of_supplement)
       if (present(supplement)) call supplement%rows(self)
       call self%begin_section(of_notes)
-      call note_rows(self)
+      ignored = self%text_row('notes', 'note_letter', 'what there is to say of the case, a line for each note', needs='case')
       call self%lay_out(self%head_bytes, fits)
       if (fits) exit
       table%head%width = 8
@@ -250,7 +251,7 @@ contains
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)                !! (stages)
-    type(over_cases), intent(in), optional :: over    !! absent of a single case
+    type(over_cases), intent(in) :: over              !! empty of a single case
     type(error_type), allocatable, intent(inout) :: error
     call self%begin_section(after_cases)
     call end_rows(self, seconds, over)

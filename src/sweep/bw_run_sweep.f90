@@ -188,7 +188,7 @@ contains
       report = report//quantile_table(work%draft, over%quantiles)
     end if
     call outcome%set_notes(notes_of(work), work%layout, count(statuses /= case_done, kind=i8))
-    call finish_draft(work, report, watch, progress, outcome, whole, error, supplement, over)
+    call finish_draft(work, report, watch, progress, outcome, whole, error, over, supplement)
     if (whole .and. .not. allocated(error)) call move_alloc(report, table%text)
   end subroutine assemble
 
@@ -208,7 +208,7 @@ contains
     lines = notes%lines(work%layout%cases)
   end function notes_of
 
-  subroutine finish_draft(work, report, watch, progress, outcome, whole, error, supplement, over)
+  subroutine finish_draft(work, report, watch, progress, outcome, whole, error, over, supplement)
     !! Put what is known in the end into the first draft, whose cases are all done, and give it its final name.
     !! **Errors**: that is refused, or was before.
     type(unfinished_work), intent(inout) :: work      !! with that draft open
@@ -218,8 +218,8 @@ contains
     type(outcome_type), intent(inout) :: outcome
     logical, intent(out) :: whole                     !! false where the monitor asked to stop
     type(error_type), allocatable, intent(inout) :: error
+    type(over_cases), intent(in) :: over              !! empty of a single case
     class(result_supplement), intent(inout), optional :: supplement
-    type(over_cases), intent(in), optional :: over    !! absent of a single case
     real(dp) :: began, added                          ! seconds of the supplement
     whole = .true.
     began = wall_seconds()

@@ -15,7 +15,7 @@ module bw_child_process
   use bw_error, only: error_type, fail, status_bad_file, status_done, status_fault
   use bw_kinds, only: dp, i8
   use bw_system_calls, only: bw_confine, bw_confine_memory, bw_fork, bw_leave, bw_receive, bw_wait, bw_write
-  use bw_text, only: string, text_builder, text_of
+  use bw_text, only: lines_of, string, text_builder, text_of
   implicit none (type, external)
   private
 
@@ -112,15 +112,18 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(len=most_at_once), target :: piece
     type(text_builder) :: told
-    character(:), allocatable :: message
-    integer :: ended, first, letters, status, ignored, n, i
+    type(string), allocatable :: pieces(:)
+    integer :: ended, status, ignored
+    logical :: whole
     integer(i8) :: have
     do
       have = bw_receive(self%channel, c_loc(piece), int(most_at_once, i8))
       call told%append(piece(:have))
       if (have < most_at_once) exit
     end do
-    message = told%text()
+    pieces = lines_of(told%text(), nul)
+    whole = size(pieces) > 1
+    if (whole) whole = pieces(size(pieces))%text == last_word
     ignored = close_file(self%channel)
     ended = int(bw_wait(self%number))
     allocate (texts(0))
@@ -129,24 +132,12 @@ contains
                 text_of(-ended)//'); the file is damaged')
     else if (ended == status_fault) then
       call fail(error, status_fault, 'the process that reads it ended in a fault: please report it')
-    else if (ended /= status_done .or. index(message, nul//last_word, back=.true.) == 0) then
+    else if (ended /= status_done .or. .not. whole) then
       call fail(error, status_bad_file, 'the process that reads it was refused memory, or was not heard to its end')
     end if
     if (allocated(error)) return
-    letters = index(message, nul)
-    read (message(:letters - 1), *) status
-    n = -1                                           ! behind the status stands one, too
-    do i = 1, len(message)
-      if (message(i:i) == nul) n = n + 1
-    end do
-    deallocate (texts)
-    allocate (texts(n))
-    first = letters + 1
-    do i = 1, n
-      letters = index(message(first:), nul)
-      texts(i)%text = message(first:first + letters - 2)
-      first = first + letters
-    end do
+    read (pieces(1)%text, *) status
+    texts = pieces(2:size(pieces) - 1)
     if (status /= status_done) call fail(error, status, texts(1)%text)
   end subroutine hear
 
