@@ -150,6 +150,7 @@ contains
     end if
     facts%seconds = estimated_seconds(scene, case_numbers(scene, layout), planned, monitor)
     time_line = time_head//'about '//expected_text(facts%seconds)//' on one core'
+    if (allocated(scene%contact)) time_line = time_line//', more if the mass comes back often'
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')
     call forecast_notes(scene, layout, planned, monitor, forecast)

@@ -66,6 +66,7 @@ module bw_case_cost
   real(dp), parameter :: changing_passes = 80.0_dp   !! of pairs before and after a change, of which a part is integrated: seven runs
   real(dp), parameter :: loaded_passes = 4.0_dp*changing_passes/7.0_dp   !! of one run, under loads, which hands on four times as many
   real(dp), parameter :: changing_sums = 4.4_dp      !! of the modes of these runs over those of the whole
+  real(dp), parameter :: contact_modes = 256.0_dp    !! that the default tolerance takes where the impact lasts
   real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: two runs of some contacts
 
 contains
@@ -99,7 +100,7 @@ contains
     integer, intent(in) :: planned                 !! modes that a tolerance takes
     real(dp) :: counts(term_count)
     real(dp) :: before, after, moving, pieces, found, followed
-    logical :: closed, planning
+    logical :: closed, driven, planning
     planning = by_tolerance(scene%modes)
     closed = .not. changes_shapes(scene)
     pieces = pieces_of_scene(scene)
@@ -108,6 +109,8 @@ contains
     moving = merge(after, before, allocated(scene%capture))
     if (counts_in_its_run(scene) .and. planning) then     ! how many its tolerance takes is found by its run
       moving = first_modes*2
+      if (allocated(scene%contact)) moving = merge(real(most_loaded, dp), contact_modes*(1.0e-6_dp/scene%modes%tolerance) &
+        **(1.0_dp/3.0_dp), scene%response%acceleration)      ! errors fall as n^-3
       before = moving
     end if
     found = before + after
@@ -131,8 +134,6 @@ contains
       & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
     if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
-    if (allocated(scene%contact) .and. planning) &
-      counts(contacts) = counts(contacts)*sqrt(1.0e-6_dp/scene%modes%tolerance)    ! errors fall as n^-3, and work grows as n^1.5
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (comes_back(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
@@ -149,9 +150,12 @@ contains
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
       if (changes_in_time(scene)) counts([damped_sums, plain_sums]) = changing_sums*counts([damped_sums, plain_sums])
       counts(error_estimates) = moving*points
-      if (is_loaded(scene)) then
+      driven = is_loaded(scene)
+      if (allocated(scene%contact)) driven = driven .or. response%acceleration .or. response%shear_force
+      if (driven) then
         followed = 2.0_dp*moving                      ! as many more as are summed tell the error
-        if (planning) followed = merge(2*most_loaded, 4*first_modes, response%acceleration .or. &
+        if (planning .and. .not. allocated(scene%contact)) &
+          followed = merge(2*most_loaded, 4*first_modes, response%acceleration .or. &
                                        (changes_in_time(scene) .and. (response%velocity .or. response%bending_moment)))
         if (changes_in_time(scene)) counts(capture_pairs) = counts(capture_pairs) &
           + loaded_passes*(most_events(scene, 0) - count([allocated(scene%impact), allocated(scene%capture)]))*followed**2

@@ -219,7 +219,7 @@ contains
   end function impulse_of
 
   pure real(dp) function end_jump(course, until) result(jump)
-    !! By how much a load that is linear between its knots is not 0 where it begins and ends.
+    !! By how much a load that is linear between its knots is not 0 where it begins and ends, but for rounding.
     type(load_course), intent(in) :: course
     real(dp), intent(in) :: until                  !! the end of the record: what comes later is not seen
     integer :: n
@@ -227,6 +227,7 @@ contains
     jump = 0.0_dp
     if (course%knot(1) < until) jump = abs(course%power(0, 1) - course%power(1, 1))
     if (course%knot(n + 1) < until) jump = max(jump, abs(course%power(0, n) + course%power(1, n)))
+    if (jump <= 16*epsilon(jump)*largest_load(course)) jump = 0.0_dp
   end function end_jump
 
   elemental real(dp) function largest_load(course) result(largest)

@@ -3,7 +3,7 @@ module bw_history_report
   !! the largest stress, and the waves that were measured.
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, short, table_of, text_table
+  use bw_columns, only: fixed, most_rows, short, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, scaled
@@ -45,8 +45,8 @@ contains
       if (allocated(response%shear_force)) call report_quantity('shear force', 'N', scene, response%shear_force, &
         response%shear_force_error, table, lines)
       call report_stress(scene, response, lines)
-      if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
-        'where a history is largest, and where its error is the largest part of it.')
+      if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are the first, '// &
+        'that where a history is largest, and that where its error is the largest part of it.')
       if (allocated(scene%recontact)) call lines%append_line( &
         '  The error is the distance from the exact motion of these modes, on whose number a rebound depends.')
       if (allocated(response%displacement_error)) return
@@ -59,7 +59,7 @@ contains
   end subroutine report_histories
 
   subroutine report_quantity(name, unit, scene, histories, error, table, lines, bound)
-    !! The rows of one quantity.
+    !! The rows of one quantity; of the first point, mostly where the beam is held, in any case.
     character(*), intent(in) :: name, unit
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: histories(:, :)           !! (samples, points)
@@ -82,11 +82,12 @@ contains
     part = 0.0_dp
     if (present(error)) where (peak > 0.0_dp .and. .not. is_missing(error)) part = error/max(peak, 1.0e-6_dp*error)
     shown = size(peak) <= shown_points
+    shown(1) = .true.
     shown(maxloc(peak, dim=1)) = .true.
     if (present(error)) shown(maxloc(part, dim=1)) = .true.
     head = '  '//name//', '//unit
     do p = 1, size(peak)
-      if (.not. shown(p)) cycle
+      if (.not. shown(p) .and. size(peak) > most_rows) cycle
       cells = '|-|-|-|-|-'                                     ! nothing of it is given
       if (peak(p) == 0.0_dp) cells = '|0'
       if (peak(p) > 0.0_dp) then
@@ -96,7 +97,7 @@ contains
         if (present(error)) cells = cells//'|'//short(error(p))//'|'//shortest(100.0_dp*part(p), 2)
         if (present(bound)) cells = cells//'|'//bound_words(bound(p))
       end if
-      call table%put_row(lines, head//'|'//shortest(scene%response%points(p), 6)//cells)
+      call table%put_row(lines, head//'|'//shortest(scene%response%points(p), 6)//cells, detail=.not. shown(p))
       head = ''
     end do
   end subroutine report_quantity

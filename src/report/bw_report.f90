@@ -146,8 +146,8 @@ contains
       text = ''
       if (any(.not. bends)) text = text//'  -: a mode that moves the beam as a rigid body is no wave.'//new_line('a')
       if (any(none .and. grows)) text = text//'  -: a mode that grows has no frequency, and is no wave.'//new_line('a')
-      if (any(none .and. .not. grows)) text = text//'  -: a mode that is damped so much creeps back, and has no frequency.'// &
-        new_line('a')
+      if (any(none .and. bends .and. .not. grows)) text = text// &
+        '  -: a mode that is damped so much creeps back, and has no frequency.'//new_line('a')
       if (any((is_missing(phase) .or. is_missing(group)) .and. bends .and. .not. none)) text = text// &
         '  -: at this frequency no wave with this velocity runs along the beam.'//new_line('a')
     end associate

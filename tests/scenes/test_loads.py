@@ -370,6 +370,12 @@ def test_a_file_without_a_force_is_refused_before_any_work(here, text, names, st
     assert not list(here.directory.glob("output/bad*"))
 
 
+def test_a_force_that_ends_with_its_rounding_leaves_accelerations_a_limit(here):
+    here.write("pulse.csv", "time,force\n0,0\n0.001,2000\n0.002,4.75e-12\n")
+    groups = {"force": {"shape": "file", "file": "pulse.csv"}, "response": {**PLACES, "acceleration": True}}
+    assert np.isfinite(run(here, "rounded", groups)["acceleration_error"]).all()
+
+
 def test_cases_of_a_sweep_are_its_scenes(here):
     here.write("pulse.csv", "time,force\n0,0\n0.001,5\n0.002,0\n")
     for name, force, parameter, values in [
