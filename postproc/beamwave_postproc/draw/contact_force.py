@@ -71,7 +71,7 @@ def _draw_motion(axes: Axes, case: xr.Dataset, point: int, end: float) -> None:
     time, beam = case["time"].values, case["displacement"].values[point] + turn_of_line(case, point)
     end = min(max(ROOM * end, time[min(LEAST, time.size) - 1]), time[-1])
     moments = np.linspace(0.0, end, FINE)
-    mass = mass_at_beam(case, moments, np.interp(moments, time, beam))
+    mass = mass_at_beam(case, moments, np.interp(moments, time, beam), beam[0])
     prefix, factor = si_prefix(np.concatenate([mass, beam[time <= end]]), units_of(case["displacement"]))
     clock, ticks = si_prefix(np.array([end]), "s")
     axes.plot(ticks * moments, factor * mass, color=COLOURS[2], label="mass")

@@ -64,7 +64,7 @@ def _in_contact(case: xr.Dataset, tip: Tip, times: np.ndarray) -> tuple[np.ndarr
     """The same where contacts last, whose forces move the mass; once it is captured it is on the tip."""
     captured = [event.time for event in events_of(case) if event.kind == "capture"]
     held = times >= min(captured, default=np.inf)
-    return np.where(held, np.interp(times, tip.time, tip.displacement), mass_in_contact(case, times)), held
+    return np.where(held, np.interp(times, tip.time, tip.displacement), mass_in_contact(case, times, tip.at(0.0)[0])), held
 
 
 def _free(leg: Leg, rate: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

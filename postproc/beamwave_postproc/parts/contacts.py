@@ -32,12 +32,13 @@ def contacts_of(case: xr.Dataset) -> list[Contact]:
     end = float(case["time"][-1]) if "time" in case else np.nan
     count = case.sizes["contact_sample"]
     parts = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
-    found = []
+    found, number = [], 0
     events = zip(*(case[name].values for name in ("contact_force", "event_time", "event_end")))
     for force, begin, until in events:
         until = until if np.isfinite(until) else end
+        number += int(np.isfinite(force).any())
         if np.isfinite(force).all() and begin < until:
-            found.append(Contact(len(found) + 1, begin + (until - begin) * parts, force))
+            found.append(Contact(number, begin + (until - begin) * parts, force))
     if not found:
         raise NothingToDraw("no contact force is in the file")
     return found
@@ -57,13 +58,13 @@ def struck_mass(case: xr.Dataset) -> float:
     return float(case["impact_mass_ratio"]) * beam_mass(case)
 
 
-def mass_in_contact(case: xr.Dataset, times: np.ndarray) -> np.ndarray:
-    """Position (m) at `times` of a mass that is free in its guide but for the forces of its contacts; y = 0 at t = 0.
+def mass_in_contact(case: xr.Dataset, times: np.ndarray, start: float = 0.0) -> np.ndarray:
+    """Position (m) at `times` of a mass that is free in its guide but for the forces of its contacts, and is at `start` at t = 0.
 
     The force is taken as an impulse in the middle of each interval of its samples, which errs by their squares.
     """
     mass, rate = struck_mass(case), guide_rate(case)
-    starts, states = [0.0], [(0.0, float(case.get("impact_approach_velocity", 1.0)))]
+    starts, states = [0.0], [(start, float(case.get("impact_approach_velocity", 1.0)))]
     for contact in contacts_of(case):
         middles = 0.5 * (contact.time[1:] + contact.time[:-1])
         impulses = 0.5 * np.diff(contact.time) * (contact.force[1:] + contact.force[:-1])
@@ -76,15 +77,15 @@ def mass_in_contact(case: xr.Dataset, times: np.ndarray) -> np.ndarray:
     return free_flight(places[last], velocities[last], rate, times - np.array(starts)[last])[0]
 
 
-def mass_at_beam(case: xr.Dataset, times: np.ndarray, beam: np.ndarray) -> np.ndarray:
-    """Position (m) at `times` of the mass that strikes where the beam is at `beam`: from a capture on it moves with the beam, with
-    the indentation that it has then. After a release it is NaN.
+def mass_at_beam(case: xr.Dataset, times: np.ndarray, beam: np.ndarray, start: float = 0.0) -> np.ndarray:
+    """Position (m) at `times` of the mass that strikes where the beam is at `beam`, and touches it at `start` at t = 0: from a capture on
+    it moves with the beam, with the indentation that it has then. After a release it is NaN.
     """
-    mass = mass_in_contact(case, times)
+    mass = mass_in_contact(case, times, start)
     events = {event.kind: event.time for event in reversed(events_of(case))}
     captured, released = (events.get(kind, np.inf) for kind in ("capture", "release"))
     if np.isfinite(captured):
-        indentation = mass_in_contact(case, np.array([captured]))[0] - np.interp(captured, times, beam)
+        indentation = mass_in_contact(case, np.array([captured]), start)[0] - np.interp(captured, times, beam)
         mass = np.where(times >= captured, beam + indentation, mass)
     return np.where(times > released, np.nan, mass)
 

@@ -73,6 +73,24 @@ def test_a_beam_on_a_hub_that_turns_is_where_the_mass_meets_it(touched):
     np.testing.assert_allclose(film.mass - fixed.mass, -arm * 1e-3 * np.maximum(film.time, 0.0), rtol=1e-9, atol=1e-12)
 
 
+def test_a_mass_beside_a_beam_that_is_let_go_starts_on_it(touched):
+    bent = touched.assign(displacement=touched["displacement"] + 0.036)
+    (_, ours), (_, straight) = contact_force(bent).axes, contact_force(touched).axes
+    assert ours.lines[0].get_ydata()[0] == pytest.approx(ours.lines[1].get_ydata()[0])
+    film, still = motion(bent, frames=40), motion(touched, frames=40)
+    first = bent["displacement"].isel(point=1).values[0] - touched["displacement"].isel(point=1).values[0]
+    np.testing.assert_allclose(film.mass - still.mass, first, rtol=1e-9)
+    assert straight.lines[0].get_ydata()[0] == pytest.approx(straight.lines[1].get_ydata()[0])
+
+
+def test_contacts_have_the_numbers_of_their_events(touched):
+    force = touched["contact_force"].copy()
+    force[1] = force[0].values
+    at_once = {"event_time": ("event", [BEGIN, END]), "event_end": ("event", [BEGIN, 0.4])}  # over as soon as it began
+    two = touched.assign(**at_once, event_kind=("event", [4.0, 4.0], touched["event_kind"].attrs), contact_force=force)
+    assert contact_force(two).axes[0].get_title(loc="left").startswith("contact 2")
+
+
 def test_a_captured_mass_goes_on_with_the_beam_and_keeps_its_indentation(touched):
     kinds = {"event_kind": ("event", [4.0, 2.0], {"flag_values": [2, 4], "flag_meanings": "capture contact"})}
     times = {"event_time": ("event", [BEGIN, END], {"units": "s"})}
