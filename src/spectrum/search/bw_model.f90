@@ -353,9 +353,12 @@ contains
     real(dp), dimension(size(noise), size(noise)) :: correlation, vectors
     real(dp) :: values(size(noise)), work(64*size(noise)), cost
     real(dp), allocatable :: error(:, :)
-    integer :: s, sensors, info, b, n
+    integer, allocatable :: runs(:, :)
+    integer :: s, sensors, info, b, n, told
     sensors = size(noise)
     n = samples%count
+    runs = all_runs(samples, model)
+    told = sum(runs(2, :) - runs(1, :) + 1)      ! samples that tell something
     allocate (error(n, sensors))
     do s = 1, sensors
       error(:, s) = model%white(:, s)
@@ -371,16 +374,16 @@ contains
     vectors = correlation
     call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
     cost = 0.5_dp*sensors*(sensors - 1)*penalty
-    if (n*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
+    if (told*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
     deallocate (error)
     model%noise%mixing = spread(1/sqrt(noise%variance), 2, sensors)*vectors
     model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
     call mix(model%noise%mixing, model%white)
     do s = 1, sensors
-      call burg(model%white(:, s), all_runs(samples, model), order, penalty, own(s))
+      call burg(model%white(:, s), runs, order, penalty, own(s))
       own(s)%variance = max(own(s)%variance, least_share)
     end do
-    cost = cost + sum(own%cost) + n*sum(log(noise%variance))
+    cost = cost + sum(own%cost) + told*sum(log(noise%variance))
     if (cost < model%noise%cost) then
       model%noise%cost = cost
       noise = own
