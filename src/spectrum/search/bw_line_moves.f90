@@ -13,7 +13,8 @@ module bw_line_moves
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
   use bw_penalty, only: chi_squared
-  use bw_refit, only: accept, all_steps, at_rest, near, overlaps, refit, refit_all, refit_type, span_of_model, trial_steps
+  use bw_refit, only: accept, all_steps, at_rest, is_broken, near, overlaps, refit, refit_all, refit_type, span_of_model
+  use bw_refit, only: trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
@@ -76,6 +77,7 @@ contains
       if (found%gain > penalty) call accept(found, penalty, model, gain)
       if (.not. gain > 0) cycle
       accepted = accepted + 1
+      if (is_broken(model, real(candidates(i)%pole, dp))) return   ! others may be its images
       moved = [moved, candidates(i)%pole, model%lines(size(model%lines))%pole]
     end do
   end subroutine add_round

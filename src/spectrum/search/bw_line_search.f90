@@ -46,16 +46,30 @@ contains
     type(model_type), intent(out) :: model
     type(line_outcome), intent(out) :: outcome
     class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
-    real(dp) :: alone                            !! J of noise alone
-    real(dp) :: last                             !! J of the round before
     integer, allocatable :: blows(:)
-    integer :: round, changed, dropped, moved
-    allocate (outcome%poles(0), outcome%gains(0))
     if (allocated(samples%blow)) then
       blows = samples%blow
     else
       call find_blows(samples, false_alarm, blows)
     end if
+    call find_lines_behind(blows, samples, false_alarm, model, outcome, monitor)
+    if (outcome%driven .and. allocated(samples%valid) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
+      & call find_lines_behind(blows(:1), samples, false_alarm, model, outcome, monitor)   ! crests that were cut off look like others
+    call allow_for_limits(samples, model)
+  end subroutine find_lines
+
+  subroutine find_lines_behind(blows, samples, false_alarm, model, outcome, monitor)
+    !! Find the lines of a record that was struck, as far as is known, at some samples.
+    integer, intent(in) :: blows(:)
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(out) :: model
+    type(line_outcome), intent(out) :: outcome
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: alone                            !! J of noise alone
+    real(dp) :: last                             !! J of the round before
+    integer :: round, changed, dropped, moved
+    allocate (outcome%poles(0), outcome%gains(0))
     call start_model(samples, blows, model)
     call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
     alone = min(model%noise%cost, cost_of_shared_motion(samples))
@@ -94,9 +108,8 @@ contains
     call refit_all(all_steps, 0.0_dp, model)
     call renew(samples, order_price(samples), .false., model)
     call keep_or_clear(samples, false_alarm, alone, model, outcome)
-    call allow_for_limits(samples, model)
     outcome%converged = round <= most_rounds .and. size(model%lines) < most_lines
-  end subroutine find_lines
+  end subroutine find_lines_behind
 
   pure subroutine start_model(samples, blows, model)
     !! The stretches between blows, and no lines.

@@ -9,10 +9,11 @@ module bw_refit
   use bw_noise, only: amplitude_of
   implicit none (type, external)
   private
-  public :: accept, all_steps, at_rest, cluster_of, near, overlaps, refit, refit_all, span_of_model, trial_steps
+  public :: accept, all_steps, at_rest, cluster_of, is_broken, near, overlaps, refit, refit_all, span_of_model, trial_steps
 
   real(dp), parameter :: reach = 6               !! tuned: decays within which lines are fitted together
   real(dp), parameter :: bins_apart = 12         !! tuned: of 1/T, within which too
+  real(dp), parameter :: broken = 0.05_dp        !! tuned: part of a line's life
   integer, parameter :: most_sweeps = 6
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a fit that is tried, and of one that is to be at its end
   real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, after which they stay
@@ -48,8 +49,23 @@ contains
     type(model_type), intent(in) :: model
     complex(dp), intent(in) :: pole
     logical :: are(size(model%lines))
+    integer :: k
     are = overlaps(model%lines%pole, pole, span_of_model(model))
+    are = are .or. [(is_broken(model, min(model%lines(k)%pole%re, real(pole, dp))), k=1, size(are))]
   end function near
+
+  pure logical function is_broken(model, rate)
+    !! Whether so much of a line's life tells nothing that it shows in the place of others too, as clipped crests do.
+    type(model_type), intent(in) :: model
+    real(dp), intent(in) :: rate                 !! real part of its pole
+    real(dp) :: life
+    is_broken = size(model%gaps) > 0
+    if (.not. is_broken) return
+    life = 1/max(-rate, 1/span_of_model(model))
+    associate (age => model%gaps - model%stretches(1, 1))
+      is_broken = count(age >= 0 .and. age < life) > broken*life
+    end associate
+  end function is_broken
 
   subroutine refit(model, old, start, most_steps, found, window)
     !! Fit lines that replace some of the model's, from where they start. The model does not change.
