@@ -39,7 +39,7 @@ contains
     integer :: s
     samples%count = size(record%times)
     samples%step = step_of(record)
-    if (.not. record%interval > 0) call find_rows(record%times, samples)
+    if (.not. record%interval > 0) call find_rows(record%times, record%resolution, samples)
     if (.not. allocated(record%values)) return
     told = .true.
     do s = 1, size(record%values, 2)
@@ -55,24 +55,25 @@ contains
     end if
   end function samples_of
 
-  pure subroutine find_rows(times, samples)
+  pure subroutine find_rows(times, resolution, samples)
     !! Find the rows of samples in an even record of which some are missing, or take their times as they are.
-    real(dp), intent(in) :: times(:)                 !! s
+    real(dp), intent(in) :: times(:), resolution     !! s
     type(samples_type), intent(inout) :: samples
-    real(dp), parameter :: off = 0.002_dp            !! of a step, that rounded times are
     integer, parameter :: most_missing = 2           !! times as many as there are
-    real(dp) :: step
-    integer :: n
+    integer, parameter :: rounding = 4               !! of a time that somebody computed
+    real(dp) :: step, off
+    integer :: j, n, row(size(times))
     n = size(times)
     samples%place = times/samples%step
     if (samples%place(n) > most_missing*real(n, dp)) return
-    step = times(n)/nint(samples%place(n))
-    if (any(abs(times/step - anint(times/step)) > off)) return
-    samples%row = 1 + nint(times/step)
-    if (any(samples%row(2:) <= samples%row(:n - 1))) then
-      deallocate (samples%row)
-      return
-    end if
+    row(1) = 1
+    do j = 2, n
+      row(j) = row(j - 1) + nint(samples%place(j) - samples%place(j - 1))
+    end do
+    step = times(n)/(row(n) - 1)
+    off = min(0.25_dp*step, 2*(resolution + rounding*spacing(times(n))))   ! of a time and the first, and of the step
+    if (any(row(2:) <= row(:n - 1)) .or. any(abs(times - (row - 1)*step) > off)) return
+    samples%row = row
     samples%step = step
     samples%count = samples%row(n)
     deallocate (samples%place)

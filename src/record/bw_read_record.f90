@@ -110,6 +110,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     real(dp) :: scale                                  ! s over the file's unit
     integer(i8) :: j
+    integer, parameter :: many = 16                    ! times, of which not all end in zeros that were left out
     part = [1_i8, 0_i8]
     associate (par => scene%record, first => part(1), last => part(2))
       if (time > 0) then
@@ -135,6 +136,7 @@ contains
       record%origin = times(first)
       if (time > 0) then
         record%interval = even_interval(times(first:last), steps(first:last))
+        record%resolution = minval(steps(max(first, last - many):last))
       else
         record%interval = 1.0_dp/par%sample_rate
       end if

@@ -32,6 +32,7 @@ module bw_record
     integer(i8) :: samples_there = 0             !! in the file, before it is cut
     real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
     real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
+    real(dp) :: resolution = 0.0_dp              !! what the last digit of a late time stands for [s]; 0: all digits are there
     real(dp), allocatable :: times(:)            !! since the first sample [s], rising; even ones are (j−1)·interval, (samples)
     real(dp), allocatable :: values(:, :)        !! in the sensors' units, (samples, sensors)
     real(dp), allocatable :: force(:)            !! of the hammer [N]; unallocated: not known, (samples)

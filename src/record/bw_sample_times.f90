@@ -6,6 +6,7 @@ module bw_sample_times
   public :: even_interval, first_fall, nearest_even, used_part
 
   real(dp), parameter :: slack = 4.0_dp      !! roundings of a time that somebody computed
+  integer, parameter :: most_steps = 100     !! in which an end of what fits is found
   integer, parameter :: window = 32          !! neighbours by whose intervals the grain of a clock is told
 
 contains
@@ -36,37 +37,35 @@ contains
     !! The interval of times that are even but for the digits that were cut; 0 where they are not even.
     !!
     !! Times t_j of n samples, each known to half of its last digit, or of the grain of its clock where that is coarser, h_j, are
-    !! even with the interval d where one number a has |t_j − a − j d| ≤ h_j for all j. Least squares give d to about
-    !! h n^(−3/2). Of all that fit, the roundest is taken: the sampling rate, or the interval, with as few digits as fit; so that
-    !! 1/3 ms printed with three digits is 3000 Hz.
+    !! even with the interval d where one number a has |t_j − a − j d| ≤ h_j for all j. Of all that fit, the roundest is taken: the
+    !! sampling rate, or the interval, with as few digits as fit; so that 1/3 ms printed with three digits is 3000 Hz.
     real(dp), intent(in) :: times(:)         !! [s], rising
     real(dp), intent(in) :: steps(:)         !! what the last digit of each stands for [s]; 0: all digits are there
-    real(dp) :: fitted
     interval = 0.0_dp
     if (size(times) < 2) return
-    fitted = fitted_interval(times)
-    interval = roundest(times, steps, fitted)
+    interval = roundest(times, steps)
     if (interval > 0.0_dp) return
-    interval = roundest(times, max(steps, grains(times, steps, fitted)), fitted)
+    interval = roundest(times, max(steps, grains(times, steps, fitted_interval(times))))
   end function even_interval
 
-  pure real(dp) function roundest(times, steps, fitted) result(interval)
-    !! The roundest interval near another one that fits, as a rate or as it is; 0 where none does.
-    real(dp), intent(in) :: times(:), steps(:), fitted
-    real(dp) :: candidate
-    integer :: digits
+  pure real(dp) function roundest(times, steps) result(interval)
+    !! The roundest interval that fits, as a rate or as it is; 0 where none does.
+    real(dp), intent(in) :: times(:), steps(:)
+    real(dp) :: low, high
+    integer :: digits, few
     integer, parameter :: most_digits = 15
     interval = 0.0_dp
-    if (.not. could_fit(times, steps, fitted)) return
+    few = min(size(times), 64)               ! a look at a few times, since most uneven ones are far from even
+    call find_range(times(:few), steps(:few), low, high)
+    if (low <= high) call find_range(times, steps, low, high)
+    if (low > high .or. .not. high > sqrt(tiny(high))) return
     do digits = 1, most_digits
-      candidate = 1.0_dp/rounded_to(1.0_dp/fitted, digits)
-      if (fits(times, steps, candidate)) interval = candidate
-      if (interval > 0.0_dp) return
-      candidate = rounded_to(fitted, digits)
-      if (fits(times, steps, candidate)) interval = candidate
-      if (interval > 0.0_dp) return
+      interval = 1.0_dp/rounded_to(2.0_dp/(low + high), digits)
+      if (low <= interval .and. interval <= high) return
+      interval = rounded_to(0.5_dp*(low + high), digits)
+      if (low <= interval .and. interval <= high) return
     end do
-    if (fits(times, steps, fitted)) interval = fitted
+    interval = 0.5_dp*(low + high)
   end function roundest
 
   pure subroutine nearest_even(times, interval, off)
@@ -78,7 +77,7 @@ contains
     interval = fitted_interval(times)
     call measure_rest(times, interval, low, high)
     off = 0.5_dp*(high - low)
-    low = roundest(times, spread(4*off, 1, size(times)), interval)
+    low = roundest(times, spread(4*off, 1, size(times)))
     if (low > 0.0_dp) interval = low
     call measure_rest(times, interval, low, high)
     off = 0.5_dp*(high - low)
@@ -178,32 +177,62 @@ contains
     interval = straight + sum_of_rests/(real(n, dp)*(real(n, dp)**2 - 1)/12)
   end function fitted_interval
 
-  pure logical function could_fit(times, steps, interval)
-    !! A look at a few times, since most uneven ones are far from even.
-    real(dp), intent(in) :: times(:), steps(:), interval
-    integer :: n
-    n = min(size(times), 64)
-    could_fit = interval > sqrt(tiny(interval))
-    if (could_fit) could_fit = fits(times(:n), 4*steps(:n), interval)
-  end function could_fit
-
-  pure logical function fits(times, steps, interval)
-    !! Some offset brings all times within half of their last digit.
-    real(dp), intent(in) :: times(:), steps(:), interval
-    real(dp) :: half, rest, low, high, rounding
-    integer(i8) :: j
-    low = -huge(low)
-    high = huge(high)
+  pure subroutine find_range(times, steps, low, high)
+    !! The least and the largest interval d with which some offset brings all times within half of their last digit; low > high
+    !! where there is none. The excess max (t_j − h_j − j d) − min (t_j + h_j − j d) is a convex polygon over d: Newton's steps
+    !! come to its roots from either side, and never beyond but for rounding.
+    real(dp), intent(in) :: times(:), steps(:)
+    real(dp), intent(out) :: low, high
+    real(dp) :: rounding
+    integer :: j
     rounding = slack*spacing(max(abs(times(1)), abs(times(size(times)))))
-    do j = 1, size(times, kind=i8)
-      half = 0.5_dp*steps(j) + rounding
-      rest = (times(j) - times(1)) - (j - 1)*interval
-      low = max(low, rest - half)
-      high = min(high, rest + half)
-      if (low > high) exit
-    end do
-    fits = low <= high
-  end function fits
+    low = 0.0_dp
+    call approach(1, low)
+    high = minval([(bound_by(j), j=1, min(2, size(times) - 1))])   ! a first time of 0 may have few digits
+    if (low < high) call approach(-1, high)
+
+  contains
+
+    pure real(dp) function bound_by(j)
+      !! The largest interval that one time and the last allow.
+      integer, intent(in) :: j
+      integer :: n
+      n = size(times)
+      bound_by = (times(n) - times(j) + 0.5_dp*(steps(n) + steps(j)) + 2*rounding)/(n - j)
+    end function bound_by
+
+    pure subroutine approach(side, d)
+      !! The end of the range on one side; beyond the other where it is empty.
+      integer, intent(in) :: side            !! 1: from below, −1: from above
+      real(dp), intent(inout) :: d
+      real(dp) :: half, rest, lower, upper, before
+      integer :: i, j, up, down
+      before = d
+      do i = 1, most_steps
+        lower = -huge(lower)
+        upper = huge(upper)
+        up = 1
+        down = 1
+        do j = 1, size(times)
+          half = 0.5_dp*steps(j) + rounding
+          rest = (times(j) - times(1)) - (j - 1)*d
+          if (rest - half > lower) up = j
+          lower = max(lower, rest - half)
+          if (rest + half < upper) down = j
+          upper = min(upper, rest + half)
+        end do
+        if (lower - upper <= rounding) return
+        if (side*(up - down) > 0) then
+          before = d
+          d = d + (lower - upper)/(up - down)
+        else
+          d = 0.5_dp*(before + d)            ! rounding carried the step beyond
+        end if
+      end do
+      d = side*huge(d)                       ! even the best is none
+    end subroutine approach
+
+  end subroutine find_range
 
   pure real(dp) function rounded_to(value, digits) result(number)
     !! A positive number with so many digits.

@@ -54,7 +54,7 @@ contains
     end if
     call find_lines_behind(blows, samples, false_alarm, model, outcome, monitor)
     if (outcome%driven .and. allocated(samples%valid) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
-      & call find_lines_behind(blows(:1), samples, false_alarm, model, outcome, monitor)   ! crests that were cut off look like others
+      & call find_lines_behind(blows(:1), samples, false_alarm, model, outcome, monitor)   ! gaps may look like others
     call allow_for_limits(samples, model)
   end subroutine find_lines
 
