@@ -4,11 +4,11 @@ module bw_worker
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
-  use bw_kinds, only: dp, i1, i4, i8
+  use bw_kinds, only: dp, i4, i8
   use bw_monitor, only: monitor_type, progress_type
   use bw_one_case, only: case_cache, run_case
   use bw_process_group, only: process_group
-  use bw_result_draft, only: not_done, result_draft
+  use bw_result_draft, only: result_draft
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_scene
   use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
@@ -26,11 +26,13 @@ module bw_worker
   type :: unsaved_cases
     !! Cases that are put into a draft and not on the disk.
     type(result_draft), pointer :: draft => null()
-    integer(i1), allocatable :: statuses(:)          !! (cases) how these ended; `not_done` of all others
+    integer, allocatable :: cases(:), statuses(:)
+    integer :: count = 0
     real(dp) :: due = 0.0_dp                         !! when they are to be saved next
     integer(i8) :: saved = 0                         !! cases of this process
     type(error_type), allocatable :: error           !! why they cannot be saved
   contains
+    procedure :: add => add_unsaved
     procedure :: save => save_cases
   end type unsaved_cases
 
@@ -82,7 +84,7 @@ contains
     self%monitor%group => group
     self%monitor%unsaved%draft => draft
     self%monitor%unsaved%due = wall_seconds() + save_seconds(1)
-    allocate (self%monitor%unsaved%statuses(draft%layout%cases), source=int(not_done, i1))
+    allocate (self%monitor%unsaved%cases(64), self%monitor%unsaved%statuses(64))
     length = 1
     do
       call group%take(length, first)
@@ -128,7 +130,7 @@ contains
       if (allocated(result%error)) call move_alloc(result%error, error)
       if (.not. whole .or. allocated(error)) return
       call unsaved%draft%put_case(index, result)
-      unsaved%statuses(index) = int(result%status, i1)
+      call unsaved%add(int(index), result%status)
       if (unsaved%draft%file%problem /= 0) call cannot_be_written(error, unsaved%draft%file%path, unsaved%draft%file%problem)
     end associate
     if (allocated(error)) return
@@ -136,23 +138,33 @@ contains
     call self%monitor%count_case()
   end subroutine run_one
 
+  subroutine add_unsaved(self, case, status)
+    !! Remember a case.
+    class(unsaved_cases), intent(inout) :: self
+    integer, intent(in) :: case, status
+    if (self%count == size(self%cases)) then
+      self%cases = [self%cases, self%cases]
+      self%statuses = [self%statuses, self%statuses]
+    end if
+    self%count = self%count + 1
+    self%cases(self%count) = case
+    self%statuses(self%count) = status
+  end subroutine add_unsaved
+
   subroutine save_cases(self, and_statuses)
     !! Bring the numbers of all cases onto the disk, then put how they ended.
     class(unsaved_cases), intent(inout) :: self
     logical, intent(in) :: and_statuses              !! bring that onto the disk, too
     real(dp) :: began
-    integer, allocatable :: cases(:)
-    integer :: c
     began = wall_seconds()
     self%due = began + save_seconds(1)
-    if (allocated(self%error) .or. all(self%statuses == not_done)) return
-    cases = pack([(c, c=1, size(self%statuses))], self%statuses /= not_done)
+    if (self%count == 0 .or. allocated(self%error)) return
     call self%draft%write_cases()
     call self%draft%file%flush(self%error)
-    if (.not. allocated(self%error)) call self%draft%put_statuses(cases, int(self%statuses(cases)))
+    if (.not. allocated(self%error)) call self%draft%put_statuses(self%cases(:self%count), self%statuses(:self%count))
     if (and_statuses) call self%draft%file%flush(self%error)
-    if (.not. allocated(self%error)) self%saved = self%saved + size(cases)
-    self%statuses(cases) = not_done
+    if (.not. allocated(self%error)) self%saved = self%saved + self%count
+    self%count = 0
     self%due = wall_seconds() + min(save_seconds(2), max(save_seconds(1), (wall_seconds() - began)/saving_share))
   end subroutine save_cases
 
