@@ -399,7 +399,7 @@ def test_estimates_and_bounds_hold_in_random_scenes(here, kind):
         return run(here, f"scene{next(number)}", scene)
 
     number = itertools.count()
-    judged = [j for _ in range(12) for j in load_scenes.judge(run_scene, load_scenes.draw(rng, kind), int(rng.choice(load_scenes.COUNTS)))]
-    assert len(judged) > 50 and min(j.bound for j in judged) >= 1
+    judged = [j for _ in range(8) for j in load_scenes.judge(run_scene, load_scenes.draw(rng, kind), int(rng.choice(load_scenes.COUNTS)))]
+    assert len(judged) > 33 and min(j.bound for j in judged) >= 1
     ratios = np.array([j.estimate for j in judged])
     assert ratios.min() >= 1 and np.median(ratios) <= 8
