@@ -21,7 +21,7 @@ module bw_sweep_table
     'first not trusted']                    !! why cases of a large sweep are shown
   integer, parameter :: contrary(*) = [1, 2, 4, 3, 6, 5, 7, 8, 9, 10]   !! of two such reasons neither is told of one case
   character(*), parameter :: outcomes(*) = [character(24) :: 'largest_displacement', 'largest_stress', 'largest_contact_force', &
-    'restitution']                          !! of motions and contacts, as far as a result has them
+    'restitution', 'final_mass_velocity']   !! of motions and contacts, as far as a result has them
   integer, parameter :: displacement = 1, stress = 2, force = 3
 
   type :: case_row
@@ -67,8 +67,9 @@ contains
     end if
     wave = varies .and. .not. any(has(stress:))       ! there is room for all of a mode
     table = table_of('case|modes|'//mode//': frequency|'//trim(merge('frequency        ', mode//': frequency', wave))// &
-                     '|phase velocity|group velocity|displacement|stress|contact force|restitution|swept', &
-                     '||rad/s|Hz|m/s|m/s|m, largest sample|Pa|N||', [8, 8, 19, merge(12, 19, wave), 16, 16, 19, 14, 15, 13, 0], &
+                     '|phase velocity|group velocity|displacement|stress|contact force|restitution|mass leaves at|swept', &
+                     '||rad/s|Hz|m/s|m/s|m, largest sample|Pa|N||m/s|', &
+                     [8, 8, 19, merge(12, 19, wave), 16, 16, 19, 14, 15, 13, 16, 0], &
                      [.true., .true., wave, varies, wave, wave, has, .true.])
     call table%put_head(built)
     do
@@ -204,7 +205,8 @@ contains
     group_velocity = draft%get('group_velocity', row%case)
     cells = text_of(row%case)//'|'//text_of(nint(modes(1)))//'|'//fixed(row%frequency)//'|'// &
       fixed(scaled(row%frequency, 1.0_dp/two_pi))//'|'//fixed(phase_velocity(mode))//'|'//fixed(group_velocity(mode))//'|'// &
-      fixed(row%outcome(1))//'|'//fixed(row%outcome(2))//'|'//fixed(row%outcome(3))//'|'//short(row%outcome(4), 5)
+      fixed(row%outcome(1))//'|'//fixed(row%outcome(2))//'|'//fixed(row%outcome(3))//'|'//short(row%outcome(4), 5)//'|'// &
+      short(row%outcome(5), 5)
   end function row_cells
 
 end module bw_sweep_table

@@ -242,6 +242,8 @@ contains
     type(contact_result), intent(in), optional :: contact
     if (table%real_row('restitution', '', '1', 'velocity at which mass and beam separate after the first contact over that at '// &
                        'which they met', needs='contact_sample', summary=.true.)) call table%put([contact%restitution])
+    if (table%real_row('final_mass_velocity', '', 'm s-1', 'velocity of the mass after its last contact', &
+                       needs='contact_sample', summary=.true.)) call table%put([contact%leaving])
     if (table%real_row('largest_indentation', '', 'm', 'largest indentation of all contacts', needs='contact_sample', &
                        summary=.true.)) call table%put([contact%indentation])
     if (table%real_row('largest_contact_force', '', 'N', 'largest contact force of all contacts', needs='contact_sample', &

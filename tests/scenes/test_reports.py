@@ -1,5 +1,6 @@
 """What a person reads: warnings in `check` and `run`, reports again, many scenes in few lines, remarks that are no warnings."""
 
+import math
 import re
 
 import numpy as np
@@ -157,11 +158,13 @@ def test_a_sweep_of_contacts_shows_what_comes_of_them_and_no_mode_that_stays(her
     ds, said = here.run("a"), here.beamwave("run", "a.nml").stdout
     assert "Each case; mode 1 has 26.09398 Hz in all" in said and "phase velocity" not in said
     head = next(line for line in said.splitlines() if line.split()[:1] == ["case"])
-    assert re.split("  +", head.strip()) == ["case", "modes", "displacement", "stress", "contact force", "restitution", "swept"]
+    assert re.split("  +", head.strip()) == ["case", "modes", "displacement", "stress", "contact force", "restitution", "mass leaves at", "swept"]
     rows = [line.split() for line in said.splitlines() if line.endswith(("= 0.6", "= 0.8", "= 1"))]
-    told = np.array([[float(cell) for cell in row[2:6]] for row in rows])
+    told = np.array([[float(cell) for cell in row[2:7]] for row in rows])
     stress, displacement = (ds[name].max(axis=1) for name in ("largest_stress", "largest_displacement"))
-    assert np.allclose(told.T, [displacement, stress, ds["largest_contact_force"], ds["restitution"]], rtol=1e-4)
+    mass = 0.2 * BEAM["density"] * BEAM["length"] * math.pi * BEAM["diameter"] ** 2 / 4
+    leaves = 1.0 - np.where(ds["event_kind"] > 0, ds["event_impulse"], 0.0).sum(axis=1) / mass
+    assert np.allclose(told.T, [displacement, stress, ds["largest_contact_force"], ds["restitution"], leaves], rtol=1e-4)
     here.scene("b", {**groups, "capture": {}}, sweep)
     assert "mode 1: frequency" in here.beamwave("run", "b.nml").stdout
 
@@ -174,6 +177,7 @@ def test_a_report_says_how_mass_and_hub_go_on_after_contacts(here):
     assert len(impulse) > 1
     moves = float(re.search(r"After the last contact the mass moves at (\S+) m/s", said)[1])
     assert moves == pytest.approx(1.0 - impulse.sum(), rel=1e-4)
+    assert ds["final_mass_velocity"].item() == pytest.approx(moves, rel=1e-4)
     hardest = re.search(r"The largest force, (\S+) N, is that of contact (\d+), at (\S+) s", said)
     at = int(hardest[2]) - 1
     assert float(hardest[1]) == pytest.approx(float(ds["largest_contact_force"]), rel=1e-5) and at == np.argmax(force)

@@ -1,4 +1,4 @@
-"""The largest displacement, stress and contact force over two inputs, as maps."""
+"""The largest displacement, stress and contact force, restitution and last velocity of the mass over two inputs, as maps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.labels import in_units
-from ..parts.outcome import LARGEST, Outcome, input_axis, outcomes_of, ranking_of, strength, varied_inputs
+from ..parts.outcome import OUTCOMES, Outcome, input_axis, outcomes_of, ranking_of, strength, varied_inputs
 from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, swept_inputs
@@ -21,14 +21,14 @@ FEWEST = 4  # cases
 
 @styled
 def outcome_map(ds: xr.Dataset, *, inputs: Sequence[str] | None = None, ax: Given = None) -> Figure:
-    """Map the largest displacement, stress and contact force over two inputs that a sweep or a design varies.
+    """Map the largest displacement, stress and contact force, restitution and last velocity of the mass over two inputs that a sweep or a design varies.
 
     `inputs` are two of their variables, for x and y; else the two that explain most of the spread of what is drawn first. A
     grid of a sweep of two inputs is filled, of other cases each is a dot.
     """
-    outcomes = [one for one in outcomes_of(ds) if one.variable.name in LARGEST] if "case" in ds.dims else []
+    outcomes = [one for one in outcomes_of(ds) if one.variable.name in OUTCOMES] if "case" in ds.dims else []
     if not outcomes:
-        raise NothingToDraw("no largest displacement, stress or contact force that differs from case to case")
+        raise NothingToDraw("no largest value, restitution or last velocity that differs from case to case")
     names = _inputs(ds, outcomes[0], inputs)
     columns = columns_for(len(outcomes))
     sheet = sheet_for(ax, -(-len(outcomes) // columns), columns, width=5.0 * columns, height=3.7)

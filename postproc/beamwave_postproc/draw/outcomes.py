@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.labels import in_units, quantity
-from ..parts.outcome import LARGEST, SPEED, as_frequency, input_axis, varied_inputs, varies
+from ..parts.outcome import OUTCOMES, SPEED, as_frequency, input_axis, varied_inputs, varies
 from ..parts.select import left_out, spread
 from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import drawable, number_text, si_prefix, units_of
@@ -23,7 +23,7 @@ FEW_CASES = 40  # up to which each is marked
 MODES = 3
 POINTS = 4  # of numbers along the beam
 FREQUENCY = "angular_frequency"
-NUMBERS = (*LARGEST, "restitution", "impulse")
+NUMBERS = (*OUTCOMES, "impulse")
 MANY = 1e3  # between the least and the largest number of an axis, from where on it is logarithmic
 
 
@@ -38,8 +38,8 @@ class Panel(NamedTuple):
 
 @styled
 def outcomes(ds: xr.Dataset, *, only: Sequence[str] | None = None, ax: Given = None) -> Figure:
-    """Draw the frequencies of the lowest modes, largest displacement, stress and contact force, restitution and impulse over the
-    one input that a sweep or a design varies, as far as they differ from case to case.
+    """Draw the frequencies of the lowest modes, largest displacement, stress and contact force, restitution, last velocity of the mass and impulse
+    over the one input that a sweep or a design varies, as far as they differ from case to case.
 
     Numbers along the beam have a curve for each point, at most four. Frequencies over the angular velocity are left to
     `campbell`. With `only`, names of variables as `largest_stress`, the others are left out. Raises `NothingToDraw` unless three

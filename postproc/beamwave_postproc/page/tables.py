@@ -11,7 +11,7 @@ import xarray as xr
 from ..parts.describe import effects_of
 from ..parts.events import events_of
 from ..parts.labels import quantity
-from ..parts.outcome import CRITICAL, LARGEST, SPEED
+from ..parts.outcome import CRITICAL, OUTCOMES, SPEED
 from ..parts.sensors import status_words
 from ..parts.units import number_text, unit_text, units_of
 
@@ -59,7 +59,7 @@ def _modes(case: xr.Dataset) -> Table | None:
 
 def _outcomes(case: xr.Dataset) -> Table | None:
     """What the impact leaves, the largest values with their places and times, and the critical speed of a beam that rotates."""
-    words = {name: quantity(case[name]) for name in (*LARGEST, "largest_indentation", "restitution") if name in case}
+    words = {name: quantity(case[name]) for name in (*OUTCOMES, "largest_indentation") if name in case}
     words |= {
         "impulse": "impulse of the impact",
         "mass_velocity": "velocity of the mass just after the impact",

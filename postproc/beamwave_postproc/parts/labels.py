@@ -75,6 +75,7 @@ QUANTITIES = {
     "largest_contact_force": "Largest contact force",
     "largest_indentation": "Largest indentation",
     "restitution": "Restitution of the first contact",
+    "final_mass_velocity": "Last velocity of the mass",
     "impulse": "Impulse on the beam",
     "critical_angular_velocity": "Critical angular velocity",
     "time": "Time $t$",

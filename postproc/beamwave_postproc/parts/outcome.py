@@ -17,6 +17,7 @@ from .main_effects import first_order_indices, ranks
 from .units import drawable, si_prefix, units_of
 
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
+OUTCOMES = (*LARGEST, "restitution", "final_mass_velocity")
 QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
 CRITICAL, SPEED = "critical_angular_velocity", "rotation_angular_velocity"
 FEWEST = 30  # cases: of fewer chance says more than the inputs
@@ -42,7 +43,7 @@ def outcomes_of(ds: xr.Dataset) -> list[Outcome]:
     if SPEED not in ds:
         summed = [name for name in summed if name != CRITICAL]
     found = []
-    for name in [one for one in summed if one in ds] or [one for one in LARGEST if one in ds]:
+    for name in [one for one in summed if one in ds] or [one for one in OUTCOMES if one in ds]:
         one = _outcome(ds, drawable(ds[name]))
         values = one.variable.values
         finite = values[np.isfinite(values)]
