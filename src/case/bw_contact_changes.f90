@@ -305,6 +305,12 @@ contains
       if (present(loads)) call find_flexibility(scene, motion, later%count, now, monitor, loads)
       if (monitor%stop_requested()) return
       event%energy_before = event%energy_before + stored
+      if (now%bodies(size(now%bodies))%pull > 0.0_dp) then       ! its tension finds the beam bent: all of the contact counts it
+        associate (contact => contacts%events(run%event), brought => event%energy_before - (run%bodies%energy() + stored))
+          contact%energy_before = contact%energy_before + brought
+          contact%energy_after = contact%energy_after + brought
+        end associate
+      end if
       contacts%events = [contacts%events, event]
       call add_segment(now, later, run%bodies%state%time, error, contacts)
     end associate

@@ -204,9 +204,10 @@ def test_the_motion_goes_on_through_a_capture_and_a_release(here):
     assert float(ds["energy_after"][2]) <= float(ds["energy_before"][2]) * (1 + 1e-3)
 
 
-def test_energy_goes_on_through_a_soft_contact_a_capture_and_a_release_in_plane(here):
+@pytest.mark.parametrize("tension", [{}, {"stiffening": {"hub_radius": 0.1}}])
+def test_energy_goes_on_through_a_soft_contact_a_capture_and_a_release_in_plane(here, tension):
     # with the indentation the mass sits beside the axis, where its centrifugal potential is another one
-    turning = {"capture": {}, "release": {"time": 0.008}, "rotation": {"angular_velocity": 50.0}}
+    turning = {"capture": {}, "release": {"time": 0.008}, "rotation": {"angular_velocity": 50.0}, **tension}
     ds = run(here, "soft", struck({"stiffness": 1e6, "exponent": 1.0}, modes={"before": 60}, **turning))
     assert list(ds["event_kind"].values[:3]) == [4, 2, 3]
     before, after = ds["energy_before"].values[:3], ds["energy_after"].values[:3]
