@@ -30,7 +30,7 @@ FINE = 2000  # moments at which they are drawn
 def contact_force(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw the force over time of the contact of the largest force and of those of the largest impulse, each on axes of its own.
 
-    All have one scale of forces. Below them stand mass and beam at the struck place, where that is one of the points. Of a sweep the first case is drawn.
+    All have one scale of forces. Below them stand mass and beam at the struck place, where that is one of the points and no base moves the mass, too. Of a sweep the first case is drawn.
     """
     require(ds, "contact_force")
     case, note = one_case(ds)
@@ -82,8 +82,8 @@ def _draw_motion(axes: Axes, case: xr.Dataset, point: int, end: float) -> None:
 
 
 def _struck_point(case: xr.Dataset) -> int | None:
-    """Index of the point at which the mass strikes; None where histories have none."""
-    if "displacement" not in case or "point_position" not in case:
+    """Index of the point at which the mass strikes; None where histories have none, or the way of the mass is not known."""
+    if "applied_acceleration" in case or "displacement" not in case or "point_position" not in case:
         return None
     near = np.flatnonzero(np.abs(case["point_position"].values - blow_at(case)) < SAME_PLACE)
     return int(near[0]) if near.size and np.isfinite(case["displacement"].values[near[0]]).all() else None

@@ -61,8 +61,11 @@ def struck_mass(case: xr.Dataset) -> float:
 def mass_in_contact(case: xr.Dataset, times: np.ndarray, start: float = 0.0) -> np.ndarray:
     """Position (m) at `times` of a mass that is free in its guide but for the forces of its contacts, and is at `start` at t = 0.
 
-    The force is taken as an impulse in the middle of each interval of its samples, which errs by their squares.
+    The force is taken as an impulse in the middle of each interval of its samples, which errs by their squares. NaN where a base moves the
+    mass, too, whose history no result holds.
     """
+    if "applied_acceleration" in case:
+        return np.full(np.shape(times), np.nan)
     mass, rate = struck_mass(case), guide_rate(case)
     starts, states = [0.0], [(start, float(case.get("impact_approach_velocity", 1.0)))]
     for contact in contacts_of(case):

@@ -83,6 +83,13 @@ def test_a_mass_beside_a_beam_that_is_let_go_starts_on_it(touched):
     assert straight.lines[0].get_ydata()[0] == pytest.approx(straight.lines[1].get_ydata()[0])
 
 
+def test_a_mass_that_a_base_moves_is_not_drawn(touched):
+    shaken = touched.assign(applied_acceleration=("base", [50.0], {"units": "m s-2"}))
+    (alone,) = contact_force(shaken).axes
+    assert alone.get_ylabel() == "Contact force (N)"
+    assert np.isnan(motion(shaken, frames=40).mass).all()
+
+
 def test_contacts_have_the_numbers_of_their_events(touched):
     force = touched["contact_force"].copy()
     force[1] = force[0].values
