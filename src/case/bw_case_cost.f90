@@ -109,8 +109,7 @@ contains
     moving = merge(after, before, allocated(scene%capture))
     if (counts_in_its_run(scene) .and. planning) then     ! how many its tolerance takes is found by its run
       moving = first_modes*2
-      if (allocated(scene%contact)) moving = merge(real(most_loaded, dp), contact_modes*(1.0e-6_dp/scene%modes%tolerance) &
-        **(1.0_dp/3.0_dp), scene%response%acceleration)      ! errors fall as n^-3
+      if (allocated(scene%contact)) moving = modes_of_contact(scene)
       before = moving
     end if
     found = before + after
@@ -179,6 +178,18 @@ contains
       end associate
     end subroutine add_integrals
   end function case_counts
+
+  pure real(dp) function modes_of_contact(scene) result(modes)
+    !! That a tolerance takes where the impact lasts: errors fall as n^-3, those of accelerations as n^-1.5.
+    type(scene_type), intent(in) :: scene
+    real(dp), parameter :: most = 4096.0_dp
+    associate (tolerance => scene%modes%tolerance)
+      modes = contact_modes*(1.0e-6_dp/tolerance)**(1.0_dp/3.0_dp)
+      if (scene%response%acceleration) &
+        modes = most_loaded*merge((1.0e-4_dp/tolerance)**(2.0_dp/3.0_dp), 1.0_dp, scene%modes%asked)
+      modes = min(most, modes)
+    end associate
+  end function modes_of_contact
 
   pure function shared_terms(scene) result(shared)
     !! Whether a case need not do what a term counts, since modes in closed form follow from the mass, and are those of the case before.
