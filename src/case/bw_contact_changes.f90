@@ -22,7 +22,7 @@ module bw_contact_changes
   use bw_load_course, only: loads_before
   use bw_loads_beside, only: beam_of, place_beside, taking_part
   use bw_missing, only: is_missing
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: moving_state, oscillators, oscillators_of
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
@@ -227,6 +227,7 @@ contains
     real(dp) :: beyond(size(now%bodies), 2, 2), force(2)
     real(dp) :: follows(now%state%count, 2)          ! what loads move at once, of the modes that hand on their motion
     real(dp), allocatable :: load(:, :)              ! and their rates, (loads, 2)
+    real(dp), allocatable :: unsummed(:)
     logical, allocatable :: is(:)
     integer :: i, l, next
     next = number_of(configurations_of(scene), carried)
@@ -248,8 +249,12 @@ contains
       end associate
     end if
     associate (configuration => motion%modes%configuration)
+      if (carried%captured .and. .not. now%carried%captured) then
+        call find_unsummed(configuration(now%configuration), now%state%count, force(1), configuration(next)%set, monitor, unsummed)
+        if (monitor%stop_requested()) return
+      end if
       call hand_over(configuration, now%configuration, now%state, now%there, next, taking_part(motion, next, demand%modes), is, &
-                     now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, beyond)
+                     now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, beyond, unsummed)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
         error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
@@ -261,6 +266,24 @@ contains
     now%carried = carried
     now%there = is
   end subroutine change
+
+  subroutine find_unsummed(configuration, summed, force, after, monitor, unsummed)
+    !! How modes after a capture see those that were not summed, and gave way to the force of the contact at once.
+    type(configuration_type), intent(in) :: configuration
+    integer, intent(in) :: summed
+    real(dp), intent(in) :: force
+    class(mode_set), intent(in) :: after
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    real(dp), allocatable, intent(out) :: unsummed(:)       !! (modes after)
+    integer, parameter :: times_as_many = 4          ! modes as are summed
+    class(mode_set), allocatable :: before
+    real(dp), allocatable :: q(:)
+    call configuration%source%find(first_numbers(min(configuration%source%highest, times_as_many*summed)), before, monitor=monitor)
+    if (monitor%stop_requested()) return
+    q = 0.0_dp*before%modal_mass
+    q(summed + 1:) = force*before%struck(summed + 1:)/(before%modal_mass(summed + 1:)*before%beta_squared(summed + 1:)%hi)
+    unsummed = after%overlap_of_beam(before, q, monitor)
+  end subroutine find_unsummed
 
   pure function last_force(contacts) result(force)
     !! And its rate, at the end of the last segment.

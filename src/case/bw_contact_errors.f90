@@ -50,7 +50,7 @@ contains
       real(dp), intent(in), optional :: of_steps     !! of their tolerance; absent: that of histories
       real(dp), dimension(size(history, 2)) :: error, least, ratio
       real(dp) :: steps
-      real(dp), parameter :: most = 0.9_dp, hidden = 0.1_dp   ! tuned
+      real(dp), parameter :: most = 0.9_dp, hidden = 0.07_dp   ! tuned
       error = largest_distance(history, fewer)
       least = 0.0_dp
       if (fall >= 1.0_dp) least = error

@@ -46,7 +46,8 @@ module bw_change_of_bodies
 
 contains
 
-  subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond)
+  subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond, &
+                       unsummed)
     !! The state of the modes after a change, and the balance of the event; its kind and its time are the caller's.
     type(configuration_type), intent(in) :: configuration(:)   !! whose modes were found in the same way, of the same pieces
     integer, intent(in) :: from, onto               !! the configurations before and after
@@ -60,6 +61,8 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
     real(dp), intent(in), optional :: beyond(:, :, :)
       !! deflection and turning at the bodies, and their rates, that the state lacks and that is known, (bodies, 2, 2)
+    real(dp), allocatable, intent(in), optional :: unsummed(:)
+      !! the same of the beam between them, ∫ρAΦ_kv dx of its displacement, (modes after); unallocated: nothing
     type(shape_term), allocatable :: whole(:)       ! the displacement
     type(shape_term) :: motion(1)                   ! the velocity
     real(dp), dimension(size(bodies), 2) :: moved, moving, push
@@ -99,6 +102,9 @@ contains
           later%q = later%q + pushed_by(after, bodies, gain*beyond(:, :, 1))
           later%rate = later%rate + pushed_by(after, bodies, gain*beyond(:, :, 2))
         end associate
+      end if
+      if (present(unsummed)) then
+        if (allocated(unsummed)) later%q = later%q + unsummed
       end if
       later%q = later%q/after%modal_mass
       later%rate = later%rate/after%modal_mass

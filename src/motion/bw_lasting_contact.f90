@@ -243,7 +243,7 @@ contains
     call press(run, segment%load, monitor)
     if (stops(monitor) .or. run%failed) return
     run%indentation = max(run%indentation, run%deepest)
-    if (run%ended .and. run%deepest <= unseen .and. .not. run%goes_on) then
+    if (run%ended .and. run%deepest <= unseen .and. .not. (run%goes_on .or. run%captured)) then
       call append_segment(contacts, segment, 0)
       return
     end if

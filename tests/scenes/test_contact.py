@@ -204,6 +204,15 @@ def test_the_motion_goes_on_through_a_capture_and_a_release(here):
     assert float(ds["energy_after"][2]) <= float(ds["energy_before"][2]) * (1 + 1e-3)
 
 
+def test_a_capture_in_a_contact_of_next_to_no_force_is_one(here):
+    groups = {"rotation": {"angular_velocity": 28.0}, "stiffening": {}, "capture": {}, "modes": {"before": 5}}
+    pulse = {"position": 0.7, "shape": "rectangle", "amplitude": 19.0, "duration": 1.3e-4}
+    impact = {"mass": 12.0, "approach_velocity": 2e-9}
+    scene = struck({"stiffness": 2e24, "exponent": 10.0}, impact, force=pulse, **groups)
+    ds = run(here, "faint", {**scene, "response": {"duration": 0.04, "samples": 64}})
+    assert list(ds["event_kind"].values[:2]) == [4, 2]
+
+
 @pytest.mark.parametrize("tension", [{}, {"stiffening": {"hub_radius": 0.1}}])
 def test_energy_goes_on_through_a_soft_contact_a_capture_and_a_release_in_plane(here, tension):
     # with the indentation the mass sits beside the axis, where its centrifugal potential is another one
