@@ -13,8 +13,8 @@ module bw_line_moves
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
   use bw_penalty, only: chi_squared
-  use bw_refit, only: accept, all_steps, at_rest, is_broken, near, overlaps, refit, refit_all, refit_type, span_of_model
-  use bw_refit, only: trial_steps
+  use bw_refit, only: accept, all_steps, at_rest, is_broken, near, overlaps, refit, refit_all, refit_type, span_of_model, &
+    trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
