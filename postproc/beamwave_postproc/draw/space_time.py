@@ -7,10 +7,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..parts.envelope import largest_of_each
 from ..parts.events import ROW, mark_events
 from ..parts.growth import end_note, grows, samples_held
 from ..parts.labels import axis_label
-from ..parts.line import FORCES, beam_line, force_line, places_of_line, whole_line
+from ..parts.line import FORCES, Line, beam_line, force_line, places_of_line, whole_line
 from ..parts.passage import first_part
 from ..parts.places import mark_places
 from ..parts.points import error_warning
@@ -21,7 +22,8 @@ from ..result import NothingToDraw, require, require_numbers
 from ..stress import factors
 from ..style import styled
 
-PLACES, TIMES = 160, 900  # of the image
+PLACES, TIMES = 160, 450  # of the image, no more than it has dots on paper, so that each is seen
+BLOCK = 2**16  # samples whose lines are drawn at once, for the memory
 ALIKE = 1e-9  # of a stress: rounding
 
 
@@ -35,7 +37,8 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
     """Draw `displacement` (or another history by its `name`) of the first case over time (x) and place ξ (y).
 
     Beside the whole record stands its first part, where the first waves run to and fro and the record is much longer
-    than that; on a given `ax` only the whole record. Needs points along all of the beam.
+    than that; on a given `ax` only the whole record. A column that stands for several samples shows at each place the one
+    of largest magnitude, so that no peak is lost. Needs points along all of the beam.
     """
     ds = chosen(ds, cases=cases)
     require(ds, name, "time", "point_position")
@@ -45,31 +48,28 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
     xi, history = whole_line(case, name)
     held = samples_held(case, name)
     ends = [end for end in (start, float(case["time"][held - 1])) if end is not None]
+    thinned = f"at each place the value of largest magnitude in each of {TIMES} columns of time" if held > TIMES else ""
     columns = columns_for(len(ends))
     sheet = sheet_for(ax, len(ends) // columns, columns, width=6.4 if len(ends) == 1 else 9.6, height=3.6)
     for axes, end in zip(sheet.axes, ends):
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
         axes.set_ylabel(r"Place $\xi$ (0 root, 1 tip)")  # on each, or the words of the bar before it would be taken for it
-    return sheet.finish(ds, [note, end_note([case], name)], warning=error_warning([case], name))
+    return sheet.finish(ds, [note, end_note([case], name), thinned], warning=error_warning([case], name))
 
 
 def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     """One image of places, times and histories (time, point), with its own scale of colours."""
     xi, time, history = line
-    time, history = _means(time), _means(history)
-    if name in FORCES:
-        places = np.linspace(xi[0], xi[-1], PLACES)
-        image = force_line(xi, history)(places)
-    else:
-        places = places_of_line(case, xi, PLACES)
-        image = beam_line(case, xi, history)(places)
-    words, image = _scaled(case, name, image)
+    places = np.linspace(xi[0], xi[-1], PLACES) if name in FORCES else places_of_line(case, xi, PLACES)
+    image = largest_of_each(lambda part: _line(case, name, xi, history[part])(places), time.size, TIMES, BLOCK)
+    words, image, factor = _scaled(case, name, image)
     clock, ticks = si_prefix(time, units_of(case["time"]))
     step = time[1] - time[0] if time.size > 1 else 1.0
     extent = (ticks * (time[0] - step / 2), ticks * (time[-1] + step / 2), places[0], 1.0)
     largest = np.abs(image).max() or 1.0
-    shown = axes.imshow(image, origin="lower", aspect="auto", extent=extent, cmap="RdBu_r", vmin=-largest, vmax=largest)
+    look = {"cmap": "RdBu_r", "vmin": -largest, "vmax": largest, "interpolation": "nearest"}
+    shown = axes.imshow(image, origin="lower", aspect="auto", extent=extent, **look)
     mark_places(axes, case, "y")
     axes.grid(visible=False)
     axes.set_xlabel(axis_label(case["time"], clock))
@@ -77,8 +77,13 @@ def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.nd
     if image.any():  # white is zero; no colours of a sign that does not occur
         bar.ax.set_ylim(image.min(), image.max())
         if name == "bending_moment" and not grows(case):
-            _add_stress(bar.ax, case, np.abs(image).max() / np.abs(history).max())
+            _add_stress(bar.ax, case, factor)
     axes.set_title("", pad=6.0 + ROW * mark_events(axes, [case], ticks, words=True))
+
+
+def _line(case: xr.Dataset, name: str, xi: np.ndarray, history: np.ndarray) -> Line:
+    """Line of the beam through `history` (time, point)."""
+    return force_line(xi, history) if name in FORCES else beam_line(case, xi, history)
 
 
 def _add_stress(bar: Axes, case: xr.Dataset, scale: float) -> None:
@@ -95,19 +100,11 @@ def _add_stress(bar: Axes, case: xr.Dataset, scale: float) -> None:
     left.set_ylabel(f"Outermost fibre's stress ({prefix}Pa)")
 
 
-def _scaled(case: xr.Dataset, name: str, image: np.ndarray) -> tuple[str, np.ndarray]:
-    """Words for the colours of `image` (place, time), and its numbers: of a growing motion over the largest so far."""
+def _scaled(case: xr.Dataset, name: str, image: np.ndarray) -> tuple[str, np.ndarray, float]:
+    """Words for the colours of `image` (place, time), its numbers, of a growing motion over the largest so far, and their unit's factor."""
     if grows(case):
         largest = np.maximum.accumulate(np.abs(image).max(axis=0))
-        return f"{axis_label(case[name]).split(' (')[0]} over the largest so far: it grows", image / np.where(
-            largest > 0.0, largest, 1.0
-        )
+        words = f"{axis_label(case[name]).split(' (')[0]} over the largest so far: it grows"
+        return words, image / np.where(largest > 0.0, largest, 1.0), 1.0
     prefix, factor = si_prefix(image, units_of(case[name]))
-    return axis_label(case[name], prefix), factor * image
-
-
-def _means(values: np.ndarray) -> np.ndarray:
-    """Means of equal intervals along the first axis, at most `TIMES`: a picture has no more columns."""
-    size = -(-values.shape[0] // TIMES)
-    whole = values.shape[0] // size * size
-    return values[:whole].reshape(-1, size, *values.shape[1:]).mean(axis=1)
+    return axis_label(case[name], prefix), factor * image, factor

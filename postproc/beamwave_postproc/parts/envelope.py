@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -30,6 +32,21 @@ def draw_envelope(axes: Axes, time: np.ndarray, values: np.ndarray, *, colour: s
     axes.fill_between(middle, low, high, color=colour, alpha=0.35, linewidth=0.0)
     axes.plot(middle, mean, color=colour, linewidth=0.8)
     return f"band: smallest to largest in each of {len(parts)} intervals; line: their mean"
+
+
+def largest_of_each(rows_of: Callable[[slice], np.ndarray], samples: int, columns: int, block: int) -> np.ndarray:
+    """Image (row, column) of at most so many `columns`, each the number of largest magnitude, with its sign, of its share of the samples.
+
+    `rows_of` gives the numbers (row, sample) of a part of the samples; about a `block` of them is asked for at once.
+    """
+    edges = np.linspace(0, samples, min(columns, samples) + 1).round().astype(int)
+    found = []
+    for group in np.array_split(np.arange(edges.size - 1), max(1, samples // block)):
+        first, last = edges[group[0]], edges[group[-1] + 1]
+        values = rows_of(slice(first, last))
+        high, low = (reduce.reduceat(values, edges[group] - first, axis=1) for reduce in (np.maximum, np.minimum))
+        found.append(np.where(high >= -low, high, low))
+    return np.hstack(found)
 
 
 def _parts(values: np.ndarray) -> list[np.ndarray]:

@@ -184,6 +184,24 @@ def test_the_image_of_moments_goes_through_all_points_and_has_the_stress_beside_
     np.testing.assert_allclose(np.array(beside.get_ylim()), np.array(bar.get_ylim()) * 32e-6 / (np.pi * diameter**3), rtol=1e-9)
 
 
+def test_a_peak_of_one_sample_is_in_the_image_of_a_long_record(whole):
+    samples = 100_000
+    time = np.arange(samples) * 1e-6
+    moments = np.outer(1.0 - np.array(POINTS), np.sin(300.0 * time))
+    moments[7, 54_321], moments[7, 98_765] = 5.0, -7.0
+    ds = whole.drop_dims("time").assign_coords(time=("time", time, whole["time"].attrs))
+    ds = ds.assign(bending_moment=(("point", "time"), moments, {"units": "N m", "long_name": "bending moment"}))
+    fig = space_time_moment(ds)
+    image = next(axes for axes in fig.axes[::-1] if axes.images).images[0]
+    left, right, bottom, top = image.get_extent()
+    held = image.get_array()
+    # The rows next to the point are up to half a row from it, of 159 along 0.95, where its neighbours are 0.05 away.
+    for peak, at in ((5.0, 0.054321), (-7.0, 0.098765)):
+        row = np.abs(np.linspace(bottom, top, held.shape[0]) - POINTS[7]).argmin()
+        assert held[row, int((1e3 * at - left) / (right - left) * held.shape[1])] == pytest.approx(peak, rel=0.07)
+    assert any("largest magnitude" in text.get_text() for text in fig.texts)
+
+
 def test_a_clamped_beam_has_its_root_in_the_image_and_an_elastic_one_its_points(whole):
     elastic = space_time(whole.assign(support_stiffness=1e6).assign_attrs(effects="support impact")).axes[1].images[0]
     assert elastic.get_extent()[2] == POINTS[0]
