@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -13,6 +15,7 @@ from ..parts.envelope import draw_envelope, is_dense
 from ..parts.events import ROW, lanes_note, mark_events
 from ..parts.growth import end_note, grows, growth_note, samples_held, scale_for_growth
 from ..parts.labels import axis_label
+from ..parts.passage import acted_part
 from ..parts.points import (
     FEW,
     MAX_POINTS,
@@ -25,8 +28,8 @@ from ..parts.points import (
     shown_points,
 )
 from ..parts.select import Chosen, chosen
-from ..parts.sheet import Given
-from ..parts.units import LARGEST, si_prefix, units_of
+from ..parts.sheet import Given, columns_for
+from ..parts.units import LARGEST, si_prefix, units_of, with_unit
 from ..result import NothingToDraw, require
 from ..stress import factors
 from ..style import COLOURS, say_zero, sparse_markers, styled
@@ -76,25 +79,31 @@ def hub_angle(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figu
 
 @styled
 def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
-    """Draw variable `name` (case, point, time): points as rows, panels of cases as columns, all against one time."""
+    """Draw variable `name` (case, point, time): points as rows, panels of cases as columns, all against one time.
+
+    Beside a single panel stands what is too short to be seen in it: the part of the record in which a force acts.
+    """
     require(ds, name, "time", "point_position")
     if is_scattered(ds):
         return _of_many(ds, name, ax, limit)
     drawn = panels_of(ds, name, panels=COLUMNS)
     cases = [curve.data for curve in drawn.curves]
     points, left = shown_points(ds, cases, name, FEW if limit and len(drawn.panels) > 1 else limit)
-    sheet = sheet_of_points(ax, len(points), len(drawn.panels))
+    near = acted_part(cases) if ax is None and len(drawn.panels) == 1 and columns_for(2) == 2 else None
+    panels = drawn.panels if near is None else [*drawn.panels, _part_of(drawn.panels[0], near)]
+    sheet = sheet_of_points(ax, len(points), len(panels))
     scales = common_prefixes([_least(drawn.panels, name, point) for point in points], units_of(ds[name]))
     notes = []
     for row, point, (prefix, scale) in zip(sheet.grid, points, scales):
-        notes += _draw_row(list(row), ds, drawn.panels, name, point, scale)
+        notes += _draw_row(list(row), panels, name, point, scale, several=len(drawn.curves) > 1)
         row[0].set_ylabel(point_label(ds, name, point, prefix))
     if name == "bending_moment":
         _add_stress([row[-1] for row in sheet.grid], cases, points, [scale for _, scale in scales])
-    for column, panel in zip(sheet.grid.T, drawn.panels):
-        _mark_time(list(column), ds, panel, name)
+    for column, panel in zip(sheet.grid.T, panels):
+        _mark_time(list(column), panel, name)
     ends = (growth_note(cases, name), end_note(cases, name))
     lanes = [lanes_note([curve.data for curve in panel.curves]) for panel in drawn.panels]
+    notes += [_what_part(near)] if near else []
     told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes, *lanes)
     return sheet.finish(ds, dict.fromkeys(told), warning=error_warning(cases, name, points))
 
@@ -117,7 +126,7 @@ def _of_many(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
         _scale_values(axes, scale * rows, growing)
     if name == "bending_moment":
         _add_stress(sheet.axes, cases, points, [scale for _, scale in scales])
-    _mark_time(sheet.axes, ds, Panel("", [Curve(0, case, "", {}) for case in cases]), name, alike=True)
+    _mark_time(sheet.axes, Panel("", [Curve(0, case, "", {}) for case in cases]), name, alike=True)
     lost = ds.sizes["case"] - len(cases)
     told = [f"{len(cases)} cases" + (f", {lost} more without numbers" if lost else ""), left, growth_note(cases, name)]
     told += [end_note(cases, name), error_note(ds, cases, name, points)]
@@ -134,15 +143,27 @@ def _rows(panel: Panel, name: str, point: int) -> np.ndarray:
     return np.array([curve.data[name].values[point] for curve in panel.curves])
 
 
-def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], name: str, point: int, scale: float) -> list[str]:
-    """Histories of all cases at one point, times `scale`; what has to be said of them."""
+def _part_of(panel: Panel, part: tuple[float, float]) -> Panel:
+    """The same curves between two times (s)."""
+    time = panel.curves[0].data["time"].values
+    samples = slice(*(int(np.searchsorted(time, end)) for end in part))
+    return Panel("", [replace(curve, data=curve.data.isel(time=samples)) for curve in panel.curves])
+
+
+def _what_part(part: tuple[float, float]) -> str:
+    """Which part of the record stands at the right, in words."""
+    begin, length = part[0], with_unit(part[1] - part[0], "s", 2)
+    return f"right, enlarged: the {length} from {with_unit(begin, 's', 3)} on" if begin > 0.0 else f"right, enlarged: the first {length}"
+
+
+def _draw_row(row: list[Axes], panels: list[Panel], name: str, point: int, scale: float, *, several: bool) -> list[str]:
+    """Histories of all cases at one point, times `scale`, which differ in their looks where there are several; what has to be said of them."""
     values = [_rows(panel, name, point) for panel in panels]
     growing = [[grows(curve.data) for curve in panel.curves] for panel in panels]
-    several = sum(len(panel.curves) for panel in panels) > 1
     notes = []
     for axes, panel, rows, flags in zip(row, panels, values, growing):
         axes.set_autoscaley_on(not any(flags))  # matplotlib's margin would overflow
-        notes += [_draw_history(axes, ds, curve, scale * line, several) for curve, line in zip(panel.curves, rows)]
+        notes += [_draw_history(axes, curve, scale * line, several) for curve, line in zip(panel.curves, rows)]
     _scale_row(row, [scale * rows for rows in values], growing)
     return notes
 
@@ -174,9 +195,9 @@ def _add_axis(axes: Axes, factor: float, label: str) -> None:
     right.set_ylabel(label)
 
 
-def _draw_history(axes: Axes, ds: xr.Dataset, curve: Curve, values: np.ndarray, several: bool) -> str:
+def _draw_history(axes: Axes, curve: Curve, values: np.ndarray, several: bool) -> str:
     """One history as a line, or where a line would fill the picture as a band; what is drawn then."""
-    time = ds["time"].values * _time_factor(ds)
+    time = curve.data["time"].values * _time_factor(curve.data)
     style = {**curve.style, "markevery": sparse_markers(curve.index, time.size)} if several else ALONE
     style = {**style, "marker": "o"} if time.size == 1 else style
     if is_dense(values):
@@ -193,8 +214,9 @@ def _scale_row(row: list[Axes], values: list[np.ndarray], growing: list[list[boo
         for axes, panel, flags in zip(row, values, growing):
             _scale_values(axes, panel, flags)
         return
+    whole = [panel for panel in values if panel.shape[1] == values[0].shape[1]]  # without a part seen from near
     for axes in row:
-        _scale_values(axes, np.concatenate(values), [flag for flags in growing for flag in flags])
+        _scale_values(axes, np.concatenate(whole), [flag for flags in growing[: len(whole)] for flag in flags])
     limits = np.array([axes.get_ylim() for axes in row])
     for axes in row:
         axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
@@ -216,9 +238,11 @@ def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:
         scale_for_growth(axes, values, growing)
 
 
-def _mark_time(column: list[Axes], ds: xr.Dataset, panel: Panel, name: str, *, alike: bool = False) -> None:
+def _mark_time(column: list[Axes], panel: Panel, name: str, *, alike: bool = False) -> None:
     """Time axis of one column up to its last number, its events, of which with `alike` those that all cases share, and its title."""
-    factor, cases = _time_factor(ds), [curve.data for curve in panel.curves]
+    cases = [curve.data for curve in panel.curves]
+    ds = cases[0]
+    factor = _time_factor(ds)
     colours = [] if alike else [curve.style["color"] for curve in panel.curves]
     held = max(samples_held(case, name) for case in cases)
     time = ds["time"].values[:held] * factor

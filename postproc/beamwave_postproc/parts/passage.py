@@ -1,10 +1,11 @@
-"""How long waves take along the beam: what a picture of a whole record is too coarse to show."""
+"""How long waves take along the beam, and a force acts: what a picture of a whole record is too coarse to show."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
 
+from .events import events_of
 from .moving import half_the_sampling_rate, last_modes, sampled_frequencies
 from .relation import relation_of
 
@@ -16,6 +17,9 @@ WAVES = (
     4.0  # that pass in the time of one length at the highest frequency, at least: with fewer nothing arrives sharply
 )
 RETURNS = 2.5  # lengths of the beam that they run in that time
+SHORT = 0.05  # of the record: a force that acts no longer is less than half a centimetre of a column of a journal
+MOSTLY = 0.9  # of its impulse: what is given later does not count
+AFTER = 1.5  # times as long as the force acts: what is seen of the motion
 LOWEST = 1e-5  # of the highest frequency: where a smooth relation starts
 
 
@@ -29,6 +33,39 @@ def first_part(case: xr.Dataset) -> float | None:
         return None
     end = PASSAGES * length_of(case) / velocity[min(1, velocity.size - 1)]
     return float(end) if _is_resolved(case, end) and end < MOST * _duration(case) else None
+
+
+def acted_part(cases: list[xr.Dataset]) -> tuple[float, float] | None:
+    """Times (s) between which contacts and forces act on each of `cases` and the first waves run, where that is too short to be seen in the record.
+
+    None where nothing lasting acts, where it acts in a fair part of the record, and where the samples do not resolve it.
+    """
+    acting = [found for found in map(_acting, cases) if found]
+    if not acting or len(acting) < len(cases):
+        return None
+    begin, end = min(begin for begin, _ in acting), max(end for _, end in acting)
+    step = float(cases[0]["time"][1] - cases[0]["time"][0])
+    length = max(AFTER * (end - begin), LEAST_SAMPLES * step, *(first_part(case) or 0.0 for case in cases))
+    record = _duration(cases[0])
+    seen = end - begin > SHORT * record or length > MOST * record or begin + length > float(cases[0]["time"][-1])
+    return None if seen else (begin, begin + length)
+
+
+def _acting(case: xr.Dataset) -> tuple[float, float] | None:
+    """When (s) contacts and forces begin to act on a case, and have given most of their impulse; None where that is not known or takes no time."""
+    if "time" not in case or case["time"].size < 2:
+        return None
+    spans = [(event.time, event.end, abs(event.impulse)) for event in events_of(case) if event.kind == "contact"]
+    if "applied_impulse" in case and {"force_start", "force_duration"} <= set(case.variables):
+        start, duration, impulse = (np.atleast_1d(case[name].values) for name in ("force_start", "force_duration", "applied_impulse"))
+        spans += list(zip(start, start + duration, np.abs(impulse)))
+    spans = [span for span in spans if float(case["time"][0]) <= span[0] <= float(case["time"][-1])]
+    if not spans or not np.isfinite(spans).all():
+        return None
+    begin, end, impulse = np.array(sorted(spans)).T
+    most = int(np.searchsorted(np.cumsum(impulse), MOSTLY * impulse.sum()))
+    last = float(end[: most + 1].max())
+    return (float(begin[0]), last) if last > begin[0] else None
 
 
 def arrivals(case: xr.Dataset) -> float | None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import synthetic
 import xarray as xr
+from matplotlib.figure import Figure
 
 from beamwave_postproc import NothingToDraw, bending_moment, displacement, hub_angle, open_result, velocity
 
@@ -70,6 +71,45 @@ def test_a_dense_history_is_a_band_and_the_head_says_so(full_result):
         lean = displacement(ds, 1.0)
     assert fig.axes[0].collections and not lean.axes[0].collections
     assert any("smallest to largest" in text.get_text() for text in fig.texts)
+
+
+def touched_by(ds, *contacts):
+    """The result with contacts of these begins, ends (s) and impulses (N s) as its events."""
+    begin, end, impulse = (("event", list(column)) for column in zip(*contacts))
+    kind = ("event", [4.0] * len(contacts), {"flag_values": [4], "flag_meanings": "contact"})
+    bare = ds.drop_vars([name for name in ds.variables if name.startswith("event")])
+    return bare.assign(event_time=begin, event_end=end, event_impulse=impulse, event_kind=kind)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "end"),
+    [
+        ([(0.0, 0.004, 1.0), (0.02, 0.04, 1.0)], 1.5 * 0.04),
+        ([(0.0, 0.004, 1.0), (0.02, 0.04, 1.0), (0.8, 0.81, 0.1)], 1.5 * 0.04),  # the last one gives less than a tenth
+        ([(0.0, 0.004, 1.0), (0.8, 0.81, 1.0)], None),  # contacts all along the record
+        ([(0.0, 0.06, 1.0)], None),  # wide enough to be seen
+    ],
+)
+def test_the_part_in_which_a_short_force_acts_stands_enlarged_beside_the_record(full_result, contacts, end):
+    with open_result(full_result) as ds:
+        struck = touched_by(ds.load(), *contacts)
+    fig = displacement(struck, 1.0)
+    whole, *near = fig.axes
+    assert len(near) == (end is not None)
+    assert ("right, enlarged: the first 60" in words(fig)) == (end is not None)
+    if near:
+        assert near[0].get_xlim() == pytest.approx((0.0, 1e3 * end), rel=2e-3)  # to within a sample, in ms
+        line = near[0].lines[0]
+        np.testing.assert_array_equal(line.get_ydata(), whole.lines[0].get_ydata()[: line.get_ydata().size])
+    alone = displacement(struck, 1.0, ax=Figure().subplots())
+    assert len(alone.axes) == 1  # the caller's
+
+
+def test_a_short_load_is_enlarged_where_it_begins(full_result):
+    load = {"force_start": ("force", [0.3]), "force_duration": ("force", [0.01]), "applied_impulse": ("force", [1.0])}
+    with open_result(full_result) as ds:
+        _, near = displacement(touched_by(ds.load()[["displacement", "time"]], (np.nan,) * 3).assign(load), 1.0).axes
+    assert near.get_xlim() == pytest.approx((300.0, 315.0), rel=1e-3)
 
 
 def test_the_worst_point_is_named_with_its_error(full_result):
