@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ..parts.labels import in_units
 from ..parts.outcome import OUTCOMES, Outcome, input_axis, outcomes_of, ranking_of, strength, varied_inputs
 from ..parts.sheet import Given, columns_for, sheet_for
+from ..parts.spacing import edges_of, space_cells
 from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, swept_inputs
 from ..style import styled
@@ -70,7 +71,10 @@ def _draw(axes: Axes, ds: xr.Dataset, outcome: Outcome, names: list[str]) -> Non
     if columns.size * rows.size == values.size and len(set(zip(x, y))) == values.size:
         grid = np.full((rows.size, columns.size), np.nan)
         grid[np.searchsorted(rows, y), np.searchsorted(columns, x)] = values * factor
-        drawn = axes.pcolormesh(columns, rows, np.ma.masked_invalid(grid), shading="nearest", cmap="cividis", rasterized=True)
+        edges = edges_of(columns), edges_of(rows)
+        drawn = axes.pcolormesh(*edges, np.ma.masked_invalid(grid), cmap="cividis", rasterized=True)
+        for which, places in (("x", columns), ("y", rows)):
+            space_cells(axes, which, places)
         axes.set_facecolor("0.75")
     else:
         size = float(np.clip(4000.0 / values.size, 3.0, 40.0))

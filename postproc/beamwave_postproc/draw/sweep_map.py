@@ -12,11 +12,11 @@ from ..parts.labels import input_label
 from ..parts.outcome import varies
 from ..parts.select import Chosen, chosen, left_out
 from ..parts.sheet import Given, columns_for, sheet_for
+from ..parts.spacing import edges_of, space_cells
 from ..result import NothingToDraw, require, require_numbers, swept_inputs, to_grid
-from ..style import COLOURS, logarithmic, styled
+from ..style import COLOURS, styled
 
 MAX_MODES = 4
-FEW = 5  # values of an input, up to which each has its tick in the middle of its cells
 SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
 GROWS = {"facecolor": "0.92", "edgecolor": "0.6", "hatch": "///", "linewidth": 0.0}
 LACKS = "0.75"  # colour of a case without numbers
@@ -61,7 +61,7 @@ def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:
     frequency = mode["angular_frequency"] / (2.0 * np.pi)
     y, x = (mode[name] for name in frequency.dims)
     axes.grid(visible=False)
-    edges = _edges(x.values), _edges(y.values)
+    edges = edges_of(x.values), edges_of(y.values)
     masked = np.ma.masked_invalid(frequency.values)
     grows = np.nan_to_num(mode["growth_rate"].values) > 0.0 if "growth_rate" in mode else masked.mask & False
     if grows.any():
@@ -74,20 +74,9 @@ def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:
     if masked.count():
         mesh = axes.pcolormesh(*edges, masked, cmap="cividis", rasterized=True)
         axes.figure.colorbar(mesh, ax=axes, label="Frequency (Hz)")
-    for coordinate, which, ends in zip((x, y), "xy", edges):
-        axes.set(**{f"{which}label": input_label(coordinate), f"{which}lim": ends[[0, -1]]})
-        if coordinate.size <= FEW:
-            axes.set(**{f"{which}ticks": coordinate.values})
-        elif _log_spaced(coordinate.values):
-            logarithmic(axes, which, *ends[[0, -1]])
-
-
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Where the cells of these values meet, and where the first and the last end: as far from their values as on the other side."""
-    if values.size > FEW and _log_spaced(values):
-        return values[0] * (values[1] / values[0]) ** (np.arange(values.size + 1) - 0.5)
-    middles = 0.5 * (values[1:] + values[:-1])
-    return np.array([2.0 * values[0] - middles[0], *middles, 2.0 * values[-1] - middles[-1]])
+    for coordinate, which in ((x, "x"), (y, "y")):
+        axes.set(**{f"{which}label": input_label(coordinate)})
+        space_cells(axes, which, coordinate.values)
 
 
 def _draw_critical_speed(axes: Axes, ds: xr.Dataset, names: list[str]) -> None:
@@ -103,11 +92,3 @@ def _draw_critical_speed(axes: Axes, ds: xr.Dataset, names: list[str]) -> None:
     limits = axes.get_xlim(), axes.get_ylim()
     axes.plot(*line, color=COLOURS[2], linewidth=2.0, label="critical speed")
     axes.set(xlim=limits[0], ylim=limits[1])
-
-
-def _log_spaced(values: np.ndarray) -> bool:
-    """Whether three or more positive values have one ratio from each to the next."""
-    if values.size < 3 or values[0] <= 0.0:
-        return False
-    ratios = values[1:] / values[:-1]
-    return bool(np.allclose(ratios, ratios[0], rtol=1e-6))

@@ -11,9 +11,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from ..result import NothingToDraw, swept_inputs
-from ..style import logarithmic
 from .labels import input_label, quantity
 from .main_effects import first_order_indices, ranks
+from .spacing import space_axis
 from .units import drawable, si_prefix, units_of
 
 LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
@@ -23,8 +23,6 @@ CRITICAL, SPEED = "critical_angular_velocity", "rotation_angular_velocity"
 FEWEST = 30  # cases: of fewer chance says more than the inputs
 CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary independently …
 BY_CHANCE = 4.0  # … unless it is within so many standard deviations, 1/√cases, of inputs that do
-DECADES = 30.0  # between the least and the largest value of an input, from where on its axis is logarithmic
-MARGIN = 1.2  # of a logarithmic axis
 SAME = 1e-9  # of the largest: rounding
 
 
@@ -73,12 +71,11 @@ def as_frequency(variable: xr.DataArray) -> xr.DataArray:
 
 
 def input_axis(axes: Axes, which: Literal["x", "y"], variable: xr.DataArray) -> np.ndarray:
-    """Label one axis of an input, logarithmic where its values span decades; returns the values in its unit."""
+    """Label one axis of an input, logarithmic where its values are spaced so or span decades; returns the values in its unit."""
     prefix, factor = si_prefix(variable.values, units_of(variable))
     values = factor * variable.values.astype(float)
     axes.set(**{f"{which}label": input_label(variable, prefix)})
-    if values.min() > 0.0 and values.max() > DECADES * values.min():
-        logarithmic(axes, which, values.min() / MARGIN, values.max() * MARGIN)
+    space_axis(axes, which, values)
     return values
 
 

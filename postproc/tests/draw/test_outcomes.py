@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from beamwave_postproc import NothingToDraw, outcomes
+from beamwave_postproc import NothingToDraw, outcome_map, outcomes
 
 
 def swept(name, values, units="1", **variables):
@@ -81,3 +81,19 @@ def test_two_inputs_or_two_cases_are_no_curve():
         outcomes(ds.assign_coords(impact_mass=("case", [1.0, 2.0, 3.0])))
     with pytest.raises(NothingToDraw, match="three cases"):
         outcomes(ds.isel(case=[0, 1]))
+
+
+@pytest.mark.parametrize(("stiffness", "scale"), [([1e5, 2e5, 4e5], "log"), ([1e5, 2e5, 3e5], "linear"), ([1.0, 9.0, 100.0], "log")])
+def test_an_axis_is_spaced_as_the_values_of_the_sweep(stiffness, scale):
+    inputs = {"contact_stiffness": stiffness, "impact_mass": [1.0, 2.0]}
+    grid = np.array(np.meshgrid(*inputs.values(), indexing="ij")).reshape(2, -1)
+    force = ("case", grid[0] * grid[1], {"units": "N"})
+    ds = xr.Dataset({"largest_contact_force": force}).assign_coords(case=np.arange(6))
+    ds = ds.assign_coords({name: ("case", values, {"units": "1"}) for name, values in zip(inputs, grid)})
+    axes = outcome_map(ds, inputs=list(inputs)).axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == (scale, "linear")
+    first, second = stiffness[:2]  # the first cell is as far around its value as to the middle between both
+    edge = first * np.sqrt(first / second) if scale == "log" else 1.5 * first - 0.5 * second
+    assert axes.get_xlim()[0] == pytest.approx(edge)
+    (line,) = outcomes(swept("contact_stiffness", stiffness, largest_contact_force=("case", [1.0, 2.0, 4.0], "N"))).axes
+    assert line.get_xscale() == scale
