@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ..parts.contacts import Contact, contacts_of, mass_at_beam
 from ..parts.events import ROW, events_of, mark_events
 from ..parts.labels import axis_label
 from ..parts.passage import blow_at
 from ..parts.places import turn_of_line
-from ..parts.select import left_out, one_case
+from ..parts.select import one_case
 from ..parts.sheet import Given, columns_for, mosaic_for
 from ..parts.units import si_prefix, units_of, with_unit
 from ..result import require
 from ..style import COLOURS, styled
 
-MOST = 4  # contacts whose force is drawn
+MOST = 4  # contacts that have axes of their own, or a name
+NAMED = 0.25  # of the largest force: a contact that reaches it has a name
+# Colours of contacts in their order, told apart by the colour-blind too, without those too light for a line.
+ORDER = LinearSegmentedColormap.from_list("order", colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 WIDTH = 1.8  # inches, of one of them
 ROOM = 1.5  # times the end of the last contact, up to which mass and beam are followed
 LEAST = 24  # samples of the beam that are drawn at least
@@ -28,25 +35,45 @@ FINE = 2000  # moments at which they are drawn
 
 @styled
 def contact_force(ds: xr.Dataset, *, ax: Given = None) -> Figure:
-    """Draw the force over time of the contact of the largest force and of those of the largest impulse, each on axes of its own.
+    """Draw the force over time of every contact: of a few each on axes of its own, of more all on one, with colours in their order.
 
-    All have one scale of forces. Below them stand mass and beam at the struck place, where that is one of the points and no base moves the mass, too. Of a sweep the first case is drawn.
+    All have one scale of forces; of many the hardest are named. Below them stand mass and beam at the
+    struck place, where that is one of the points and no base moves the mass, too. Of a sweep the first case is drawn.
     """
     require(ds, "contact_force")
     case, note = one_case(ds)
-    every = contacts_of(case)
-    hardest = max(every, key=lambda contact: contact.force.max())
-    strongest = sorted(every, key=lambda contact: (contact is hardest, contact.impulse), reverse=True)
-    shown = sorted(strongest[: columns_for(MOST, MOST, WIDTH)], key=lambda contact: contact.number)
+    contacts = contacts_of(case)
     point = _struck_point(case)
-    letters = "".join(chr(ord("A") + i) for i in range(len(shown)))
-    layout, ratios = ([letters], [1.0]) if point is None else ([letters, "z" * len(shown)], [1.0, 1.1])
-    sheet = mosaic_for(ax, layout, ratios, width=max(6.4, 2.3 * len(shown)), height=2.8 * len(layout))
-    _draw_forces(sheet.axes[: len(shown)], case, shown)
+    each = len(contacts) <= columns_for(MOST, MOST, WIDTH)
+    letters = "".join(chr(ord("A") + i) for i in range(len(contacts) if each else 1))
+    layout, ratios = ([letters], [1.0]) if point is None else ([letters, "z" * len(letters)], [1.0, 1.1])
+    sheet = mosaic_for(ax, layout, ratios, width=max(6.4, 2.3 * len(letters)), height=2.8 * len(layout))
+    if each:
+        _draw_forces(sheet.axes[: len(contacts)], case, contacts)
+    else:
+        note = "; ".join(filter(None, [note, _draw_together(sheet.axes[0], contacts)]))
     if point is not None:
-        _draw_motion(sheet.axes[-1], case, point, every[-1].time[-1])
-    rest = " and those of the largest impulse" if len(shown) > 1 else ""
-    return sheet.finish(case, [note, left_out(len(shown), len(every), f"contacts, that of the largest force{rest}")])
+        _draw_motion(sheet.axes[-1], case, point, contacts[-1].time[-1])
+    return sheet.finish(case, [note])
+
+
+def _draw_together(axes: Axes, contacts: list[Contact]) -> str:
+    """Forces of all contacts over the time since the begin of each, the smallest on top; which are named, in words."""
+    strongest = sorted(contacts, key=lambda contact: contact.force.max(), reverse=True)
+    peak = strongest[0].force.max()
+    named = [contact for contact in strongest[:MOST] if contact.force.max() >= NAMED * peak]
+    prefix, factor = si_prefix(np.array([peak]), "N")
+    longest = max(contact.time[-1] - contact.time[0] for contact in contacts)
+    clock, ticks = si_prefix(np.array([longest]), "s")
+    colours = ScalarMappable(Normalize(1, contacts[-1].number), ORDER)
+    for contact in strongest:
+        words = f"contact {contact.number}, at {with_unit(float(contact.time[0]), 's', 3)}: {with_unit(contact.impulse, 'N s', 3)}"
+        look = {"linewidth": 1.6, "label": words} if any(contact is one for one in named) else {"linewidth": 0.8}
+        axes.plot(ticks * (contact.time - contact.time[0]), factor * contact.force, color=colours.to_rgba(contact.number), **look)
+    axes.set(xlim=(0.0, ticks * longest), ylim=(0.0, 1.08 * factor * peak), xlabel=f"Time in contact ({clock}s)")
+    axes.set_ylabel(f"Contact force ({prefix}N)")
+    axes.figure.colorbar(colours, ax=axes, label="Contact", pad=0.02, ticks=MaxNLocator(6, integer=True))
+    return f"{len(contacts)} contacts" + ", named those of the largest force, with their impulse"
 
 
 def _draw_forces(row: list[Axes], case: xr.Dataset, contacts: list[Contact]) -> None:

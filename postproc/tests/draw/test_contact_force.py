@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 from beamwave_postproc import NothingToDraw, contact_force, open_result
 from beamwave_postproc.film.motion import motion
@@ -49,16 +50,36 @@ def test_force_and_way_of_the_mass_are_drawn(touched):
     assert alone.get_ylabel() == "Contact force (N)"
 
 
-def test_the_contact_of_the_largest_force_is_drawn_where_there_is_room_for_one(touched):
+def test_many_contacts_lie_on_one_axes_in_the_colours_of_their_order_and_the_hardest_are_named(touched):
+    count = 50
+    begin = 0.01 * np.arange(count)
+    peaks = np.where(np.arange(count) % 10 == 3, 1.0 + 0.01 * np.arange(count), 0.1)  # 4, 14, 24, 34 and 44 are hard
+    half_sine = np.sin(np.pi * 0.5 * (1.0 - np.cos(np.pi * np.arange(SAMPLES) / (SAMPLES - 1))))
+    columns = {
+        "event_time": ("event", begin),
+        "event_end": ("event", begin + 0.005),
+        "event_kind": ("event", np.full(count, 4.0), touched["event_kind"].attrs),
+        "contact_force": (("event", "contact_sample"), peaks[:, None] * half_sine),
+    }
+    many = touched.drop_dims(["event"]).isel(point=[0]).assign(columns)
+    together, bar = contact_force(many).axes
+    assert len(together.lines) == count and bar.get_ylabel() == "Contact"
+    named = [line for line in together.lines if not line.get_label().startswith("_")]
+    assert [line.get_label().split(",")[0] for line in named] == [f"contact {number}" for number in (44, 34, 24, 14)]
+    # Darker is earlier, in grey, too: the lines lie from the hardest to the softest, contacts of one force in their order.
+    light = [to_rgb(line.get_color()) @ np.array([0.2126, 0.7152, 0.0722]) for line in together.lines[5:]]
+    assert np.all(np.diff(light) >= 0.0) and light[-1] - light[0] > 0.5
+
+
+def test_two_contacts_share_axes_where_there_is_room_for_one(touched):
     force = touched["contact_force"].copy()
     force[1] = 3.0 * force[0].values
-    times = {"event_time": ("event", [BEGIN, 0.4]), "event_end": ("event", [END, 0.41])}  # shorter: of less impulse
+    times = {"event_time": ("event", [BEGIN, 0.4]), "event_end": ("event", [END, 0.41])}
     two = touched.assign(**times, event_kind=("event", [4.0, 4.0], touched["event_kind"].attrs), contact_force=force)
     with of_size((85 / 25.4, 120 / 25.4)):
         fig = contact_force(two)
-    assert fig.axes[0].get_title(loc="left").startswith("contact 2")
-    assert fig.axes[0].lines[0].get_ydata().max() == pytest.approx(3.0 * PEAK, rel=1e-3)
-    assert any("1 of 2 contacts, that of the largest force" in text.get_text() for text in fig.texts)
+    assert [line.get_ydata().max() for line in fig.axes[0].lines] == pytest.approx([3.0 * PEAK, PEAK], rel=1e-3)
+    assert any("2 contacts, named those of the largest force" in text.get_text() for text in fig.texts)
 
 
 def test_a_beam_on_a_hub_that_turns_is_where_the_mass_meets_it(touched):
