@@ -10,18 +10,43 @@ module bw_timed_runs
   use bw_stopwatch, only: repeats_type, stage_count, stopwatch
   implicit none (type, external)
   private
-  public :: repeat_runs, run_once
+  public :: repeat_runs, run_first, run_once, progress_of
 
   integer, parameter :: fewest = 3, most = 15     !! runs of each case
 
   type, public :: timed_run
     type(scene_type) :: scene                     !! without sweeps
     logical :: is_timed = .true.                  !! false: `repeat_runs` leaves it out
+    real(dp) :: first = 0.0_dp                    !! s that the run for its result took, which finds cold caches; 0: it is to come
     type(repeats_type) :: seconds                 !! of the whole case, from its modes to its last stage
     type(repeats_type) :: stage(stage_count)      !! of its stages
   end type timed_run
 
 contains
+
+  subroutine run_first(runs, place, budget, enough, monitor, result, whole)
+    !! Run one of some cases for what it yields. This run finds cold caches: its time counts only where it is so long that they do not
+    !! matter, and repeats of it are then left out.
+    type(timed_run), intent(inout) :: runs(:)
+    integer, intent(in) :: place
+    real(dp), intent(in) :: budget                !! s, for the repeats of each case
+    real(dp), intent(in) :: enough                !! s: a run that takes so long is not repeated
+    class(monitor_type), intent(inout), target :: monitor   !! of all runs
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole                 !! false where the monitor asked to stop
+    type(timed_run) :: first
+    type(part_monitor) :: part
+    part = part_monitor(monitor, progress_of(runs, budget), 0.0_dp)
+    first = timed_run(runs(place)%scene)
+    call run_once(first, part, result, whole)
+    if (whole) whole = .not. monitor%stop_requested()
+    if (.not. whole) return
+    runs(place)%first = first%seconds%total()
+    if (runs(place)%first < enough) return
+    runs(place)%seconds = first%seconds
+    runs(place)%stage = first%stage
+    runs(place)%is_timed = .false.
+  end subroutine run_first
 
   subroutine run_once(run, monitor, result, whole)
     !! Run a case once more, and book its time.
@@ -71,16 +96,40 @@ contains
   end function needs_more
 
   pure real(dp) function progress_of(runs, budget) result(part)
-    !! How much of the work is done, 0 … 1, by the share of the runs that need no more.
+    !! How much of the work on some cases is done, 0 … 1: the seconds that their first runs and repeats have taken, over those that all
+    !! will take. A case that was not run yet counts as the mean of those that were.
     type(timed_run), intent(in) :: runs(:)
-    real(dp), intent(in) :: budget
-    integer :: i
-    part = 0.0_dp
+    real(dp), intent(in) :: budget                !! s, for the repeats of each
+    real(dp) :: done, all
+    integer :: i, known, to_come
+    done = 0.0_dp
+    all = 0.0_dp
+    known = 0
+    to_come = 0
     do i = 1, size(runs)
-      part = part + min(1.0_dp, max(runs(i)%seconds%total()/budget, real(runs(i)%seconds%count, dp)/most))/size(runs)
-      if (.not. runs(i)%is_timed) part = part + 1.0_dp/size(runs)
+      if (runs(i)%first <= 0.0_dp) then
+        if (runs(i)%is_timed) to_come = to_come + 1
+        cycle
+      end if
+      known = known + 1
+      done = done + runs(i)%first
+      all = all + runs(i)%first
+      if (.not. runs(i)%is_timed) cycle
+      done = done + runs(i)%seconds%total()
+      all = all + repeats_of(runs(i), budget)
     end do
-    part = min(part, 1.0_dp)
+    part = 0.0_dp
+    if (known > 0) part = done/(all*(1.0_dp + real(to_come, dp)/known))
   end function progress_of
+
+  pure real(dp) function repeats_of(run, budget) result(seconds)
+    !! How long all repeats of a case will take, s, if each takes as long as those before.
+    type(timed_run), intent(in) :: run            !! whose first run is done
+    real(dp), intent(in) :: budget
+    real(dp) :: once
+    once = run%first
+    if (run%seconds%count > 0) once = run%seconds%total()/run%seconds%count
+    seconds = max(once*min(real(most, dp), max(real(fewest, dp), budget/once)), run%seconds%total())
+  end function repeats_of
 
 end module bw_timed_runs

@@ -7,7 +7,7 @@ module bw_accuracy
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
   use bw_missing, only: is_missing
   use bw_absent_effects, only: model_errors
-  use bw_monitor, only: part_monitor, progress_type
+  use bw_monitor, only: monitor_type, part_monitor, progress_type
   use bw_note, only: kind_of
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_type
@@ -15,13 +15,13 @@ module bw_accuracy
   use bw_scene, only: counts_in_its_run, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
-  use bw_timed_runs, only: repeat_runs, run_once, timed_run
+  use bw_timed_runs, only: repeat_runs, run_first, timed_run
   implicit none (type, external)
   private
   public :: measure_accuracy
 
   real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
-  real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
+  real(dp), parameter :: converging = 0.2_dp   !! share of the converged run in the progress that is shown
 
   type :: accuracy_study
     type(converged_run) :: converged
@@ -86,7 +86,7 @@ contains
     type(part_monitor) :: part
     integer :: i
     allocate (state%notes(0))
-    part = part_monitor(progress, 0.0_dp, 0.5_dp*measuring)
+    part = part_monitor(progress, 0.0_dp, converging)
     call converge(scene, part, state%converged, whole, error)
     if (allocated(error) .or. .not. whole) return
     state%list%rungs = ladder_of()
@@ -95,33 +95,28 @@ contains
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
     call leave_out(state%converged, state%runs, state%list%rungs)
-    call run_rungs(progress, state, whole)
+    part = part_monitor(progress, converging, 1.0_dp - converging)
+    call run_rungs(part, state, whole)
     if (.not. whole) return
-    part = part_monitor(progress, measuring, 1.0_dp - measuring)
     call repeat_runs(state%runs, budget, part, whole)
     if (whole) call take_account(scene, state)
   end subroutine measure
 
-  subroutine run_rungs(progress, state, whole)
-    !! Run each rung once, for its error. These runs find cold caches: their time does not count.
-    class(progress_type), intent(inout), target :: progress
+  subroutine run_rungs(monitor, state, whole)
+    !! Run each rung once, for its error. Its time is that of repeats, whose scatter is told.
+    class(monitor_type), intent(inout), target :: monitor
     type(accuracy_study), intent(inout) :: state
     logical, intent(out) :: whole
     type(case_result) :: result
-    type(part_monitor) :: part
-    type(timed_run) :: first
     integer :: i
     whole = .true.
     do i = 1, size(state%runs)
-      associate (rung => state%list%rungs(i), run => state%runs(i))
-        if (.not. run%is_timed) cycle
-        part = part_monitor(progress, measuring*(0.5_dp + 0.5_dp*i/size(state%runs)), 0.0_dp)
-        first = timed_run(run%scene)
-        call run_once(first, part, result, whole)
-        if (whole) whole = .not. progress%stop_requested()
+      associate (rung => state%list%rungs(i))
+        if (.not. state%runs(i)%is_timed) cycle
+        call run_first(state%runs, i, budget, huge(budget), monitor, result, whole)
         if (.not. whole) return
         call take_errors(result, state%converged, rung)
-        run%is_timed = rung%status /= rung_out_of_reach
+        state%runs(i)%is_timed = rung%status /= rung_out_of_reach
       end associate
     end do
   end subroutine run_rungs

@@ -12,19 +12,17 @@ module bw_effects
   use bw_hint, only: compared_modes
   use bw_missing, only: missing
   use bw_modes_par, only: by_tolerance
-  use bw_monitor, only: part_monitor, progress_type
+  use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type
   use bw_scene, only: scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, string
-  use bw_timed_runs, only: repeat_runs, run_once, timed_run
+  use bw_timed_runs, only: repeat_runs, run_first, timed_run
   implicit none (type, external)
   private
   public :: compare_effects
 
   real(dp), parameter :: budget = 0.5_dp         !! s of repeats for each scene
-  real(dp), parameter :: patience = 10.0_dp      !! s; a scene that takes longer is timed once
-  real(dp), parameter :: comparing = 0.5_dp      !! share of the first runs in the progress that is shown
   real(dp), parameter :: noticeable = 0.01_dp    !! chosen: relative change that matters where a scene does not say which does
 
   type :: effects_study
@@ -70,7 +68,6 @@ contains
     type(effects_study), intent(inout) :: state
     logical, intent(out) :: whole                !! false where the monitor asked to stop
     type(compared_scenes) :: scenes
-    type(part_monitor) :: part
     integer :: i
     call pairs_of(scene, scenes)
     state%list%rows = scenes%rows
@@ -87,8 +84,7 @@ contains
       call forget(i, state)
     end do
     call note_untrusted(state)
-    part = part_monitor(progress, comparing, 1.0_dp - comparing)
-    call repeat_runs(state%runs, budget, part, whole)
+    call repeat_runs(state%runs, budget, progress, whole)
     if (whole) call take_seconds(state)
   end subroutine compare
 
@@ -153,22 +149,14 @@ contains
   end subroutine compare_pair
 
   subroutine run_scene_once(place, progress, state, whole)
-    !! Run a scene, unless its result is there. This run finds cold caches: its time counts only where it is too long.
+    !! Run a scene, unless its result is there. One that takes longer than its repeats may is timed by this run.
     integer, intent(in) :: place
     class(progress_type), intent(inout), target :: progress
     type(effects_study), intent(inout) :: state
     logical, intent(out) :: whole
-    type(part_monitor) :: part
-    type(timed_run) :: first
     whole = .true.
     if (allocated(state%results(place)%modes)) return
-    part = part_monitor(progress, comparing*place/size(state%runs), 0.0_dp)
-    first = timed_run(state%runs(place)%scene)
-    call run_once(first, part, state%results(place), whole)
-    if (whole) whole = .not. progress%stop_requested()
-    if (first%seconds%total() < patience) return
-    state%runs(place)%seconds = first%seconds
-    state%runs(place)%is_timed = .false.
+    call run_first(state%runs, place, budget, budget, progress, state%results(place), whole)
   end subroutine run_scene_once
 
   type(compared_case) function compared(result) result(numbers)
