@@ -129,7 +129,7 @@ def test_the_readme_says_what_runs(tmp_path, monkeypatch, paper_results, grid_re
 def test_every_result_that_the_readme_opens_is_one_that_its_commands_make():
     text = README.read_text(encoding="utf-8")
     scenes = README.parents[1] / "input"
-    made = {path.stem for path in scenes.glob("*.nml") if f"input/{path.name}" in text}
+    made = {path.stem for path in scenes.glob("**/*.nml") if f"input/{path.relative_to(scenes)}" in text}
     made |= {f"paper/{path.stem}" for path in scenes.glob("paper/*.nml")}  # by ./run.sh
     opened = set(re.findall(r"output/([\w/*]+)\.nc", text))
     assert opened and opened <= made
