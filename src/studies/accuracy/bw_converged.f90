@@ -7,7 +7,7 @@ module bw_converged
   use bw_forecast, only: takes_at_most
   use bw_kinds, only: dp
   use bw_missing, only: missing
-  use bw_modes_par, only: coarsest_tolerance
+  use bw_modes_par, only: by_tolerance, coarsest_tolerance, modes_par
   use bw_monitor, only: monitor_type
   use bw_one_case, only: case_cache, run_case
   use bw_response, only: response_type
@@ -37,7 +37,7 @@ module bw_converged
 
 contains
 
-  subroutine converge(scene, monitor, run, whole, error)
+  subroutine converge(scene, monitor, run, whole, error, longest)
     !! Run with the finest tolerance that is in reach and does not take too long.
     !! **Errors**: `status_bad_input` where no tolerance is in reach, `status_not_trusted` where the run does not keep its own.
     type(scene_type), intent(in) :: scene       !! without sweeps
@@ -45,28 +45,32 @@ contains
     type(converged_run), intent(out) :: run
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
+    real(dp), intent(in), optional :: longest   !! s, that a run beyond those of the scene itself may take; absent: `patience`
     run%bounds_all = counts_in_its_run(scene) .or. is_loaded(scene)
     if (run%bounds_all) then
-      call converge_by_runs(scene, monitor, run, whole, error)
+      call converge_by_runs(scene, monitor, run, whole, error, longest)
     else
       call converge_by_plan(scene, monitor, run, whole, error)
     end if
     if (whole .and. .not. allocated(error)) call take_peak(run)
   end subroutine converge
 
-  subroutine converge_by_runs(scene, monitor, run, whole, error)
+  subroutine converge_by_runs(scene, monitor, run, whole, error, longest)
     !! Only a run tells whether a tolerance is kept: from decade to decade, up to one that is not, or to the last that the time allows,
-    !! if the next one takes as many times longer as this one did.
+    !! if the next one takes as many times longer as this one did. What a run of the scene itself takes is never too long.
     !! **Errors**: as above.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(inout) :: run
     logical, intent(out) :: whole
     type(error_type), allocatable, intent(out) :: error
+    real(dp), intent(in), optional :: longest
     type(case_result), allocatable :: found, kept
     type(timed_run) :: attempt
-    real(dp) :: seconds, before
+    real(dp) :: seconds, before, limit
     integer :: decade
+    limit = patience
+    if (present(longest)) limit = longest
     seconds = huge(seconds)
     do decade = coarsest_decade, -nint(log10(converged_tolerance))
       attempt = timed_run(with_tolerance(scene, 10.0_dp**(-decade)))
@@ -82,7 +86,7 @@ contains
       run%tolerance = 10.0_dp**(-decade)
       before = min(seconds, attempt%seconds%total())
       seconds = attempt%seconds%total()
-      if (seconds*(seconds/before) > patience) exit
+      if (seconds*(seconds/before) > limit .and. .not. is_coarser(run%tolerance, scene%modes)) exit
     end do
     run%reach = 0.0_dp                          ! not known
     if (allocated(found)) run%reach = run%tolerance
@@ -92,6 +96,14 @@ contains
       call fail(error, status_not_trusted, scene%file//': no converged run: '//found%notes(size(found%notes))%text)
     end if
   end subroutine converge_by_runs
+
+  pure logical function is_coarser(tolerance, modes)
+    !! Whether a tolerance is coarser than that of a scene, which may relax.
+    real(dp), intent(in) :: tolerance
+    type(modes_par), intent(in) :: modes
+    is_coarser = .false.
+    if (by_tolerance(modes)) is_coarser = tolerance > modes%tolerance*(1.0_dp + sqrt(epsilon(1.0_dp)))
+  end function is_coarser
 
   subroutine converge_by_plan(scene, monitor, run, whole, error)
     !! By plans and the model of costs; every root is in extended precision where there are not too many, so that the run does not share
