@@ -29,7 +29,8 @@ contains
     associate (response => result%response, points => scene%response%points)
       if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
-      call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result))
+      call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result)// &
+                             repeat(', motions relative to the base', merge(1, 0, allocated(scene%bases))))
       table = table_of('|xi|largest sample|at|between samples|estimated error|% of it|proved bound', '|||s|+ %', &
                        [-19, 8, 16, 11, 17, 17, 10, 15], &
                        [(.true., p=1, 7), allocated(response%displacement_bound)], is_list=.false.)

@@ -16,10 +16,11 @@ module bw_base_par
     'Seen from the moving frame the beam and its bodies are loaded by -a times their mass.', &
     example='&base shape = ''haversine'', amplitude = 50, duration = 0.011 /   ! m/s2|&response duration = 0.2, samples = '// &
     '4096, points = 0.0, 1.0, bending_moment = .true. /', &
-    rules='One group for each acceleration of root, supports and springs; displacements are those seen from the moving '// &
-    'frame. The axis of a `&hub` moves with the frame: the inertia of the beam turns the hub, and its own does not, as its '// &
-    'centre of mass lies on the axis. A uniform load of q N/m along a uniform beam without bodies is equivalent to the '// &
-    'acceleration -q over its mass per length. Shapes and files are those of `&force`.')
+    rules='One group for each acceleration of root, supports and springs; displacements, velocities and accelerations '// &
+    'are those seen from the moving frame: an accelerometer on the beam shows a(t) more. The axis of a `&hub` moves with '// &
+    'the frame: the inertia of the beam turns the hub, and its own does not, as its centre of mass lies on the axis. A '// &
+    'uniform load of q N/m along a uniform beam without bodies is equivalent to the acceleration -q over its mass per '// &
+    'length. Shapes and files are those of `&force`.')
 
   type(input_name), parameter, public :: base_names(*) = [ &
     input_name('base', 'shape', text_input, default="'half_sine'", words=shape_words, &

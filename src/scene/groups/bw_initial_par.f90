@@ -21,7 +21,8 @@ module bw_initial_par
     example='&initial force = 100, position = 1 /          ! plucked at the tip|&response duration = 0.5, samples = 8192 '// &
     '/', &
     rules='Give `force`, `angular_velocity` or both. The static deflection under a force is released at t = 0, like a '// &
-    'plucked string; every mode has to be stable. A `&hub` is held until then, and released together with the beam. The '// &
+    'plucked string; every mode has to be stable. Accelerations and shear forces have no limit as modes are added beside this '// &
+    'group, and are refused. A `&hub` is held until then, and released together with the beam. The '// &
     'angular velocity is that of a beam that can turn: its root turns on `&support`, or it turns with its `&hub`, both as one '// &
     'rigid body. With `&impact` the mass arrives with `approach_velocity` in the rotating frame and '// &
     'strikes a moving beam: the closing speed counts. With `&contact` it begins to move where it touches the deflected beam; '// &

@@ -31,7 +31,8 @@ module bw_response_par
     'velocity = .true. /', &
     rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. Under '// &
     'forces, motions of the base and contacts accelerations and shear forces converge as modes are added; after an '// &
-    'instantaneous blow or a capture they do not, and are refused.')
+    'instantaneous blow or a capture, beside `&initial` and where bodies come or leave they do not, and are refused, as are '// &
+    'accelerations where a force begins or ends at once.')
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
