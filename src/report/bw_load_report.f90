@@ -2,7 +2,7 @@ module bw_load_report
   !! The printed report of loads: what was applied.
   use bw_case_result, only: case_result
   use bw_scene, only: scene_type
-  use bw_text, only: shortest, text_builder, text_of
+  use bw_text, only: replaced, shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: report_loads
@@ -40,12 +40,8 @@ contains
     !! `half sine`.
     character(*), intent(in) :: shape
     character(:), allocatable :: words
-    integer :: i
-    words = shape
+    words = replaced(shape, '_', ' ')
     if (words == 'file') words = 'measured'
-    do i = 1, len(words)
-      if (words(i:i) == '_') words(i:i) = ' '
-    end do
   end function in_words
 
 end module bw_load_report

@@ -8,6 +8,7 @@ module bw_effect_table
   use bw_damping_par, only: usual_ratio
   use bw_input_name, only: name_length
   use bw_kinds, only: dp
+  use bw_text, only: replaced
   implicit none (type, external)
   private
   public :: effect_number, in_words
@@ -141,11 +142,7 @@ contains
     !! The name of an effect in words.
     character(*), intent(in) :: name
     character(:), allocatable :: words
-    integer :: i
-    words = trim(name)
-    do i = 1, len(words)
-      if (words(i:i) == '_') words(i:i) = ' '
-    end do
+    words = replaced(trim(name), '_', ' ')
   end function in_words
 
 end module bw_effect_table

@@ -5,7 +5,7 @@ module bw_input_name
   !! scene and the input variables of the result all come from it. Texts have fixed lengths, so that the
   !! table is a constant of the program.
   use bw_kinds, only: dp, i8
-  use bw_text, only: text_of
+  use bw_text, only: replaced, text_of
   implicit none (type, external)
   private
   public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_list, is_number, is_simulated, is_sweepable, &
@@ -190,19 +190,10 @@ contains
     !! `in out` → `'in', 'out'`.
     character(*), intent(in) :: words
     character(:), allocatable :: text
-    integer :: i
-    text = "'"
-    do i = 1, len_trim(words)
-      if (words(i:i) == ' ') then
-        text = text//"', '"
-      else
-        text = text//words(i:i)
-      end if
-    end do
-    text = text//"'"
+    text = "'"//replaced(trim(words), ' ', "', '")//"'"
   end function quoted_words
 
-  pure logical function has_word(words, word)
+  elemental logical function has_word(words, word)
     !! Is a word one of those in a list by blanks?
     character(*), intent(in) :: words, word
     has_word = index(' '//words//' ', ' '//trim(word)//' ') > 0

@@ -3,19 +3,18 @@ module bw_input_table
   !! and names that are not in it: the known ones, and the one that was likely meant.
   !! A new group is one file in `groups/`, its line in each of the two lists here, and its lines in `bw_scene`.
   use bw_beam_par, only: beam_group, beam_names
-  use bw_base_par, only: base_group, base_names
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
   use bw_contact_par, only: contact_group, contact_names
   use bw_damping_par, only: damping_group, damping_names
   use bw_design_par, only: design_group, design_names
-  use bw_force_par, only: force_group, force_names
   use bw_frequency_response_par, only: frequency_response_group, frequency_response_names
   use bw_hub_par, only: hub_group, hub_names
   use bw_identify_par, only: identify_group, identify_names
   use bw_initial_par, only: initial_group, initial_names
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, is_sweepable, name_length
+  use bw_load_par, only: base_group, base_names, force_group, force_names
   use bw_modes_par, only: modes_group, modes_names
   use bw_record_par, only: record_group, record_names
   use bw_recontact_par, only: recontact_group, recontact_names

@@ -2,37 +2,36 @@ module bw_scene
   !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent. Here each group's
   !! own file is asked for what it knows: its rules, its values that follow from others, its component, its words in a report.
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
-  use bw_base_par, only: bases_text, build_base
   use bw_body_par, only: bodies_text, body_par, build_body, check_body, comes_or_leaves
-  use bw_capture_par, only: build_capture, capture_par, capture_text
+  use bw_capture_par, only: capture_par, capture_text
   use bw_contact_par, only: build_contact, check_contact, check_contact_place, complete_contact, contact_par, contact_text
   use bw_damping_par, only: build_damping, by_ratio, check_damping, damping_par, damping_text, complete_damping
   use bw_design_par, only: design_par
-  use bw_force_par, only: build_force, force_par, forces_text
   use bw_frequency_response_par, only: build_frequency_response, check_frequency_response, complete_frequency_response, &
     frequency_response_par
-  use bw_hub_par, only: build_hub, complete_hub, hub_par, hub_text
+  use bw_hub_par, only: complete_hub, hub_par, hub_text
   use bw_identify_par, only: check_identify, identify_par
-  use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
-  use bw_initial_par, only: build_initial, check_initial, complete_initial, initial_par, initial_text
+  use bw_impact_par, only: build_impact, impact_par, impact_text
+  use bw_initial_par, only: build_initial, check_initial, initial_par, initial_text
   use bw_input_name, only: has_word, is_simulated
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
-  use bw_load_par, only: check_load, complete_loads, load_par
+  use bw_load_par, only: build_load, check_load, complete_loads, force_par, load_par, loads_text
+  use bw_mass_or_ratio, only: check_mass
   use bw_missing, only: is_missing
   use bw_modes_par, only: build_modes, modes_par, complete_modes
   use bw_record_par, only: build_record, check_record, record_par, complete_record
-  use bw_recontact_par, only: build_recontact, recontact_par
-  use bw_release_par, only: build_release, release_par, release_text
+  use bw_recontact_par, only: recontact_par
+  use bw_release_par, only: release_par, release_text
   use bw_response_par, only: build_response, check_limits, check_response, response_par
   use bw_rotation_par, only: build_rotation, rotation_par, rotation_text
   use bw_scene_messages, only: message_list
   use bw_scene_par, only: build_header, scene_par
   use bw_shear_par, only: build_shear, check_shear, complete_shear, shear_par, shear_text
   use bw_spectrum_par, only: build_spectrum, check_spectrum, complete_spectrum, spectrum_par
-  use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
-  use bw_support_par, only: build_support, check_support, support_par, support_text, tip_support_text
+  use bw_stiffening_par, only: stiffening_par, stiffening_text
+  use bw_support_par, only: build_support, check_support, support_par, support_text
   use bw_sweep_par, only: check_sweep, sweep_par
   use bw_text, only: text_of
   implicit none (type, external)
@@ -95,17 +94,11 @@ contains
     if (messages%count > before) return
     do g = 1, size(scene%groups)
       new = scene%groups(g)%changed
-      if (.not. new .and. other_beam) new = has_ratio(scene%groups(g))
+      if (.not. new .and. other_beam) new = any(scene%groups(g)%group == ['impact', 'body  '])   ! their masses by that of the beam
       if (scene%groups(g)%group == 'contact') new = .true.   ! its law follows from the place that is struck
       if (new) call build_group(scene, g, messages)
     end do
   end subroutine build_scene
-
-  pure logical function has_ratio(group)
-    !! The group's mass is told by its ratio to that of the beam, or the ratio follows.
-    type(group_values), intent(in) :: group
-    has_ratio = group%group == 'impact' .or. group%group == 'body'
-  end function has_ratio
 
   pure subroutine build_group(scene, g, messages)
     !! Build the component of one group; the beam's is there.
@@ -114,12 +107,12 @@ contains
     type(message_list), intent(inout) :: messages
     select case (scene%groups(g)%group)
     case ('scene'); scene%header = build_header(scene%groups(g))
-    case ('body'); call build_one_body(scene, g, messages)
+    case ('body', 'force', 'base'); call build_one(scene, g, messages)
     case ('support'); scene%support = build_support(scene%groups(g))
     case ('tip_support'); scene%tip_support = build_support(scene%groups(g))
-    case ('hub'); scene%hub = build_hub(scene%groups(g))
+    case ('hub'); scene%hub = hub_par(scene%groups(g)%number('rotary_inertia'), scene%groups(g)%number('radius'))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
-    case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
+    case ('stiffening'); scene%stiffening = stiffening_par(scene%groups(g)%number('hub_radius'))
     case ('shear'); scene%shear = build_shear(scene%groups(g))
     case ('damping'); scene%damping = build_damping(scene%groups(g))
     case ('impact'); call build_impact(scene%groups(g), beam_mass(scene%beam), scene%impact, messages)
@@ -127,10 +120,9 @@ contains
       associate (impact => scene%groups(position_of(scene%groups, 'impact')))
         call build_contact(scene%groups(g), scene%beam, impact%number('position'), scene%contact)
       end associate
-    case ('capture'); scene%capture = build_capture(scene%groups(g))
-    case ('release'); scene%release = build_release(scene%groups(g))
-    case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
-    case ('force', 'base'); call build_one_load(scene, g)
+    case ('capture'); scene%capture = capture_par(scene%groups(g)%number('rotary_inertia'))
+    case ('release'); scene%release = release_par(scene%groups(g)%number('time'))
+    case ('recontact'); scene%recontact = recontact_par(scene%groups(g)%whole('max_contacts'))
     case ('initial'); scene%initial = build_initial(scene%groups(g))
     case ('modes'); scene%modes = build_modes(scene%groups(g))
     case ('response'); scene%response = build_response(scene%groups(g))
@@ -141,31 +133,30 @@ contains
     end select
   end subroutine build_group
 
-  pure subroutine build_one_body(scene, g, messages)
-    !! Build the component of one of the bodies.
+  pure subroutine build_one(scene, g, messages)
+    !! Build the component of one of the bodies, of the forces, or of the motions of the base.
     type(scene_type), intent(inout) :: scene
     integer, intent(in) :: g                       !! the group's place among `scene%groups`
     type(message_list), intent(inout) :: messages
-    integer, allocatable :: bodies(:)
-    bodies = positions_of(scene%groups, 'body')
-    if (.not. allocated(scene%bodies)) allocate (scene%bodies(size(bodies)))
-    call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
-  end subroutine build_one_body
+    integer :: n, i                                ! how many there are, and which of them it is
 
-  pure subroutine build_one_load(scene, g)
-    !! Build the component of one of the forces, or of the motions of the base.
-    type(scene_type), intent(inout) :: scene
-    integer, intent(in) :: g                       !! the group's place among `scene%groups`
-    integer, allocatable :: alike(:)
-    alike = positions_of(scene%groups, scene%groups(g)%group)
-    if (scene%groups(g)%group == 'force') then
-      if (.not. allocated(scene%forces)) allocate (scene%forces(size(alike)))
-      scene%forces(findloc(alike, g, dim=1)) = build_force(scene%groups(g))
-    else
-      if (.not. allocated(scene%bases)) allocate (scene%bases(size(alike)))
-      scene%bases(findloc(alike, g, dim=1)) = build_base(scene%groups(g))
-    end if
-  end subroutine build_one_load
+    associate (group => scene%groups(g), alike => positions_of(scene%groups, scene%groups(g)%group))
+      n = size(alike)
+      i = findloc(alike, g, dim=1)
+      select case (group%group)
+      case ('body')
+        if (.not. allocated(scene%bodies)) allocate (scene%bodies(n))
+        call build_body(group, beam_mass(scene%beam), scene%bodies(i), messages)
+      case ('force')
+        if (.not. allocated(scene%forces)) allocate (scene%forces(n))
+        scene%forces(i)%load_par = build_load(group)
+        scene%forces(i)%position = group%number('position')
+      case default
+        if (.not. allocated(scene%bases)) allocate (scene%bases(n))
+        scene%bases(i) = build_load(group)
+      end select
+    end associate
+  end subroutine build_one
 
   pure subroutine check_rules(group, messages)
     !! The rules of a group's own names, those apart that the table of names tells.
@@ -176,7 +167,7 @@ contains
     case ('support'); call check_support(group, messages)
     case ('body'); call check_body(group, messages)
     case ('damping'); call check_damping(group, messages)
-    case ('impact'); call check_impact(group, messages)
+    case ('impact'); call check_mass(group, 0, '', messages)
     case ('contact'); call check_contact(group, messages)
     case ('force', 'base'); call check_load(group, messages)
     case ('initial'); call check_initial(group, messages)
@@ -241,7 +232,8 @@ contains
       case ('shear'); call complete_shear(groups)
       case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('contact'); call complete_contact(groups)
-      case ('initial'); call complete_initial(groups(g))
+      case ('initial')
+        if (.not. groups(g)%known('force')) call groups(g)%drop('position')     ! of which it says the place
       case ('hub', 'stiffening'); call complete_hub(groups)
       case ('force', 'base'); call complete_loads(groups, messages)
       case ('record'); call complete_record(groups, messages)
@@ -270,8 +262,7 @@ contains
       g = position_of(scene%groups, group_table(i)%name)
       if (g == 0) cycle
       select case (group_table(i)%name)
-      case ('support'); text = text//', '//support_text(scene%groups(g))
-      case ('tip_support'); text = text//', '//tip_support_text(scene%groups(g))
+      case ('support', 'tip_support'); text = text//', '//support_text(scene%groups(g))
       case ('hub'); text = text//', '//hub_text(scene%groups(g))
       case ('body'); text = text//', '//bodies_text(scene%groups)
       case ('rotation'); text = text//', '//rotation_text(scene%groups(g))
@@ -280,13 +271,14 @@ contains
       case ('damping'); text = text//', '//damping_text(scene%groups(g))
       case ('impact')
         text = text//', '//impact_text(scene%groups(g), scene%impact, allocated(scene%contact))
-        if (.not. (allocated(scene%capture) .or. allocated(scene%contact))) text = text//after_impact(scene%groups(g))
+        if (.not. (allocated(scene%capture) .or. allocated(scene%contact))) text = text//', '// &
+          trim(merge('no capture', 'rebound   ', scene%groups(g)%number('restitution') == 0.0_dp .and. &
+                     .not. scene%groups(g)%is_swept('restitution')))
       case ('contact'); text = text//', '//contact_text(scene%groups(g), scene%contact, size(scene%sweeps) == 0)
       case ('capture'); text = text//', '//capture_text(scene%groups(g))
       case ('release'); text = text//', '//release_text(scene%groups(g))
       case ('recontact'); text = text//', recontact'
-      case ('force'); text = text//', '//forces_text(scene%groups)
-      case ('base'); text = text//', '//bases_text(scene%groups)
+      case ('force', 'base'); text = text//', '//loads_text(scene%groups, trim(group_table(i)%name))
       case ('initial'); text = text//', '//initial_text(scene%groups(g))
       case default                                   ! no effect
       end select
@@ -294,14 +286,6 @@ contains
     if (text == '') text = ', none: modes and wave velocities of the beam alone'
     text = text(3:)
   end function effects_text
-
-  pure function after_impact(impact) result(text)
-    !! What becomes of a mass that is not captured: without restitution it goes on with the tip at first.
-    type(group_values), intent(in) :: impact
-    character(:), allocatable :: text
-    text = ', rebound'
-    if (impact%number('restitution') == 0.0_dp .and. .not. impact%is_swept('restitution')) text = ', no capture'
-  end function after_impact
 
   pure function effect_names(scene) result(names)
     !! The groups of a scene that are effects or events, by blanks, in the order of the table of groups.
@@ -416,7 +400,7 @@ contains
     !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, with a taper, on a hub
     !! that is free, and with a ratio of damping that all modes share.
     type(scene_type), intent(in) :: scene
-    by_modes = varies_along_pieces(scene) .or. allocated(scene%hub)
+    by_modes = varies_along_pieces(scene)
     if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
   end function answers_by_modes
 

@@ -9,7 +9,7 @@ module bw_scene_checks
   use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: message_list
   use bw_scene_scales, only: check_scales
-  use bw_text, only: shortest, string, text_of, words_of
+  use bw_text, only: lines_of, shortest, string, text_of, words_of
   implicit none (type, external)
   private
   public :: check_case, check_group, check_groups
@@ -22,10 +22,14 @@ contains
     !! All checks of a scene that no value of a sweep changes.
     type(group_values), intent(in) :: groups(:)   !! without &sweep
     type(message_list), intent(inout) :: messages
-    integer :: i
+    type(string), allocatable :: needs(:)
+    integer :: i, n
     do i = 1, size(groups)
       call check_group(groups(i), messages)
-      call check_needs(groups, i, messages)
+      needs = words_of(group_table(groups(i)%row)%needs)
+      do n = 1, size(needs)
+        call check_need(groups, i, needs(n)%text, messages)
+      end do
       call check_excluded_groups(groups, i, messages)
     end do
     do i = 1, size(group_table)
@@ -66,19 +70,6 @@ contains
     end do
   end subroutine check_excluded_groups
 
-  pure subroutine check_needs(groups, i, messages)
-    !! The groups without which group i has no meaning.
-    type(group_values), intent(in) :: groups(:)
-    integer, intent(in) :: i
-    type(message_list), intent(inout) :: messages
-    type(string), allocatable :: needs(:)
-    integer :: n
-    needs = words_of(group_table(groups(i)%row)%needs)
-    do n = 1, size(needs)
-      call check_need(groups, i, needs(n)%text, messages)
-    end do
-  end subroutine check_needs
-
   pure subroutine check_need(groups, i, need, messages)
     !! Group i needs a group, or one of several.
     type(group_values), intent(in) :: groups(:)
@@ -94,7 +85,7 @@ contains
                         trim(group_table(group_row(need))%absent)//'); accepted: a scene with &'//need//', or without &'// &
                         trim(groups(i)%group))
     else
-      either = words_of(blanks_for_bars(need))
+      either = lines_of(need, '|')
       names = ''
       do n = 1, size(either)
         if (position_of(groups, either(n)%text) > 0) return
@@ -107,16 +98,6 @@ contains
     end if
   end subroutine check_need
 
-  pure function blanks_for_bars(need) result(words)
-    character(*), intent(in) :: need
-    character(len(need)) :: words
-    integer :: i
-    words = need
-    do i = 1, len(words)
-      if (words(i:i) == '|') words(i:i) = ' '
-    end do
-  end function blanks_for_bars
-
   pure subroutine check_group(group, messages)
     !! Names that are required or stand instead of each other, then the group's own rules.
     type(group_values), intent(in) :: group
@@ -126,7 +107,8 @@ contains
     absent = merge(group%line, 0, group_table(group%row)%repeatable)
     do i = 1, size(group%values)
       associate (row => name_table(group%values(i)%row))
-        if (row%required .and. .not. group%values(i)%given .and. .not. stands_for(row%unless, group)) then
+        if (row%required .and. .not. group%values(i)%given .and. &
+            .not. any(group%values%given .and. has_word(row%unless, group%values%name))) then
           call messages%add(absent, place_of(row), 'is missing; accepted: '//accepted_text(row))
         end if
         if (group%values(i)%given) call check_excluded(group, i, row%excludes, messages)
@@ -134,14 +116,6 @@ contains
     end do
     call check_rules(group, messages)
   end subroutine check_group
-
-  pure logical function stands_for(names, group)
-    !! One of some names is given.
-    character(*), intent(in) :: names             !! by blanks
-    type(group_values), intent(in) :: group
-    integer :: i
-    stands_for = any([(group%values(i)%given .and. has_word(names, group%values(i)%name), i=1, size(group%values))])
-  end function stands_for
 
   pure subroutine check_excluded(group, i, excludes, messages)
     !! Value i is given, and so is one that it stands instead of: reported at the later of the two.
@@ -172,7 +146,10 @@ contains
     call check_hub(scene%groups, messages)
     call check_bodies(scene%groups, messages)
     call check_initial_motion(scene, messages)
-    call check_method(scene, messages)
+    if (method_name(scene) == 'galerkin') then
+      call check_count(scene, 'before', scene%modes%before, messages)
+      call check_count(scene, 'after', scene%modes%after, messages)
+    end if
     call check_modal_model(scene, messages)
     call check_scales(scene, messages)
   end subroutine check_case
@@ -240,15 +217,6 @@ contains
         '&support, 0 for a hinge, or with &hub')
     end associate
   end subroutine check_initial_motion
-
-  pure subroutine check_method(scene, messages)
-    !! A Galerkin basis holds so many modes.
-    type(scene_type), intent(in) :: scene
-    type(message_list), intent(inout) :: messages
-    if (method_name(scene) /= 'galerkin') return
-    call check_count(scene, 'before', scene%modes%before, messages)
-    call check_count(scene, 'after', scene%modes%after, messages)
-  end subroutine check_method
 
   pure subroutine check_count(scene, name, count, messages)
     !! The count of modes is that of a Galerkin basis.

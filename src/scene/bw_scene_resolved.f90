@@ -10,7 +10,7 @@ module bw_scene_resolved
   use bw_scene, only: scene_type
   use bw_shear_par, only: usual_coefficient
   use bw_sweep_par, only: sweep_par
-  use bw_text, only: text_builder, text_of
+  use bw_text, only: replaced, text_builder, text_of
   implicit none (type, external)
   private
   public :: given_names, numeric_inputs, resolved_text, values_of_sweep
@@ -175,15 +175,7 @@ contains
     !! In single quotes, those inside doubled.
     character(*), intent(in) :: text
     character(:), allocatable :: piece
-    type(text_builder) :: builder
-    integer :: i
-    call builder%append("'")
-    do i = 1, len(text)
-      call builder%append(text(i:i))
-      if (text(i:i) == "'") call builder%append("'")
-    end do
-    call builder%append("'")
-    piece = builder%text()
+    piece = "'"//replaced(text, "'", "''")//"'"
   end function quoted
 
   pure function numeric_inputs(scene) result(inputs)

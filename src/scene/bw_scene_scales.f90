@@ -128,7 +128,7 @@ contains
       limit = merge(finest, reach, row%name == 'position')
       do i = 1, size(value%numbers)
         if (is_within(value%numbers(i)/unit, limit)) cycle
-        if (is_spring(row%unit) .and. value%numbers(i) > unit) cycle
+        if (any(row%unit == ['N m-1    ', 'N m rad-1']) .and. value%numbers(i) > unit) cycle
         call messages%add(merge(value%lines(i), line, value%lines(i) > 0), place_of(row), 'is '// &
                           two_digits(real(value%numbers(i), qp))//', out of range for this beam; accepted: '// &
                           repeat('0, or ', merge(1, 0, in_range(row%range, 0.0_dp)))// &
@@ -136,12 +136,6 @@ contains
       end do
     end associate
   end subroutine check_input
-
-  pure logical function is_spring(unit)
-    !! A unit of stiffness.
-    character(*), intent(in) :: unit
-    is_spring = unit == 'N m-1' .or. unit == 'N m rad-1'
-  end function is_spring
 
   elemental logical function is_within(value, limit)
     !! Zero, or neither too large nor too small.

@@ -72,17 +72,11 @@ module bw_beam_par
 contains
 
   pure subroutine check_beam(beam, messages)
-    !! A section is needed, and lists go together.
+    !! A diameter, or the two names of another section together, or those that stand for material and section; and
+    !! lists go together.
     type(group_values), intent(in) :: beam
     type(message_list), intent(inout) :: messages
-    call check_section(beam, messages)
     call check_counts(beam, messages)
-  end subroutine check_beam
-
-  pure subroutine check_section(beam, messages)
-    !! A diameter, or the two names of another section together, or those that stand for material and section.
-    type(group_values), intent(in) :: beam
-    type(message_list), intent(inout) :: messages
     if (beam%given('diameter')) return
     if (beam%given('width') .or. beam%given('height')) then
       call check_pair(beam, 'width', 'height', ', or diameter alone', messages)
@@ -93,7 +87,7 @@ contains
     else
       call messages%add(0, 'beam%diameter', 'is missing; accepted: '//sections)
     end if
-  end subroutine check_section
+  end subroutine check_beam
 
   pure subroutine check_pair(beam, one, other, otherwise, messages)
     !! Neither of two names stands alone.

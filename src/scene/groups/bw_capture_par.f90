@@ -5,7 +5,7 @@ module bw_capture_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_capture, capture_text
+  public :: capture_text
 
   type, public :: capture_par
     real(dp) :: rotary_inertia = 0.0_dp   !! J of the body about its place [kg m²], ≥ 0; 0 for a point mass
@@ -22,12 +22,6 @@ module bw_capture_par
                meaning='moment of inertia of the captured body about its place')]
 
 contains
-
-  pure type(capture_par) function build_capture(values) result(capture)
-    !! From checked values.
-    type(group_values), intent(in) :: values
-    capture%rotary_inertia = values%number('rotary_inertia')
-  end function build_capture
 
   pure function capture_text(values) result(text)
     !! What a report calls it, with the body's rotary inertia where it has any.

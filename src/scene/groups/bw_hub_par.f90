@@ -7,7 +7,7 @@ module bw_hub_par
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: build_hub, check_hub, complete_hub, hub_text
+  public :: check_hub, complete_hub, hub_text
 
   type, public :: hub_par
     real(dp) :: rotary_inertia = 0.0_dp   !! J about the axis [kg m²], > 0
@@ -91,13 +91,6 @@ contains
     if (group%group == 'body') holds = group%number(name) > 0.0_dp
     if (group%group == 'tip_support') holds = .not. group%known(name) .or. group%number(name) > 0.0_dp
   end function holds
-
-  pure type(hub_par) function build_hub(values) result(hub)
-    !! From checked values, complete.
-    type(group_values), intent(in) :: values
-    hub%rotary_inertia = values%number('rotary_inertia')
-    hub%radius = values%number('radius')
-  end function build_hub
 
   pure function hub_text(values) result(text)
     !! What a report calls it: `free hub (2 kg m2, radius 0.3 m)`.

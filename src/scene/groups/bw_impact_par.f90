@@ -4,12 +4,12 @@ module bw_impact_par
                            real_input, unit_interval
   use bw_input_values, only: group_values
   use bw_kinds, only: dp, qp
-  use bw_mass_or_ratio, only: build_mass, check_mass, mass_par
+  use bw_mass_or_ratio, only: build_mass, mass_par
   use bw_scene_messages, only: message_list
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: build_impact, check_impact, impact_text
+  public :: build_impact, impact_text
 
   type, extends(mass_par), public :: impact_par
     !! The mass m_j, as given or derived, and
@@ -45,13 +45,6 @@ module bw_impact_par
                meaning='points along the beam at which the velocity jump is given')]
 
 contains
-
-  pure subroutine check_impact(impact, messages)
-    !! The mass is given, in one of its two ways.
-    type(group_values), intent(in) :: impact
-    type(message_list), intent(inout) :: messages
-    call check_mass(impact, 0, '', messages)
-  end subroutine check_impact
 
   pure subroutine build_impact(values, beam_mass, impact, messages)
     !! From checked values.

@@ -6,7 +6,7 @@ module bw_initial_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_initial, check_initial, complete_initial, initial_text
+  public :: build_initial, check_initial, initial_text
 
   type, public :: initial_par
     real(dp) :: force = 0.0_dp              !! F [N], whose static deflection is let go at t = 0
@@ -47,12 +47,6 @@ contains
     if (values%given('position') .and. .not. values%given('force')) call messages%add(values%line_of('position'), &
       'initial%position', 'is the place of a force, and there is none; accepted: with force, or without position')
   end subroutine check_initial
-
-  pure subroutine complete_initial(values)
-    !! Without a force its place says nothing.
-    type(group_values), intent(inout) :: values
-    if (.not. values%known('force')) call values%drop('position')
-  end subroutine complete_initial
 
   pure type(initial_par) function build_initial(values) result(initial)
     !! From checked values.

@@ -1,14 +1,17 @@
 module bw_load_par
-  !! What `&force` and `&base` have in common: how a load varies in time, as a pulse, a tone or what a file holds.
-  use bw_input_values, only: group_values, position_of
+  !! `&force`: a force that acts at a place of the beam for some time. `&base`: the frame that holds the beam is accelerated across
+  !! it. Both vary in time as a pulse, a tone or what a file holds.
+  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, positive, real_input, text_input, &
+    unit_interval
+  use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_record_par, only: column_choice, one_choice
   use bw_scene_messages, only: message_list
-  use bw_text, only: text_of
+  use bw_text, only: replaced, text_of
   implicit none (type, external)
   private
-  public :: begins_or_ends_at_once, build_load, check_load, complete_loads, load_text
+  public :: begins_or_ends_at_once, build_load, check_load, complete_loads, loads_text
 
   type, public :: load_par
     character(:), allocatable :: shape            !! half_sine, haversine, triangle, rectangle, sine or file
@@ -25,8 +28,82 @@ module bw_load_par
     integer :: line = 0                           !! where the group opens
   end type load_par
 
-  character(*), parameter, public :: shape_words = 'half_sine haversine triangle rectangle sine file'
+  type, extends(load_par), public :: force_par
+    real(dp) :: position = 1.0_dp                 !! ξ where it acts
+  end type force_par
+
+  character(*), parameter :: shape_words = 'half_sine haversine triangle rectangle sine file'
   character(*), parameter :: of_file(*) = [character(11) :: 'file', 'time', 'time_scale', 'sample_rate', 'column', 'scale']
+
+  type(input_group), parameter, public :: force_group = input_group( &
+    'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact', &
+    absent='no force acts', &
+    physics='A force F(t) at a point, positive as displacement is. Its power is F(t) v_t.', &
+    example='&force position = 0.7, shape = ''half_sine'', amplitude = 200, duration = 4e-4 /   ! a tap of a '// &
+    'hammer|&response duration = 0.5, samples = 8192, acceleration = .true. /', &
+    rules='One group for each force. The beam is at rest until a force acts, unless something else moves it. A half sine, a '// &
+    'haversine (1 - cos)/2 and a triangle begin and end at 0 and reach `amplitude` in the middle; a rectangle is '// &
+    '`amplitude` throughout; a sine begins at 0 and has the `frequency`. With shape = ''file'' the force is read as '// &
+    '`&record` reads histories; it is linear between samples, and 0 before and after them. Histories are exact in time and '// &
+    'include the static response of the modes that are not summed. A sweep names a force by its number in the scene, as '// &
+    '`force(2)%amplitude`.')
+
+  type(input_name), parameter, public :: force_names(*) = [ &
+    input_name('force', 'position', real_input, '1', unit_interval, '1', swept=.true., &
+               meaning='place of the force: x/l'), &
+    input_name('force', 'shape', text_input, default="'half_sine'", words=shape_words, &
+               meaning='course in time; file: as measured'), &
+    input_name('force', 'amplitude', real_input, 'N', any_number, swept=.true., &
+               meaning='largest value, positive as displacement'), &
+    input_name('force', 'start', real_input, 's', any_number, '0', swept=.true., &
+               meaning='beginning; added to the times of a file'), &
+    input_name('force', 'duration', real_input, 's', positive, swept=.true., &
+               meaning='duration of pulse or tone; absent: to the end'), &
+    input_name('force', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='frequency of a sine'), &
+    input_name('force', 'file', text_input, '', meaning='file of the measured force'), &
+    input_name('force', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
+               meaning='column of the times'), &
+    input_name('force', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
+               meaning='unit of the times in seconds; else by the file'), &
+    input_name('force', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
+               meaning='sampling rate, the first sample at time 0'), &
+    input_name('force', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
+               meaning='its column; absent: the only one but the time'), &
+    input_name('force', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to N; else by the file''s unit')]
+
+  type(input_group), parameter, public :: base_group = input_group( &
+    'base', repeatable=.true., along='base', is_event=.true., needs='response', excludes='record recontact', &
+    absent='the frame does not accelerate', &
+    physics='What holds the beam moves transversely with the acceleration a(t), as a shaker table or a ground shock does. '// &
+    'Seen from the moving frame the beam and its bodies are loaded by -a times their mass.', &
+    example='&base shape = ''haversine'', amplitude = 50, duration = 0.011 /   ! m/s2|&response duration = 0.2, samples = '// &
+    '4096, points = 0.0, 1.0, bending_moment = .true. /', &
+    rules='One group for each acceleration of root, supports and springs; displacements, velocities and accelerations '// &
+    'are those seen from the moving frame: an accelerometer on the beam shows a(t) more. The axis of a `&hub` moves with '// &
+    'the frame: the inertia of the beam turns the hub, and its own does not, as its centre of mass lies on the axis. A '// &
+    'uniform load of q N/m along a uniform beam without bodies is equivalent to the acceleration -q over its mass per '// &
+    'length. Shapes and files are those of `&force`.')
+
+  type(input_name), parameter, public :: base_names(*) = [ &
+    input_name('base', 'shape', text_input, default="'half_sine'", words=shape_words, &
+               meaning='course in time; file: as measured'), &
+    input_name('base', 'amplitude', real_input, 'm s-2', any_number, swept=.true., &
+               meaning='largest value of the acceleration'), &
+    input_name('base', 'start', real_input, 's', any_number, '0', swept=.true., &
+               meaning='beginning; added to the times of a file'), &
+    input_name('base', 'duration', real_input, 's', positive, swept=.true., &
+               meaning='duration of pulse or tone; absent: to the end'), &
+    input_name('base', 'frequency', real_input, 'Hz', positive, swept=.true., meaning='frequency of a sine'), &
+    input_name('base', 'file', text_input, '', meaning='file of the measured acceleration'), &
+    input_name('base', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
+               meaning='column of the times'), &
+    input_name('base', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
+               meaning='unit of the times in seconds; else by the file'), &
+    input_name('base', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
+               meaning='sampling rate, the first sample at time 0'), &
+    input_name('base', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
+               meaning='its column; absent: the only one but the time'), &
+    input_name('base', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to m/s2; else by the file''s unit')]
 
 contains
 
@@ -117,16 +194,36 @@ contains
     jumps = abs(half_turns - anint(half_turns)) > 16.0_dp*spacing(half_turns)
   end function begins_or_ends_at_once
 
+  pure function loads_text(groups, group) result(text)
+    !! What a report calls all forces, or all motions of the base: `force at xi = 1 (half sine of 100 N for 0.001 s)`, or of many
+    !! how many there are.
+    type(group_values), intent(in) :: groups(:)
+    character(*), intent(in) :: group              !! `force` or `base`, of which there is at least one
+    character(:), allocatable :: text
+    integer, parameter :: most = 3
+    integer, allocatable :: loads(:)
+    integer :: i
+    loads = positions_of(groups, group)
+    if (group == 'base') then
+      text = 'base ('//load_text(groups(loads(1)), ' m/s2')//')'
+      if (size(loads) > 1) text = text_of(size(loads))//' motions of the base'
+    else
+      text = ''
+      do i = 1, size(loads)
+        text = text//', force at xi = '//groups(loads(i))%number_or_swept('position', '')//' ('// &
+          load_text(groups(loads(i)), ' N')//')'
+      end do
+      text = text(3:)
+      if (size(loads) > most) text = text_of(size(loads))//' forces'
+    end if
+  end function loads_text
+
   pure function load_text(values, unit) result(text)
     !! What a report calls it: `half sine of 100 N for 0.001 s`.
     type(group_values), intent(in) :: values
     character(*), intent(in) :: unit               !! of the load, behind a blank
     character(:), allocatable :: text
-    integer :: i
-    text = values%text('shape')
-    do i = 1, len(text)
-      if (text(i:i) == '_') text(i:i) = ' '
-    end do
+    text = replaced(values%text('shape'), '_', ' ')
     if (text == 'file') then
       text = 'measured in '//values%text('file')
       return

@@ -80,36 +80,21 @@ contains
         call modes%derive('tolerance', default_tolerance, 0)
         return
       else if (response .and. rebound) then
-        call ask_for_counts('&response with &impact and without &capture', 'the motion after a rebound '// &
-                            'depends on their number (its impulse goes to 0 as modes are added)', messages)
+        call messages%add(0, 'modes%before', 'is missing: &response with &impact and without &capture needs a count of modes, '// &
+          'since the motion after a rebound depends on their number (its impulse goes to 0 as modes are added); accepted: 1 to '// &
+          text_of(counts%high))
         return
       end if
       call modes%derive('before', real(default_count, dp), 0)
     end if
-    if (captured) then
-      call complete_pair(modes)
-    else
+    if (.not. captured) then
       call complete_single(modes, messages)
-    end if
-  end subroutine complete_modes
-
-  pure subroutine ask_for_counts(groups, reason, messages)
-    !! Say that groups which are there need a count of modes, and why.
-    character(*), intent(in) :: groups, reason
-    type(message_list), intent(inout) :: messages
-    call messages%add(0, 'modes%before', 'is missing: '//groups//' needs a count of modes, since '//reason// &
-                      '; accepted: 1 to '//text_of(counts%high))
-  end subroutine ask_for_counts
-
-  pure subroutine complete_pair(modes)
-    !! With a capture: a count that is not given is the other one, and follows its sweep.
-    type(group_values), intent(inout) :: modes
-    if (.not. modes%given('after')) then
+    else if (.not. modes%given('after')) then        ! a count that is not given is the other one, and follows its sweep
       call modes%derive('after', modes%number('before'), modes%values(modes%at('before'))%sweeps(1))
     else if (.not. modes%given('before')) then
       call modes%derive('before', modes%number('after'), modes%values(modes%at('after'))%sweeps(1))
     end if
-  end subroutine complete_pair
+  end subroutine complete_modes
 
   pure subroutine complete_single(modes, messages)
     !! Without a capture: `after` may only repeat `before`, and says nothing then.

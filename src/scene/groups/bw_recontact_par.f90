@@ -1,11 +1,9 @@
 module bw_recontact_par
   !! `&recontact`: a mass that rebounded may strike the beam again.
   use bw_input_name, only: input_group, input_name, integer_input, number_range
-  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_recontact
 
   type, public :: recontact_par
     integer :: max_contacts = 100       !! contacts after the first impact that are followed, and the motion up to one more
@@ -25,13 +23,5 @@ module bw_recontact_par
   type(input_name), parameter, public :: recontact_names(*) = [ &
     input_name('recontact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '100', swept=.true., &
                meaning='largest number of contacts after the impact')]
-
-contains
-
-  pure type(recontact_par) function build_recontact(values) result(recontact)
-    !! From checked values.
-    type(group_values), intent(in) :: values
-    recontact%max_contacts = values%whole('max_contacts')
-  end function build_recontact
 
 end module bw_recontact_par

@@ -5,7 +5,7 @@ module bw_release_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_release, release_text
+  public :: release_text
 
   type, public :: release_par
     real(dp) :: time = 0.0_dp       !! t_r [s], > 0
@@ -24,12 +24,6 @@ module bw_release_par
                meaning='time at which the mass leaves the beam')]
 
 contains
-
-  pure type(release_par) function build_release(values) result(release)
-    !! From checked values.
-    type(group_values), intent(in) :: values
-    release%time = values%number('time')
-  end function build_release
 
   pure function release_text(values) result(text)
     !! What a report calls it: `release at 0.1 s`.

@@ -5,7 +5,7 @@ module bw_stiffening_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_stiffening, stiffening_text
+  public :: stiffening_text
 
   type, public :: stiffening_par
     real(dp) :: hub_radius = 0.0_dp   !! distance of the root from the axis [m], ≥ 0
@@ -23,12 +23,6 @@ module bw_stiffening_par
                meaning='distance of the root from the axis of rotation')]
 
 contains
-
-  pure type(stiffening_par) function build_stiffening(values) result(stiffening)
-    !! From checked values.
-    type(group_values), intent(in) :: values
-    stiffening%hub_radius = values%number('hub_radius')
-  end function build_stiffening
 
   pure function stiffening_text(values) result(text)
     !! What a report calls it: `stiffening (hub radius 0.1 m)`.

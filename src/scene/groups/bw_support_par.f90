@@ -6,7 +6,7 @@ module bw_support_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_support, check_support, support_text, tip_support_text
+  public :: build_support, check_support, support_text
 
   type, public :: support_par
     !! A stiffness that is unallocated is rigid.
@@ -64,20 +64,15 @@ contains
   end function build_support
 
   pure function support_text(values) result(text)
-    !! What a report calls it: `soft root (stiffness 1e6 N/m, turning 2000 N m/rad)`.
+    !! What a report calls it: `soft root (deflection 1e6 N/m, turning hinged)`, `held tip (deflection rigid, turning free)`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    text = 'soft root (deflection '//word(values, 'stiffness', ' N/m', 'free')//', turning '// &
-      word(values, 'rotational_stiffness', ' N m/rad', 'hinged')//')'
+    logical :: root
+    root = values%group == 'support'
+    text = merge('soft root', 'held tip ', root)
+    text = trim(text)//' (deflection '//word(values, 'stiffness', ' N/m', 'free')//', turning '// &
+      word(values, 'rotational_stiffness', ' N m/rad', trim(merge('hinged', 'free  ', root)))//')'
   end function support_text
-
-  pure function tip_support_text(values) result(text)
-    !! The same of the tip: `held tip (deflection rigid, turning free)`.
-    type(group_values), intent(in) :: values
-    character(:), allocatable :: text
-    text = 'held tip (deflection '//word(values, 'stiffness', ' N/m', 'free')//', turning '// &
-      word(values, 'rotational_stiffness', ' N m/rad', 'free')//')'
-  end function tip_support_text
 
   pure function word(values, name, unit, free)
     !! A stiffness, or what its absence means.

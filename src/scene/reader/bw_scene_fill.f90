@@ -23,10 +23,14 @@ contains
     type(parsed_scene), intent(in) :: parsed
     type(group_values), allocatable, intent(out) :: groups(:)
     type(message_list), intent(inout) :: messages
-    integer :: rows(parsed%groups_found), i, n
+    integer :: rows(parsed%groups_found), i, n, s
     logical :: implied(size(group_table))
     rows = known_groups(text, tokens, parsed)
-    call report_groups(text, tokens, parsed, rows, messages)
+    do i = 1, size(rows)
+      if (messages%cut) exit
+      if (rows(i) > 0 .or. tokens(parsed%groups(i)%name)%kind == bad_group_token) cycle
+      call report_group(name_in(text, tokens(parsed%groups(i)%name)), parsed%groups, i, rows, messages)
+    end do
     implied = [(group_table(i)%implied .and. .not. any(rows == i), i=1, size(group_table))]
     if (any(rows == group_row('record')) .and. .not. any(rows == group_row('beam'))) implied(group_row('modes')) = .false.
     allocate (groups(count(rows > 0) + count(implied)))
@@ -35,7 +39,10 @@ contains
       if (rows(i) == 0) cycle
       n = n + 1
       call open_group(rows(i), parsed%groups(i)%line, groups(n))
-      call fill_group(text, tokens, parsed, parsed%groups(i), groups(n), messages)
+      do s = parsed%groups(i)%first, parsed%groups(i)%last
+        if (messages%cut) exit
+        call fill_value(text, tokens, parsed%statements(s), groups(n), messages)
+      end do
     end do
     do i = 1, size(implied)
       if (.not. implied(i)) cycle
@@ -60,21 +67,6 @@ contains
       if (.not. group_table(rows(i))%repeatable .and. any(rows(:i - 1) == rows(i))) rows(i) = 0
     end do
   end function known_groups
-
-  pure subroutine report_groups(text, tokens, parsed, rows, messages)
-    !! Say which groups are unknown or repeated.
-    character(*), intent(in) :: text
-    type(token), intent(in) :: tokens(:)
-    type(parsed_scene), intent(in) :: parsed
-    integer, intent(in) :: rows(:)
-    type(message_list), intent(inout) :: messages
-    integer :: i
-    do i = 1, size(rows)
-      if (messages%cut) return
-      if (rows(i) > 0 .or. tokens(parsed%groups(i)%name)%kind == bad_group_token) cycle
-      call report_group(name_in(text, tokens(parsed%groups(i)%name)), parsed%groups, i, rows, messages)
-    end do
-  end subroutine report_groups
 
   pure subroutine report_group(group, opened, i, rows, messages)
     !! Group i is unknown, or a repeat.
@@ -106,21 +98,6 @@ contains
     group%values%row = rows
     group%values%name = name_table(rows)%name
   end subroutine open_group
-
-  pure subroutine fill_group(text, tokens, parsed, opened, group, messages)
-    !! The values that the statements of a group give.
-    character(*), intent(in) :: text
-    type(token), intent(in) :: tokens(:)
-    type(parsed_scene), intent(in) :: parsed
-    type(opened_group), intent(in) :: opened
-    type(group_values), intent(inout) :: group
-    type(message_list), intent(inout) :: messages
-    integer :: i
-    do i = opened%first, opened%last
-      if (messages%cut) return
-      call fill_value(text, tokens, parsed%statements(i), group, messages)
-    end do
-  end subroutine fill_group
 
   pure subroutine fill_value(text, tokens, source, group, messages)
     !! The value that one statement gives.

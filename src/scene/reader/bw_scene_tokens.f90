@@ -1,6 +1,6 @@
 module bw_scene_tokens
   !! What the text of a scene is made of: classes of characters, and tokens, which are spans of it with nothing copied.
-  use bw_text, only: lower
+  use bw_text, only: lower, read_letter
   implicit none (type, external)
   private
   public :: ends_word, is_ascii, is_name, is_utf8, lines_up_to, name_in, span, stray_control
@@ -64,11 +64,7 @@ contains
     !! All characters are of seven bits.
     character(*), intent(in) :: text
     integer :: i
-    do i = 1, len(text)
-      is_ascii = iachar(text(i:i)) < 128
-      if (.not. is_ascii) return
-    end do
-    is_ascii = .true.
+    is_ascii = all([(iachar(text(i:i)) < 128, i=1, len(text))])
   end function is_ascii
 
   pure integer function stray_control(text) result(at)
@@ -106,43 +102,15 @@ contains
   pure logical function is_utf8(text)
     !! Every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
     character(*), intent(in) :: text
-    integer :: at, more
-    is_utf8 = .false.
-    at = 1
-    do while (at <= len(text))
-      more = continuation_bytes(text(at:min(at + 1, len(text))))
-      if (more < 0 .or. at + more > len(text)) return
-      if (.not. all_continue(text(at + 1:at + more))) return
-      at = at + more + 1
-    end do
+    integer :: at, letter, length
+    logical :: plain
     is_utf8 = .true.
+    at = 1
+    do while (at <= len(text) .and. is_utf8)
+      call read_letter(text(at:min(at + 3, len(text))), length, plain, letter)
+      is_utf8 = length > 1 .or. letter < 128
+      at = at + length
+    end do
   end function is_utf8
-
-  pure integer function continuation_bytes(start)
-    !! Bytes that follow the first of a UTF-8 sequence; −1 where none can start so. The second byte decides
-    !! on overlong forms, surrogates and values beyond U+10FFFF.
-    character(*), intent(in) :: start         !! one byte or two
-    integer :: first, second
-    first = iachar(start(1:1))
-    second = iachar(start(len(start):))
-    select case (first)
-    case (0:127); continuation_bytes = 0
-    case (194:223); continuation_bytes = 1
-    case (224); continuation_bytes = merge(2, -1, second >= 160)
-    case (237); continuation_bytes = merge(2, -1, second < 160)
-    case (225:236, 238:239); continuation_bytes = 2
-    case (240); continuation_bytes = merge(3, -1, second >= 144)
-    case (241:243); continuation_bytes = 3
-    case (244); continuation_bytes = merge(3, -1, second < 144)
-    case default; continuation_bytes = -1
-    end select
-  end function continuation_bytes
-
-  pure logical function all_continue(bytes)
-    !! Every byte goes on with a UTF-8 sequence: 10xxxxxx.
-    character(*), intent(in) :: bytes
-    integer :: i
-    all_continue = all([(iachar(bytes(i:i)) >= 128 .and. iachar(bytes(i:i)) < 192, i=1, len(bytes))])
-  end function all_continue
 
 end module bw_scene_tokens
