@@ -31,7 +31,6 @@ module bw_study_file
     subroutine put_interface(self, file)
       !! Puts all that was found into the file of the study.
       import :: study_file, study_values
-      implicit none (type, external)
       class(study_values), intent(in) :: self
       type(study_file), intent(inout) :: file
     end subroutine put_interface

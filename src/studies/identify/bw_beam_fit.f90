@@ -1,8 +1,7 @@
 module bw_beam_fit
   !! The unknowns that fit the lines best, from several starts, and any other place that fits as well.
-  use bw_fit_problem, only: fit_problem
+  use bw_fit_problem, only: fit_problem, position_in
   use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, polish, search, choose_fit, unlikely
-  use bw_fit_starts, only: choose_starts
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -10,6 +9,8 @@ module bw_beam_fit
 
   integer, parameter :: searched = 4             !! starts from which is searched: those that cost least at once
   integer, parameter :: searched_on = 12         !! where what is found from these is in doubt
+  integer, parameter :: looks_each = 16                  !! places that are looked at, for each unknown
+  integer, parameter :: primes(12) = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
 
 contains
 
@@ -45,6 +46,47 @@ contains
     call find_others(problem, fits, fit, as_good, others)
     call place(problem, fit)
   end subroutine fit_beam
+
+  subroutine choose_starts(problem, scatter, starts)
+    !! The scene's own values, and those of evenly spread points of the ranges that cost least.
+    type(fit_problem), intent(inout) :: problem
+    real(dp), intent(in) :: scatter              !! τ is not below
+    real(dp), intent(out) :: starts(:, :)        !! (unknowns, starts)
+    real(dp), allocatable :: looks(:, :), penalty(:)
+    logical :: changed
+    integer :: i, n, best
+    n = size(problem%unknowns)
+    allocate (looks(n, 1 + looks_each*n), penalty(1 + looks_each*n))
+    looks(:, 1) = position_in(problem%unknowns, problem%unknowns%start)
+    do i = 2, size(penalty)
+      looks(:, i) = 2*radical_inverse(i - 1, primes(:n)) - 1
+    end do
+    do i = 1, size(penalty)
+      problem%v = looks(:, i)
+      call problem%match(scatter, penalty(i), changed)
+    end do
+    penalty(1) = -huge(penalty)
+    do i = 1, size(starts, 2)
+      best = minloc(penalty, dim=1)
+      starts(:, i) = looks(:, best)
+      penalty(best) = huge(penalty)
+    end do
+  end subroutine choose_starts
+
+  elemental real(dp) function radical_inverse(i, base) result(x)
+    !! Number i in a base, mirrored at the point: Halton's sequence.
+    integer, intent(in) :: i, base
+    real(dp) :: digit
+    integer :: left
+    x = 0
+    digit = 1.0_dp/base
+    left = i
+    do while (left > 0)
+      x = x + digit*mod(left, base)
+      left = left/base
+      digit = digit/base
+    end do
+  end function radical_inverse
 
   subroutine leave_out_each(problem, fits, fit)
     !! Look for a better fit from this one without one of its lines: one that is no mode, where a mode has no line, draws unknowns

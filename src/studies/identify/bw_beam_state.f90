@@ -16,9 +16,11 @@ module bw_beam_state
   use bw_some_modes, only: find_some_modes
   implicit none (type, external)
   private
-  public :: state_of
+  public :: amplitude_weights, state_of
 
   real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation of a line from which it may be any mode
+  real(dp), parameter, public :: sensor_error = 0.01_dp
+    !! chosen: of the largest amplitude: sensors are seldom calibrated or placed better
 
   type, public :: state_lines
     !! The lines of a record, in ascending order of frequency.
@@ -86,6 +88,15 @@ contains
     if (.not. allocated(error)) state%beam = resolved_text(state%one)
     state%beam = without_group(without_group(without_group(without_group(state%beam, 'scene'), 'record'), 'spectrum'), 'identify')
   end function state_of
+
+  pure function amplitude_weights(amplitude, deviation, error) result(weight)
+    !! Inverse variances of the amplitudes of one line, (sensors).
+    complex(dp), intent(in) :: amplitude(:)
+    real(dp), intent(in) :: deviation(:)
+    real(dp), intent(in) :: error                !! beside the deviation, of the largest amplitude
+    real(dp) :: weight(size(amplitude))
+    weight = 1/(deviation**2 + (error*maxval(abs(amplitude)))**2)
+  end function amplitude_weights
 
   pure logical function is_twin_of(self, other)
     !! Whether the modes of one state are those of another, as in repeats.

@@ -58,7 +58,6 @@ module bw_beam_supplement
     type(result_lines), allocatable :: lines(:)          !! (the same)
     type(beam_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
     integer :: own = 0                                   !! cases of the scene itself
-    type(scene_type), allocatable :: identified(:)       !! with what was identified, (own cases); unallocated: no waves follow
     integer :: places = 0                                !! along the beam, of shapes that are written
     type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: it is not
     real(dp), allocatable :: frequencies(:)              !! of that response, Hz
@@ -100,6 +99,8 @@ contains
     type(model_findings) :: findings
     type(text_builder) :: lines
     type(part_monitor), target :: listener               ! the fits tell of no progress
+    type(scene_type), allocatable :: identified(:)       ! the own cases with what was identified
+    type(error_type), allocatable :: none
     character(:), allocatable :: more
     real(dp) :: quantile
     integer :: i
@@ -121,8 +122,11 @@ contains
       call identify_beam(self%scene, quantile, set, findings, lines, more)
       if (.not. are_lost(set%states)) then
         if (has(draft%layout, 'waves')) then
-          call set_identified(set, findings%found%values)
-          call put_identified_waves(draft, set%identified, quantile, listener, more, lines)
+          allocate (identified(set%own))
+          do i = 1, set%own                       ! each makes a beam, since its modes were found
+            call set%states(i)%scene_at(findings%found%values, identified(i), none)
+          end do
+          call put_identified_waves(draft, identified, quantile, listener, more, lines)
         end if
         call list_scenes(self%scene, self%directory, set, findings, lines)
       end if
@@ -339,18 +343,6 @@ contains
     call lines%append_line('  '//text)
     notes = notes//text//nl
   end subroutine check_calibration
-
-  subroutine set_identified(set, values)
-    !! The scenes of the own cases with what was identified, which make a beam since its modes were found.
-    type(record_set), intent(inout) :: set
-    real(dp), intent(in) :: values(:)            !! of the unknowns
-    type(error_type), allocatable :: none
-    integer :: c
-    allocate (set%identified(set%own))
-    do c = 1, set%own
-      call set%states(c)%scene_at(values, set%identified(c), none)
-    end do
-  end subroutine set_identified
 
   subroutine forget(found, findings)
     !! Nothing was identified.

@@ -1,12 +1,12 @@
 module bw_calibration
-  !! Sensors and hammers that are reversed or of another scale, told by the modal constants that they measure.
-  use bw_beam_state, only: beam_state, state_modes
+  !! Sensors and hammers that are reversed or of another scale, told by the modal constants that they measure: the real factor by
+  !! which those of a sensor are best those of the model.
+  use bw_beam_state, only: amplitude_weights, beam_state, sensor_error, state_modes
   use bw_fit_search, only: unlikely
   use bw_kinds, only: dp
   use bw_quantile, only: normal_quantile
   use bw_record, only: sensor_type
   use bw_record_report, only: short_name
-  use bw_sensor_factors, only: best_factors, sensor_error
   use bw_text, only: shortest
   implicit none (type, external)
   private
@@ -34,7 +34,7 @@ contains
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(factor_type), allocatable, intent(out) :: factors(:)
     type(state_modes) :: modes
-    real(dp), allocatable :: factor(:), error(:)
+    real(dp) :: factor(size(states(1)%lines%sensor)), error(size(states(1)%lines%sensor))
     integer, allocatable :: line(:)
     integer :: i, k
     allocate (factors(size(states(1)%lines%sensor)))
@@ -46,8 +46,6 @@ contains
         line = pack([(k, k=1, size(states(i)%mode_of))], states(i)%mode_of > 0)
         call states(i)%modes_at(values, states(i)%mode_of(line), modes)
         if (.not. modes%found .or. size(line) == 0) cycle
-        factor = 0.0_dp*lines%points
-        error = 0.0_dp*lines%points
         call best_factors(lines%amplitude(:, line), lines%amplitude_deviation(:, line), modes%shape, factor, error)
         factors%value = factors%value + factor/error**2
         factors%weight = factors%weight + 1/error**2
@@ -58,6 +56,25 @@ contains
     if (.not. allocated(factors)) allocate (factors(0))
     factors%value = factors%value/factors%weight
   end subroutine find_factors
+
+  pure subroutine best_factors(amplitude, deviation, shape, factor, error)
+    !! Least squares of all lines; the error is a standard deviation, larger where the shapes fit worse than they should.
+    complex(dp), intent(in) :: amplitude(:, :)   !! modal constants, (sensors, lines)
+    real(dp), intent(in) :: deviation(:, :)      !! of real and imaginary part, > 0, (sensors, lines)
+    real(dp), intent(in) :: shape(:, :)          !! the model's modal constants, (lines, sensors)
+    real(dp), intent(out) :: factor(:), error(:) !! (sensors)
+    real(dp) :: weight(size(amplitude, 1), size(amplitude, 2)), known, misfit
+    integer :: k, s
+    do k = 1, size(amplitude, 2)
+      weight(:, k) = amplitude_weights(amplitude(:, k), deviation(:, k), sensor_error)
+    end do
+    do s = 1, size(factor)
+      known = max(sum(weight(s, :)*shape(:, s)**2), tiny(1.0_dp))
+      factor(s) = sum(weight(s, :)*shape(:, s)*amplitude(s, :)%re)/known
+      misfit = sum(weight(s, :)*abs(amplitude(s, :) - factor(s)*shape(:, s))**2)/max(1, 2*size(amplitude, 2) - 1)
+      error(s) = sqrt(max(1.0_dp, misfit)/known)
+    end do
+  end subroutine best_factors
 
   pure elemental logical function differs(factor, from)
     !! A factor is not this number, by more than its error and that of calibration explain.

@@ -5,7 +5,7 @@ module bw_correction_candidates
   use bw_error, only: error_type
   use bw_input_name, only: name_length
   use bw_input_table, only: name_row, name_table
-  use bw_input_values, only: group_values, positions_of
+  use bw_input_values, only: positions_of
   use bw_kinds, only: dp
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene_text
@@ -71,7 +71,7 @@ contains
     if (candidate%group == 'body') candidate%place = 'body(1)'
     now = 0.0_dp
     do i = 1, size(names)
-      if (size(places) > 0) now(i) = given_number(scene%groups(places(1)), names(i)%text)
+      if (size(places) > 0) now(i) = scene%groups(places(1))%number(names(i)%text)
       associate (unit => own_size(name_table(name_row(candidate%group, candidate%unknown(i)))%unit, scene%beam))
         candidate%first(i) = correction%first(i)*unit
         candidate%last(i) = correction%last(i)*unit
@@ -102,14 +102,6 @@ contains
       possible = size(places) > 0
     end select
   end subroutine fit_to_scene
-
-  pure real(dp) function given_number(group, name) result(number)
-    !! What a group says of a name; 0 where it says nothing.
-    type(group_values), intent(in) :: group
-    character(*), intent(in) :: name
-    number = 0.0_dp
-    if (group%known(name)) number = group%number(name)
-  end function given_number
 
   pure subroutine toggle(scene, candidate)
     !! Switch an effect over that a value switches.

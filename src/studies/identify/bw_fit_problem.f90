@@ -6,12 +6,11 @@ module bw_fit_problem
   !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
   !! whose own complex amplitude is the one that fits them best; over a measured blow they are modal constants, which have none.
   !! Amplitudes err by a share of the largest one beside their noise, as frequencies do by τ.
-  use bw_beam_state, only: beam_state, state_modes, vague
+  use bw_beam_state, only: amplitude_weights, beam_state, sensor_error, state_modes, vague
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
   use bw_line_assignment, only: frequency_band, best_scatter, pairing
-  use bw_sensor_factors, only: amplitude_weights, sensor_error
   implicit none (type, external)
   private
   public :: problem_of, position_in, value_at, is_at_end
@@ -19,7 +18,6 @@ module bw_fit_problem
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
   real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines from which modes are found roughly, to 1e-3 of it
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
-
   type, extends(residual_problem), public :: fit_problem
     type(identify_par), allocatable :: unknowns(:)
     type(beam_state), allocatable :: states(:)

@@ -6,10 +6,10 @@ module bw_fit_search
   !! it (Mandel & Paule: the sum of squares is its number of degrees of freedom), so that lines that were measured to many more
   !! digits than the model has do not outweigh all others. The error of amplitudes is set likewise, and is that of sensors at least:
   !! a model whose shapes or a hammer whose scale is wrong does not draw unknowns away from what frequencies say.
-  use bw_chi_squared, only: chi_squared_tail
+  use bw_beam_state, only: sensor_error
   use bw_fit_problem, only: fit_problem, is_at_end
   use bw_kinds, only: dp
-  use bw_sensor_factors, only: sensor_error
+  use bw_quantile, only: chi_squared_tail
   implicit none (type, external)
   private
   public :: add_fit, explain, is_near, misfit_of, place, polish, search, choose_fit

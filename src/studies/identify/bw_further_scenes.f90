@@ -6,7 +6,7 @@ module bw_further_scenes
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene
-  use bw_text, only: string, text_of
+  use bw_text, only: append, string, text_of
   implicit none (type, external)
   private
   public :: further_scenes
@@ -43,7 +43,6 @@ contains
     integer, allocatable :: groups(:)
     character(:), allocatable :: path
     integer :: g, i, j
-    logical :: known
     allocate (paths(0), places(0))
     groups = positions_of(scene%groups, 'identify')
     do g = 1, size(groups)
@@ -53,32 +52,14 @@ contains
           do i = 1, size(names)
             path = names(i)%text
             if (index(path, '/') /= 1) path = directory_of(scene%file)//'/'//path
-            known = .false.
-            do j = 1, size(paths)
-              known = known .or. paths(j)%text == path
-            end do
-            if (known) cycle
-            call add(paths, path)
+            if (any([(paths(j)%text == path, j=1, size(paths))])) cycle
+            call append(paths, path)
             places = [places, groups(g)]
           end do
         end associate
       end associate
     end do
   end subroutine list_paths
-
-  subroutine add(list, text)
-    !! One more text. (Array constructors of such types leak in gfortran 12.)
-    type(string), allocatable, intent(inout) :: list(:)
-    character(*), intent(in) :: text
-    type(string), allocatable :: longer(:)
-    integer :: i
-    allocate (longer(size(list) + 1))
-    do i = 1, size(list)
-      longer(i)%text = list(i)%text
-    end do
-    longer(size(longer))%text = text
-    call move_alloc(longer, list)
-  end subroutine add
 
   subroutine check_further(scene, group, further, i, error)
     !! A further scene has a record and a beam, names no further ones, and has a result of its own.

@@ -66,10 +66,7 @@ contains
     integer :: i
     call with_unknowns(scene, unknowns, varied)
     call scene_with(varied, found%values, one, error)
-    text = resolved_text(one)
-    text = without_group(text, 'record')
-    text = without_group(text, 'spectrum')
-    text = without_group(text, 'identify')
+    text = without_group(without_group(without_group(resolved_text(one), 'record'), 'spectrum'), 'identify')
     associate (modes => scene%groups(position_of(scene%groups, 'modes')))
       if (.not. (modes%given('before') .or. modes%given('after') .or. modes%given('tolerance'))) &
         text = without_group(text, 'modes')          ! what a motion that is added will need

@@ -11,7 +11,6 @@ module bw_least_squares
   private
   public :: least_squares
 
-
   type, abstract, public :: residual_problem
     !! Residuals that depend on variables.
   contains
@@ -22,7 +21,6 @@ module bw_least_squares
     subroutine residuals_interface(self, v, residuals)
       !! Find the residuals of these variables.
       import :: dp, residual_problem
-      implicit none (type, external)
       class(residual_problem), intent(inout) :: self
       real(dp), intent(in) :: v(:)               !! −1 ≤ v ≤ 1, (variables)
       real(dp), intent(out) :: residuals(:)      !! finite
@@ -31,7 +29,6 @@ module bw_least_squares
     subroutine minpack_function(m, n, x, fvec, iflag)
       !! As MINPACK asks for residuals.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: m, n
       real(dp), intent(in) :: x(n)
       real(dp), intent(inout) :: fvec(m)
@@ -44,7 +41,6 @@ module bw_least_squares
                      ipvt, qtf, wa1, wa2, wa3, wa4)
       !! MINPACK's own documentation says what each argument is.
       import :: dp, minpack_function
-      implicit none (type, external)
       procedure(minpack_function) :: fcn
       integer, intent(in) :: m, n, ldfjac, maxfev, mode, nprint
       real(dp), intent(inout) :: x(n), diag(n)

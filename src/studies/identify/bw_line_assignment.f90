@@ -94,7 +94,7 @@ contains
         choices = huge(penalty)
         if (i > 0 .and. j > 0) choices(pair) = cost(i - 1, j - 1) + pair_penalty(record, band, tau, i, j)
         if (i > 0) choices(spurious) = cost(i - 1, j) + 2*band%share*log(band%width) - 2*log(record%chance(i))
-        if (j > 0) choices(undetected) = cost(i, j - 1) + undetected_penalty(record%mode(j))
+        if (j > 0) choices(undetected) = cost(i, j - 1) + merge(-2*log(p_undetected), 0.0_dp, record%mode(j) > 0)
         step(i, j) = minloc(choices, dim=1)
         cost(i, j) = choices(step(i, j))
       end do
@@ -132,12 +132,5 @@ contains
     penalty = min(never, ((record%line(i) - record%mode(j))/record%line(i))**2/variance) &
       + band%share*log(2*pi*variance) - 2*log((1 - record%chance(i))*(1 - p_undetected))
   end function pair_penalty
-
-  elemental real(dp) function undetected_penalty(frequency) result(penalty)
-    !! Of a mode without a line; one that grows has none.
-    real(dp), intent(in) :: frequency
-    penalty = 0
-    if (frequency > 0) penalty = -2*log(p_undetected)
-  end function undetected_penalty
 
 end module bw_line_assignment

@@ -1,15 +1,16 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_corrected_models, only: helpful, corrected_model
+  use bw_beam_state, only: sensor_error
   use bw_columns, only: right, short, table_of, text_table, to_its_error, to_width
   use bw_constants, only: two_pi
   use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification
+  use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_model_comparison, only: compared_lines
   use bw_result_lines, only: result_lines
-  use bw_sensor_factors, only: sensor_error
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
@@ -60,7 +61,8 @@ contains
       text = 'there are no more lines than unknowns, so that nothing tests the model'
       return
     end if
-    text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//freedom_text(misfit%freedom)// &
+    text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//text_of(misfit%freedom)//' degree'// &
+      repeat('s', merge(0, 1, misfit%freedom == 1))//' of freedom'// &
       '; noise alone makes more of it in '
     if (misfit%freedom < 1) text = 'chi squared is '//shortest(misfit%chi_squared, 3)// &
       ' though there are no more lines than unknowns; noise alone makes as much of one line in '
@@ -76,13 +78,6 @@ contains
     if (misfit%amplitude_error > sensor_error) text = text//'. Amplitudes along the beam are off by '// &
       shortest(100*misfit%amplitude_error, 2)//' % of the largest'
   end function explained_text
-
-  pure function freedom_text(freedom) result(text)
-    integer, intent(in) :: freedom
-    character(:), allocatable :: text
-    text = text_of(freedom)//' degrees of freedom'
-    if (freedom == 1) text = '1 degree of freedom'
-  end function freedom_text
 
   subroutine report_identified(found, confidence, lines)
     !! A row for each unknown, and what goes with what.
@@ -119,7 +114,7 @@ contains
       call lines%append_line('  Not fixed: '//loose_text(found, i))
     end do
     do i = 1, size(found%others, 2)
-      call lines%append_line('  Fits as well: '//place_text(found, found%others(:, i), [1], .true.))
+      call lines%append_line('  Fits as well: '//named_text(found%unknowns, found%others(:, i), '', ''))
     end do
   end subroutine report_identified
 
@@ -146,37 +141,43 @@ contains
     associate (loose => found%loose(i))
       text = found%unknowns(loose%unknown)%parameter
       if (loose%partner == 0) then
-        text = text//': '//place_text(found, loose%one, [loose%unknown], .false.)//' and '// &
-          place_text(found, loose%other, [loose%unknown], .false.)//' fit alike'
+        text = text//': '//place_text(found, loose%one, [loose%unknown])//' and '// &
+          place_text(found, loose%other, [loose%unknown])//' fit alike'
       else
         text = text//' and '//found%unknowns(loose%partner)%parameter//': '// &
-          place_text(found, loose%one, [loose%unknown, loose%partner], .false.)//' and '// &
-          place_text(found, loose%other, [loose%unknown, loose%partner], .false.)//' fit alike'
+          place_text(found, loose%one, [loose%unknown, loose%partner])//' and '// &
+          place_text(found, loose%other, [loose%unknown, loose%partner])//' fit alike'
       end if
     end associate
   end function loose_text
 
-  function place_text(found, values, which, all_named) result(text)
-    !! Values of unknowns: `0.0044 kg at 0.8`, or all of them with their names.
+  function place_text(found, values, which) result(text)
+    !! Values of some unknowns: `0.0044 kg with 0.8`.
     type(identification), intent(in) :: found
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: which(:)
-    logical, intent(in) :: all_named
     character(:), allocatable :: text
     integer :: i
     text = ''
-    if (all_named) then
-      do i = 1, size(values)
-        text = text//', '//found%unknowns(i)%parameter//' = '//with_unit(values(i), found%unknowns(i)%unit)
-      end do
-      text = text(3:)
-    else
-      do i = 1, size(which)
-        if (i > 1) text = text//' with '
-        text = text//with_unit(values(which(i)), found%unknowns(which(i))%unit)
-      end do
-    end if
+    do i = 1, size(which)
+      if (i > 1) text = text//' with '
+      text = text//with_unit(values(which(i)), found%unknowns(which(i))%unit)
+    end do
   end function place_text
+
+  function named_text(unknowns, values, before, behind) result(text)
+    !! All of them with their names: `body%mass = 0.1 kg, body%position = 0.5`; empty where there are none.
+    type(identify_par), intent(in) :: unknowns(:)
+    real(dp), intent(in) :: values(:)
+    character(*), intent(in) :: before, behind
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(values)
+      text = text//', '//unknowns(i)%parameter//' = '//with_unit(values(i), unknowns(i)%unit)
+    end do
+    if (text /= '') text = before//text(3:)//behind
+  end function named_text
 
   function with_unit(value, unit) result(text)
     !! `4.4 kg`.
@@ -186,18 +187,6 @@ contains
     text = shortest(value, 4)
     if (unit /= '1' .and. unit /= '') text = text//' '//unit
   end function with_unit
-
-  function sizes_text(corrected) result(text)
-    !! ` (body%mass = 0.1 kg, body%position = 0.5)`.
-    type(corrected_model), intent(in) :: corrected
-    character(:), allocatable :: text
-    integer :: i
-    text = ''
-    do i = 1, size(corrected%values)
-      text = text//', '//corrected%unknowns(i)%parameter//' = '//with_unit(corrected%values(i), corrected%unknowns(i)%unit)
-    end do
-    if (text /= '') text = ' ('//text(3:)//')'
-  end function sizes_text
 
   subroutine report_corrections(corrections, scatter, lines)
     !! What would correct a misfit, the best first, and how many of those that were tried are no help.
@@ -210,28 +199,20 @@ contains
                                             'frequencies would be off by')
     do i = 1, helping
       call lines%append(right(shortest(100*corrections(i)%fit%scatter, 2), 10)//' %   '//corrections(i)%effect// &
-                        sizes_text(corrections(i)))
+                        named_text(corrections(i)%unknowns, corrections(i)%values, ' (', ')'))
       if (corrections(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
       if (corrections(i)%fit%amplitude_error > sensor_error) call lines%append( &
         '; amplitudes are off by '//shortest(100*corrections(i)%fit%amplitude_error, 2)//' %')
       call lines%append_line('')
     end do
-    if (helping < size(corrections)) call lines%append_line('  '//useless_text(size(corrections), helping))
+    if (helping == 0 .and. size(corrections) > 0) call lines%append_line('  No effect that the model leaves out, and no other '// &
+      'value, corrects that; tried: '//text_of(size(corrections)))
+    if (helping > 0 .and. helping < size(corrections)) call lines%append_line('  Others that were tried are no help: '// &
+                                                                              text_of(size(corrections) - helping))
     associate (explaining => corrections%fit%scatter <= 0.0_dp)
       if (count(explaining) > 1 .and. count(explaining .and. corrections%fit%amplitude_error <= sensor_error) /= 1) &
         call lines%append_line('  Several of them explain the lines: these alone do not tell which it is')
     end associate
   end subroutine report_corrections
-
-  pure function useless_text(tried, helping) result(text)
-    !! How many effects and values were tried in vain.
-    integer, intent(in) :: tried, helping
-    character(:), allocatable :: text
-    if (helping == 0) then
-      text = 'No effect that the model leaves out, and no other value, corrects that; tried: '//text_of(tried)
-    else
-      text = 'Others that were tried are no help: '//text_of(tried - helping)
-    end if
-  end function useless_text
 
 end module bw_model_report
