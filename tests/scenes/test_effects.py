@@ -114,13 +114,13 @@ def test_the_table_in_the_readme_is_what_the_program_prints(here):
 def test_an_effect_matters_from_the_first_mode_that_it_changes_by_more_than_the_tolerance(here):
     response = {"duration": 0.01, "samples": 16}
     scene = captured_beam(rotation={"angular_velocity": 1.0}, modes=None, response=response)
-    here.scene("slow", {**scene, "modes": {"tolerance": 1e-6}})
+    here.scene("slow", {**scene, "modes": {"tolerance": 1e-5}})
     assert here.beamwave("effects", "slow.nml").returncode == 0
     with xr.open_dataset(here.directory / "output/slow.effects.nc") as ds:
-        assert float(ds["frequency_tolerance"]) == 1e-6
+        assert float(ds["frequency_tolerance"]) == 1e-5
         rotation = row(ds, "rotation")
         first = int(rotation["matters_from_mode"])
-        larger = np.abs(rotation["frequency_change"].values) > 1e-6
+        larger = np.abs(rotation["frequency_change"].values) > 1e-5
     # 1 rad/s takes (1/121.8)²/2 = 3.4e-5 off mode 1, (1/849)²/2 = 7e-7 off mode 2.
     assert first == 1 and larger.tolist() == [True] + 9 * [False]
 
@@ -229,7 +229,7 @@ def test_of_a_sweep_the_first_case_is_studied_and_that_is_said(here):
 
 def test_a_row_without_numbers_has_no_verdict_and_says_why(here):
     """Effects with which the tolerance is out of reach: what needs a history has no verdict, and each run's reason stands once."""
-    groups = {"rotation": None, "modes": None, "response": {"duration": 0.01, "samples": 16}}
+    groups = {"rotation": None, "modes": None, "response": {"duration": 0.01, "samples": 4}}
     here.scene("fine", {**captured_beam(**groups), "modes": {"tolerance": 1e-9}})
     ended = here.beamwave("effects", "fine.nml")
     assert ended.returncode == 4, ended.stderr
