@@ -9,7 +9,7 @@ module bw_check_json
   use bw_result_layout, only: result_layout
   use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_tally, only: without_case
-  use bw_text, only: append, lines_of, string, words_of
+  use bw_text, only: append, lines_of, string, text_of, words_of
   implicit none (type, external)
   private
   public :: check_document, good_scene, refused_scene
@@ -36,7 +36,7 @@ contains
     do i = 1, size(scenes)
       rows(i)%text = nl//'  '//scenes(i)%text
     end do
-    document = '{"program": '//json_text(source_text())//json_member('status', json_number(status))// &
+    document = '{"program": '//json_text(source_text())//json_member('status', text_of(status))// &
       json_member('scenes', json_list(rows))//'}'//nl
   end function check_document
 
@@ -50,26 +50,19 @@ contains
     tolerance = 'null'
     if (.not. layout%of_record) then
       if (by_tolerance(scene%modes)) tolerance = json_number(scene%modes%tolerance)
-      if (facts%modes > 0) modes = json_number(facts%modes)
+      if (facts%modes > 0) modes = text_of(facts%modes)
     end if
     object = '{"file": '//json_text(scene%file)//json_member('status', '0')// &
       json_member('title', json_text(scene%header%title))// &
-      json_member('cases', json_number(max(1, layout%cases)))// &
+      json_member('cases', text_of(max(1, layout%cases)))// &
       json_member('method', json_text(method_name(scene)))// &
-      json_member('effects', json_texts(effects_of(effect_names(scene))))// &
+      json_member('effects', json_texts(words_of(effect_names(scene))))// &
       json_member('modes', modes)//json_member('tolerance', tolerance)// &
-      json_member('points', json_number(layout%points))//json_member('samples', json_number(layout%samples))// &
-      json_member('memory_bytes', json_number(facts%memory))//json_member('disk_bytes', json_number(facts%disk))// &
+      json_member('points', text_of(layout%points))//json_member('samples', text_of(layout%samples))// &
+      json_member('memory_bytes', text_of(facts%memory))//json_member('disk_bytes', text_of(facts%disk))// &
       json_member('seconds', json_number(facts%seconds))//json_member('errors', '[]')// &
       json_member('warnings', notes_of(facts%notes, .false.))//json_member('remarks', notes_of(facts%notes, .true.))//'}'
   end function good_scene
-
-  pure function effects_of(names) result(words)
-    character(*), intent(in) :: names              !! by blanks
-    type(string), allocatable :: words(:)
-    allocate (words(0))
-    if (names /= '') words = words_of(names)
-  end function effects_of
 
   pure function notes_of(notes, remarks) result(list)
     !! The warnings among notes, or the remarks.
@@ -103,7 +96,7 @@ contains
       call append(objects, error_object(file, rest(:last)))
       rest = rest(last + 2:)
     end do
-    object = '{"file": '//json_text(file)//json_member('status', json_number(status))// &
+    object = '{"file": '//json_text(file)//json_member('status', text_of(status))// &
       json_member('errors', json_list(objects))//json_member('warnings', '[]')//json_member('remarks', '[]')//'}'
   end function refused_scene
 

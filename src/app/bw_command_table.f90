@@ -50,7 +50,6 @@ module bw_command_table
     integer function command_interface(command) result(status)
       !! Does what the command is called for, prints what there is to say, and returns the exit status.
       import :: command_type
-      implicit none (type, external)
       type(command_type), intent(in) :: command
     end function command_interface
   end interface

@@ -115,7 +115,7 @@ contains
     stage = 'null'
     if (self%stage /= '' .and. event == 'progress') stage = json_text(self%stage)
     ignored = write_text(standard_error, '{"event": '//json_text(event)//json_member('scene', json_text(self%name))// &
-      json_member('done', json_number(self%done))//json_member('cases', json_number(self%cases))// &
+      json_member('done', text_of(self%done))//json_member('cases', text_of(self%cases))// &
       json_member('part', json_number(min(1.0_dp, (real(self%done, dp) + fraction)/real(self%cases, dp))))// &
       json_member('seconds', json_number(now - self%started))//json_member('stage', stage)//'}'//new_line('a'))
   end subroutine tell

@@ -5,7 +5,7 @@ module bw_checksum
   use bw_kinds, only: i8
   implicit none (type, external)
   private
-  public :: word_sum, lane_sums, words_of_text
+  public :: word_sum, lane_sums
 
   integer, parameter, public :: lanes = 16     !! sums that go on side by side; tuned
 
@@ -47,14 +47,5 @@ contains
     stirred = ieor(stirred, ishft(stirred, -7))
     stirred = ieor(stirred, ishft(stirred, 17))
   end function stirred
-
-  pure function words_of_text(text) result(words)
-    !! Its letters, and blanks up to whole words.
-    character(*), intent(in) :: text
-    integer(i8), allocatable :: words(:)
-    integer, parameter :: word = 8             !! letters
-    allocate (words((len(text) + word - 1)/word))
-    if (size(words) > 0) words = transfer(text//repeat(' ', word), words, size(words))
-  end function words_of_text
 
 end module bw_checksum

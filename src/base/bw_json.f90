@@ -1,17 +1,12 @@
 module bw_json
   !! Texts and numbers as JSON (RFC 8259) has them, put together into lists and objects by whoever writes one.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use bw_kinds, only: dp, i8
+  use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_text, only: read_letter, string, text_builder, text_of
   implicit none (type, external)
   private
-  public :: json_list, json_logical, json_member, json_number, json_text, json_texts
-
-  interface json_number
-    !! A number; `null` where a real does not exist.
-    module procedure :: number_of_integer, number_of_long, number_of_real
-  end interface json_number
+  public :: json_list, json_member, json_number, json_text, json_texts
 
 contains
 
@@ -52,32 +47,14 @@ contains
     write (escape, '(a, z4.4)') '\u', code
   end function unit_of
 
-  pure function number_of_integer(value) result(text)
-    integer, intent(in) :: value
-    character(:), allocatable :: text
-    text = text_of(value)
-  end function number_of_integer
-
-  pure function number_of_long(value) result(text)
-    integer(i8), intent(in) :: value
-    character(:), allocatable :: text
-    text = text_of(value)
-  end function number_of_long
-
-  pure function number_of_real(value) result(text)
-    !! The shortest text that reads back to the same bits.
+  pure function json_number(value) result(text)
+    !! A real as the shortest text that reads back to the same bits; `null` where it does not exist.
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     text = 'null'
     if (.not. ieee_is_finite(value)) return
     if (.not. is_missing(value)) text = text_of(value)
-  end function number_of_real
-
-  pure function json_logical(value) result(text)
-    logical, intent(in) :: value
-    character(:), allocatable :: text
-    text = trim(merge('true ', 'false', value))
-  end function json_logical
+  end function json_number
 
   pure function json_member(name, value) result(member)
     !! A member of an object, behind a comma: `, "name": value`.

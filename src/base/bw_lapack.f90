@@ -16,7 +16,6 @@ module bw_lapack
     pure real(dp) function ddot(n, x, incx, y, incy)
       !! Σ x y.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: n, incx, incy
       real(dp), intent(in) :: x(*), y(*)
     end function ddot
@@ -24,7 +23,6 @@ module bw_lapack
     pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
       !! C ← alpha·A B + beta·C, A and B as they are or transposed.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: transa, transb
       integer, intent(in) :: m, n, k, lda, ldb, ldc
       real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
@@ -34,7 +32,6 @@ module bw_lapack
     subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
       !! B ← alpha·A⁻¹B or alpha·B A⁻¹, A triangular, as it is or transposed.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: side, uplo, transa, diag
       integer, intent(in) :: m, n, lda, ldb
       real(dp), intent(in) :: alpha, a(lda, *)
@@ -46,7 +43,6 @@ module bw_lapack
     subroutine dpotrf(uplo, n, a, lda, info)
       !! Cholesky's factor of a symmetric positive definite matrix; info > 0: it is not positive definite.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: uplo
       integer, intent(in) :: n, lda
       real(dp), intent(inout) :: a(lda, *)
@@ -56,7 +52,6 @@ module bw_lapack
     subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
       !! Cholesky's factor of a symmetric positive definite band matrix; info > 0: it is not positive definite.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: uplo
       integer, intent(in) :: n, kd, ldab
       real(dp), intent(inout) :: ab(ldab, *)
@@ -67,7 +62,6 @@ module bw_lapack
       !! Singular values and vectors by Jacobi's method, each to its own digits where a matrix is a well conditioned one between two
       !! diagonal ones; values are work(1)/work(2)·sva.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: joba, jobu, jobv, jobr, jobt, jobp
       integer, intent(in) :: m, n, lda, ldu, ldv, lwork
       real(dp), intent(inout) :: a(lda, *)
@@ -78,7 +72,6 @@ module bw_lapack
     subroutine dgesdd(jobz, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, iwork, info)
       !! Singular values and vectors, to rounding of the largest value.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: jobz
       integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
       real(dp), intent(inout) :: a(lda, *)
@@ -89,7 +82,6 @@ module bw_lapack
     subroutine dpotri(uplo, n, a, lda, info)
       !! The inverse of a symmetric positive definite matrix from Cholesky's factor; info > 0: there is none.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: uplo
       integer, intent(in) :: n, lda
       real(dp), intent(inout) :: a(lda, *)
@@ -99,7 +91,6 @@ module bw_lapack
     pure subroutine dgetrf(m, n, a, lda, ipiv, info)
       !! The factors of A by elimination; info > 0: A is singular.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: m, n, lda
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: ipiv(*), info
@@ -108,7 +99,6 @@ module bw_lapack
     pure subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
       !! The solution of A X = B with the factors of dgetrf.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: trans
       integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
       real(dp), intent(in) :: a(lda, *)
@@ -119,7 +109,6 @@ module bw_lapack
     pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
       !! The solution of A X = B by elimination; info > 0: A is singular.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: n, nrhs, lda, ldb
       real(dp), intent(inout) :: a(lda, *), b(ldb, *)
       integer, intent(out) :: ipiv(*), info
@@ -129,7 +118,6 @@ module bw_lapack
                            ferr, berr, work, iwork, info)
       !! Solve a banded system, equilibrated, with iterative refinement.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: fact, trans
       integer, intent(in) :: n, kl, ku, nrhs, ldab, ldafb, ldb, ldx
       real(dp), intent(inout) :: ab(ldab, *), afb(ldafb, *), r(*), c(*), b(ldb, *)
@@ -142,7 +130,6 @@ module bw_lapack
     subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
       !! A = QR by Householder reflections.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: m, n, lda, lwork
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(out) :: info
@@ -151,7 +138,6 @@ module bw_lapack
     subroutine dgeqp3(m, n, a, lda, jpvt, tau, work, lwork, info)
       !! A(:, jpvt) = QR with pivoting of columns: the diagonal of R falls, Q as that of dgeqrf.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: m, n, lda, lwork
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(inout) :: jpvt(*)                    ! 0: free to be moved
@@ -161,7 +147,6 @@ module bw_lapack
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
       !! Eigenvalues and vectors of A x = w B x, both symmetric, B positive definite.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: itype, n, lda, ldb, lwork
       character, intent(in) :: jobz, uplo
       real(dp), intent(inout) :: a(lda, *), b(ldb, *)
@@ -172,7 +157,6 @@ module bw_lapack
     subroutine dormqr(side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
       !! C ← QC, QᵀC, CQ or CQᵀ, Q from dgeqrf.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: side, trans
       integer, intent(in) :: m, n, k, lda, ldc, lwork
       real(dp), intent(in) :: a(lda, *), tau(*)
@@ -183,7 +167,6 @@ module bw_lapack
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       !! The shortest solution of least squares for a matrix that may lack rank.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
       real(dp), intent(inout) :: a(lda, *), b(ldb, *), work(*)
       integer, intent(inout) :: jpvt(*)
@@ -194,7 +177,6 @@ module bw_lapack
     pure subroutine dlasrt(id, n, d, info)
       !! Numbers sorted, ascending where id is I.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: id
       integer, intent(in) :: n
       real(dp), intent(inout) :: d(*)
@@ -204,7 +186,6 @@ module bw_lapack
     subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
       !! All eigenvalues of a symmetric matrix, ascending, and with jobz = 'V' its eigenvectors in A.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: jobz, uplo
       integer, intent(in) :: n, lda, lwork
       real(dp), intent(inout) :: a(lda, *)
@@ -215,7 +196,6 @@ module bw_lapack
     subroutine dsterf(n, d, e, info)
       !! All eigenvalues of a symmetric tridiagonal matrix, ascending, without vectors.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: n
       real(dp), intent(inout) :: d(*), e(*)
       integer, intent(out) :: info
@@ -224,7 +204,6 @@ module bw_lapack
     subroutine zgeev(jobvl, jobvr, n, a, lda, w, vl, ldvl, vr, ldvr, work, lwork, rwork, info)
       !! Eigenvalues of a complex matrix, and their vectors where asked for.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: jobvl, jobvr
       integer, intent(in) :: n, lda, ldvl, ldvr, lwork
       complex(dp), intent(inout) :: a(lda, *), w(*), vl(ldvl, *), vr(ldvr, *), work(*)
@@ -235,7 +214,6 @@ module bw_lapack
     pure subroutine zgbsv(n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
       !! The solution of A X = B, A a band of kl diagonals below and ku above its own: A(i, j) is ab(kl + ku + 1 + i − j, j).
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: n, kl, ku, nrhs, ldab, ldb
       complex(dp), intent(inout) :: ab(ldab, *), b(ldb, *)
       integer, intent(out) :: ipiv(*), info
@@ -244,7 +222,6 @@ module bw_lapack
     pure subroutine zgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
       !! The solution of A X = B by elimination; info > 0: A is singular.
       import :: dp
-      implicit none (type, external)
       integer, intent(in) :: n, nrhs, lda, ldb
       complex(dp), intent(inout) :: a(lda, *), b(ldb, *)
       integer, intent(out) :: ipiv(*), info
@@ -253,7 +230,6 @@ module bw_lapack
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
       !! All singular values of a complex matrix with their vectors.
       import :: dp
-      implicit none (type, external)
       character, intent(in) :: jobu, jobvt
       integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
       complex(dp), intent(inout) :: a(lda, *), u(ldu, *), vt(ldvt, *), work(*)

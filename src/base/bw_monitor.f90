@@ -16,7 +16,6 @@ module bw_monitor
     subroutine advance_interface(self, fraction)
       !! Called now and then with the finished part, 0 … 1, of the case at hand.
       import :: monitor_type, dp
-      implicit none (type, external)
       class(monitor_type), intent(inout) :: self
       real(dp), intent(in) :: fraction
     end subroutine advance_interface
@@ -24,7 +23,6 @@ module bw_monitor
     logical function stop_interface(self)
       !! True when the work at hand should be left as it is: a signal came, or time is up.
       import :: monitor_type
-      implicit none (type, external)
       class(monitor_type), intent(inout) :: self
     end function stop_interface
   end interface
@@ -41,7 +39,6 @@ module bw_monitor
     subroutine begin_interface(self, name, cases, finished)
       !! Called before the first case of a scene.
       import :: progress_type, i8
-      implicit none (type, external)
       class(progress_type), intent(inout) :: self
       character(*), intent(in) :: name          !! of the scene
       integer(i8), intent(in) :: cases          !! how many it has
@@ -50,7 +47,6 @@ module bw_monitor
 
     subroutine cases_interface(self, count)
       import :: progress_type, i8
-      implicit none (type, external)
       class(progress_type), intent(inout) :: self
       integer(i8), intent(in) :: count          !! cases that have been finished since the last call
     end subroutine cases_interface
@@ -58,7 +54,6 @@ module bw_monitor
     subroutine end_interface(self)
       !! Called when no more is to come of the scene.
       import :: progress_type
-      implicit none (type, external)
       class(progress_type), intent(inout) :: self
     end subroutine end_interface
   end interface

@@ -110,12 +110,8 @@ contains
     character(:), allocatable :: text
     integer :: last
     last = len_trim(mantissa)
-    if (index(mantissa, '.') > 0) then
-      do while (mantissa(last:last) == '0')
-        last = last - 1
-      end do
-      if (mantissa(last:last) == '.') last = last - 1
-    end if
+    if (index(mantissa, '.') > 0) last = verify(mantissa(:last), '0', back=.true.)
+    if (mantissa(last:last) == '.') last = last - 1
     text = mantissa(:last)
   end function strip_zeros
 
@@ -125,16 +121,8 @@ contains
     integer, intent(in) :: exponent
     character(:), allocatable :: text
     character(:), allocatable :: digits, sign
-    integer :: i
-    sign = ''
-    digits = ''
-    do i = 1, len(mantissa)
-      select case (mantissa(i:i))
-      case ('-'); sign = '-'
-      case ('0':'9'); digits = digits//mantissa(i:i)
-      case default                          ! the point
-      end select
-    end do
+    sign = mantissa(:index(mantissa(1:1), '-'))
+    digits = mantissa(len(sign) + 1:len(sign) + 1)//mantissa(len(sign) + 3:)
     if (exponent < 0) then
       text = sign//'0.'//repeat('0', -exponent - 1)//digits
     else if (len(digits) <= exponent + 1) then

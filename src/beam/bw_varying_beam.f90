@@ -38,7 +38,6 @@ module bw_varying_beam
   abstract interface
     pure real(dp) function value_interface(polynomial, ends) result(value)
       import :: dp
-      implicit none (type, external)
       real(dp), intent(in) :: polynomial(0:), ends(2)
     end function value_interface
   end interface

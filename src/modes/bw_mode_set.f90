@@ -97,7 +97,6 @@ module bw_mode_set
     pure function shapes_interface(self, first, last, xi) result(values)
       !! Φ_k(ξ) of modes `first` … `last` of the set, at points of the beam.
       import :: mode_set, dp
-      implicit none (type, external)
       class(mode_set), intent(in) :: self
       integer, intent(in) :: first, last
       real(dp), intent(in) :: xi(:)               !! 0 ≤ ξ ≤ 1, (points)
@@ -109,7 +108,6 @@ module bw_mode_set
       !! Φ_kφ_i, times a_i. Divided by the modal masses they are the motion's projection on these modes.
       !! **Limits**: both sets were found in the same way, for the same beam; else there is no number.
       import :: mode_set, monitor_type, dp
-      implicit none (type, external)
       class(mode_set), intent(in) :: self
       class(mode_set), intent(in) :: from         !! modes φ_i
       real(dp), intent(in) :: amplitude(:)        !! a_i of the first of them; the others are at rest
@@ -120,7 +118,6 @@ module bw_mode_set
     subroutine find_interface(self, number, modes, longest, monitor)
       !! Find the modes of these numbers, damped by the source's law.
       import :: mode_set, mode_source, monitor_type, dp
-      implicit none (type, external)
       class(mode_source), intent(in) :: self
       integer, intent(in) :: number(:)            !! 1 ≤ k ≤ `highest`, ascending
       class(mode_set), allocatable, intent(out) :: modes
@@ -133,7 +130,6 @@ module bw_mode_set
       !! K_kk/M_kk, K the elastic stiffness without tension and rotation: what damping is proportional to. Where nothing else
       !! acts it is β² itself.
       import :: mode_set, dd
-      implicit none (type, external)
       class(mode_set), intent(in) :: self
       type(dd) :: squares(self%count)             !! (modes)
     end function elastic_interface
@@ -197,7 +193,6 @@ contains
       configurations(i)%source%monitor => monitor
     end do
   end subroutine attend
-
 
   pure type(search_failure) function first_failure(configurations) result(failure)
     !! The first that was noted.

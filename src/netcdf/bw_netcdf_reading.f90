@@ -37,65 +37,55 @@ module bw_netcdf_reading
     end subroutine load_netcdf
     integer(c_int) function nc_open(path, mode, file) bind(c, name='bw_nc_open')
       import :: c_char, c_int
-      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
       integer(c_int), value :: mode
       integer(c_int), intent(out) :: file
     end function nc_open
     integer(c_int) function nc_close(file) bind(c, name='bw_nc_close')
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: file
     end function nc_close
     integer(c_int) function nc_inq_format(file, format) bind(c, name='bw_nc_inq_format')
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: file
       integer(c_int), intent(out) :: format
     end function nc_inq_format
     integer(c_int) function nc_inq(file, dimensions, variables, attributes, unlimited) bind(c, name='bw_nc_inq')
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: file
       integer(c_int), intent(out) :: dimensions, variables, attributes, unlimited
     end function nc_inq
     integer(c_int) function nc_inq_dim(file, dimension, name, length) bind(c, name='bw_nc_inq_dim')
       import :: c_char, c_int, c_size_t
-      implicit none (type, external)
       integer(c_int), value :: file, dimension
       character(c_char), intent(out) :: name(*)
       integer(c_size_t), intent(out) :: length
     end function nc_inq_dim
     integer(c_int) function nc_inq_varid(file, name, variable) bind(c, name='bw_nc_inq_varid')
       import :: c_char, c_int
-      implicit none (type, external)
       integer(c_int), value :: file
       character(c_char), intent(in) :: name(*)
       integer(c_int), intent(out) :: variable
     end function nc_inq_varid
     integer(c_int) function nc_inq_varndims(file, variable, rank) bind(c, name='bw_nc_inq_varndims')
       import :: c_int
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       integer(c_int), intent(out) :: rank
     end function nc_inq_varndims
     integer(c_int) function nc_inq_var(file, variable, name, type, rank, dimensions, attributes) bind(c, name='bw_nc_inq_var')
       import :: c_char, c_int
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       character(c_char), intent(out) :: name(*)
       integer(c_int), intent(out) :: type, rank, dimensions(*), attributes
     end function nc_inq_var
     integer(c_int) function nc_get_vara_double(file, variable, first, count, values) bind(c, name='bw_nc_get_vara_double')
       import :: c_double, c_int, c_size_t
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       integer(c_size_t), intent(in) :: first(*), count(*)
       real(c_double), intent(inout) :: values(*)
     end function nc_get_vara_double
     integer(c_int) function nc_inq_att(file, variable, name, type, length) bind(c, name='bw_nc_inq_att')
       import :: c_char, c_int, c_size_t
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       character(c_char), intent(in) :: name(*)
       integer(c_int), intent(out) :: type
@@ -103,39 +93,33 @@ module bw_netcdf_reading
     end function nc_inq_att
     integer(c_int) function nc_get_att_double(file, variable, name, value) bind(c, name='bw_nc_get_att_double')
       import :: c_char, c_double, c_int
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       character(c_char), intent(in) :: name(*)
       real(c_double), intent(inout) :: value(*)
     end function nc_get_att_double
     integer(c_int) function nc_get_att_text(file, variable, name, text) bind(c, name='bw_nc_get_att_text')
       import :: c_char, c_int
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       character(c_char), intent(in) :: name(*)
       character(c_char), intent(inout) :: text(*)
     end function nc_get_att_text
     integer(c_int) function nc_get_att_string(file, variable, name, texts) bind(c, name='bw_nc_get_att_string')
       import :: c_char, c_int, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: file, variable
       character(c_char), intent(in) :: name(*)
       type(c_ptr), intent(inout) :: texts(*)
     end function nc_get_att_string
     integer(c_int) function nc_free_string(count, texts) bind(c, name='bw_nc_free_string')
       import :: c_int, c_ptr, c_size_t
-      implicit none (type, external)
       integer(c_size_t), value :: count
       type(c_ptr), intent(inout) :: texts(*)
     end function nc_free_string
     type(c_ptr) function nc_strerror(status) bind(c, name='bw_nc_strerror')
       import :: c_int, c_ptr
-      implicit none (type, external)
       integer(c_int), value :: status
     end function nc_strerror
     pure integer(c_size_t) function strlen(text) bind(c)
       import :: c_ptr, c_size_t
-      implicit none (type, external)
       type(c_ptr), value :: text
     end function strlen
   end interface

@@ -83,6 +83,8 @@ contains
     type(remark_type), intent(out) :: remarks(:)
     type(estimate_type) :: estimates(size(absent_words))
     type(aside_type) :: aside
+    real(dp), parameter :: nothing = 1.0e-4_dp     ! of an amplitude
+    character(:), allocatable :: left
     integer :: e
     estimates = estimate_absent(scene, aside)
     do e = 1, size(estimates)
@@ -90,26 +92,13 @@ contains
       remarks(e)%words = words(estimates(e))
     end do
     remarks(e)%weight = 1.0_dp - aside%left
-    remarks(e)%words = damping_words(aside)
+    left = 'hardly anything'
+    if (aside%left > nothing) left = shortest(100.0_dp*aside%left, 2)//' %'
+    remarks(e)%words = 'damping: a ratio of '//shortest(usual_ratio, 2)//' would leave '//left//' of mode 1 at the end'
     remarks(e + 1)%weight = abs(aside%moved)
-    remarks(e + 1)%words = place_words(aside)
-  end subroutine find_remarks
-
-  pure function damping_words(aside) result(text)
-    type(aside_type), intent(in) :: aside
-    character(:), allocatable :: text
-    real(dp), parameter :: nothing = 1.0e-4_dp
-    text = 'hardly anything'
-    if (aside%left > nothing) text = shortest(100.0_dp*aside%left, 2)//' %'
-    text = 'damping: a ratio of '//shortest(usual_ratio, 2)//' would leave '//text//' of mode 1 at the end'
-  end function damping_words
-
-  pure function place_words(aside) result(text)
-    type(aside_type), intent(in) :: aside
-    character(:), allocatable :: text
-    text = 'position: a mass '//shortest(100.0_dp*place_step, 2)//' % of the length further in would change '// &
+    remarks(e + 1)%words = 'position: a mass '//shortest(100.0_dp*place_step, 2)//' % of the length further in would change '// &
       change_words(aside%mode, aside%moved)
-  end function place_words
+  end subroutine find_remarks
 
   pure function frequency_words(remarks, tolerance) result(text)
     !! The two effects that would matter most, as far as they do.

@@ -63,7 +63,9 @@ contains
       call fail(error, status_bad_input, "'"//shortened(name)//"' "//unknown_group(name))
       return
     end if
-    if (name == '') call put_opening(builder)
+    do i = 1, merge(size(opening), 0, name == '')
+      call builder%append_line(trim(opening(i)))
+    end do
     do i = 1, size(group_table)
       if (name /= '' .and. name /= group_table(i)%name) cycle
       if (name == '') call builder%append_line('')
@@ -93,15 +95,6 @@ contains
     end do
   end subroutine put_effects
 
-  pure subroutine put_opening(builder)
-    !! How a scene is written.
-    type(text_builder), intent(inout) :: builder
-    integer :: i
-    do i = 1, size(opening)
-      call builder%append_line(trim(opening(i)))
-    end do
-  end subroutine put_opening
-
   pure subroutine put_group(builder, group)
     !! One group: what its absence means, its names as a table, its rules.
     type(text_builder), intent(inout) :: builder
@@ -122,7 +115,9 @@ contains
       call put_table(builder, rows)
     end if
     do i = 1, size(rows)
-      if (name_table(rows(i))%words /= '') call put_words(builder, name_table(rows(i)))
+      if (name_table(rows(i))%words == '') cycle
+      call builder%append_line('')
+      call put_wrapped(builder, '`'//trim(name_table(rows(i))%name)//'` is one of '//quoted_words(name_table(rows(i))%words)//'.')
     end do
     if (group%rules /= '') then
       call builder%append_line('')
@@ -139,15 +134,9 @@ contains
     !! The lines of an example, as a block of code.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: example
-    integer :: first, length
     call builder%append_line('')
     call builder%append_line('```fortran')
-    first = 1
-    do while (first <= len_trim(example))
-      length = scan(example(first:)//'|', '|') - 1
-      call builder%append_line(trim(example(first:first + length - 1)))
-      first = first + length + 1
-    end do
+    call builder%append_line(replaced(trim(example), '|', new_line('a')))
     call builder%append_line('```')
   end subroutine put_example
 
@@ -242,14 +231,6 @@ contains
     end do
     call builder%append_line('|')
   end subroutine put_row
-
-  pure subroutine put_words(builder, row)
-    !! The words that a text accepts.
-    type(text_builder), intent(inout) :: builder
-    type(input_name), intent(in) :: row
-    call builder%append_line('')
-    call put_wrapped(builder, '`'//trim(row%name)//'` is one of '//quoted_words(row%words)//'.')
-  end subroutine put_words
 
   pure subroutine put_wrapped(builder, paragraph)
     !! A paragraph over lines of at most `text_width`, broken at blanks; behind a `|` begins an item of a list.

@@ -50,9 +50,13 @@ contains
     class(result_table), intent(inout) :: table
     type(scene_type), intent(in) :: scene
     character(*), parameter :: along = 'place along the beam, x/l'
+    character(:), allocatable :: begin                  ! what happens at t = 0
     logical :: of_record
     integer :: j
     of_record = table%layout%of_record
+    begin = 'beginning'
+    if (allocated(scene%impact)) begin = 'impact'
+    if (of_record) begin = 'first sample'
     call count_row(table, 'case', 'number of the case')
     call count_row(table, 'mode', 'mode number k')
     call count_row(table, 'mode_before', 'mode number k before the capture')
@@ -80,8 +84,7 @@ contains
     end if
     if (table%real_row('profile_position', 'profile', '1', along, is_complete=.true.)) &
       call table%put([(real(j, dp)/(table%layout%profile - 1), j=0, table%layout%profile - 1)])
-    if (table%real_row('time', 'time', 's', 'time since the '//begin_of(scene), &
-                       is_complete=.true.)) then
+    if (table%real_row('time', 'time', 's', 'time since the '//begin, is_complete=.true.)) then
       if (of_record) call table%put(table%layout%record%times)
       if (.not. of_record) call table%put(sample_times(scene%response%duration, scene%response%samples))
     end if
@@ -93,15 +96,6 @@ contains
       call table%put(scene%frequency_response%frequency)
     if (allocated(table%layout%record)) call sensor_rows(table, table%layout%record%sensors)
   end subroutine coordinate_rows
-
-  pure function begin_of(scene) result(words)
-    !! What happens at t = 0.
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: words
-    words = 'beginning'
-    if (allocated(scene%impact)) words = 'impact'
-    if (allocated(scene%record)) words = 'first sample'
-  end function begin_of
 
   pure function points_of(scene) result(points)
     !! Where histories are wanted, or the answer to a force; both have the same points.

@@ -5,6 +5,7 @@ module bw_result_header
   use bw_kinds, only: i4
   use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_resolved, only: given_names, resolved_text
+  use bw_text, only: replaced
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
   implicit none (type, external)
   private
@@ -84,15 +85,8 @@ contains
     !! A word as a shell takes it for that word.
     character(*), intent(in) :: word
     character(:), allocatable :: text
-    integer :: i
     text = word
-    if (scan(word, ' ''"$\*?;&|<>()') == 0 .and. len(word) > 0) return
-    text = ''''
-    do i = 1, len(word)
-      if (word(i:i) == '''') text = text//'''\'''
-      text = text//word(i:i)
-    end do
-    text = text//''''
+    if (scan(word, ' ''"$\*?;&|<>()') > 0 .or. len(word) == 0) text = "'"//replaced(word, "'", "'\''")//"'"
   end function quoted
 
   function time_stamp() result(text)

@@ -21,7 +21,6 @@ module bw_result_supplement
     subroutine attributes_interface(self, head)
       !! Adds attributes to the file, and room for those that are known in the end.
       import :: classic_head, result_supplement
-      implicit none (type, external)
       class(result_supplement), intent(in) :: self
       class(classic_head), intent(inout) :: head
     end subroutine attributes_interface
@@ -29,7 +28,6 @@ module bw_result_supplement
     subroutine rows_interface(self, table)
       !! Walks through the rows of its variables; nothing is known of their values where they are defined.
       import :: result_supplement, result_table
-      implicit none (type, external)
       class(result_supplement), intent(in) :: self
       class(result_table), intent(inout) :: table
     end subroutine rows_interface
@@ -38,7 +36,6 @@ module bw_result_supplement
       !! Puts the values, and adds what there is to say of them. Called by the leader alone.
       !! **Errors**: what it needs cannot be read.
       import :: error_type, monitor_type, result_supplement, result_table
-      implicit none (type, external)
       class(result_supplement), intent(inout) :: self
       class(result_table), intent(inout) :: draft              !! of the result; all cases are in it
       class(monitor_type), intent(inout), target :: monitor    !! may ask to stop
