@@ -7,7 +7,7 @@ module bw_blows
   use bw_kinds, only: dp
   use bw_order, only: ascending, quantile_of
   use bw_penalty, only: chi_squared
-  use bw_samples, only: samples_type, span_of
+  use bw_samples, only: samples_type, span_of, valid_runs
   implicit none (type, external)
   private
   public :: find_blows
@@ -31,25 +31,28 @@ contains
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(out) :: blows(:)
     real(dp), allocatable :: x(:, :)
-    logical, allocatable :: valid(:)
+    logical, allocatable :: valid(:), recorded(:)
     integer :: s, n, scale, sensors, stride
     n = ceiling(span_of(samples))
     stride = max(1, ceiling(real(n, dp)*size(samples%value, 2)/enough))
     sensors = (size(samples%value, 2) - 1)/stride + 1
-    allocate (x(n, sensors), valid(n))
+    allocate (x(n, sensors), valid(n), recorded(n))
     do s = 1, sensors
       x(:, s) = even_values(samples, n, 1 + (s - 1)*stride)
     end do
     valid = .true.
     if (allocated(samples%valid)) valid = samples%valid
+    recorded = .not. allocated(samples%row)
+    if (allocated(samples%row)) recorded(samples%row) = .true.
     allocate (blows(0))
     scale = 1
     do
-      call add_bursts(x, valid, scale, false_alarm, blows)
+      call add_bursts(x, valid, recorded, scale, false_alarm, blows)
       n = size(x, 1)/2
       if (n < fewest) exit
       x = x(1:2*n:2, :) + x(2:2*n:2, :)
       valid = valid(1:2*n:2) .and. valid(2:2*n:2)
+      recorded = recorded(1:2*n:2) .and. recorded(2:2*n:2)
       scale = 2*scale
     end do
     blows = blows(ascending(real(blows, dp)))
@@ -80,25 +83,39 @@ contains
     end do
   end function even_values
 
-  subroutine add_bursts(x, valid, scale, false_alarm, blows)
-    !! Add the bursts in sums over so many samples that are no bursts yet.
+  subroutine add_bursts(x, valid, recorded, scale, false_alarm, blows)
+    !! Add the bursts in sums over so many samples that are no bursts yet. One missing sample is interpolated to within the noise.
+    !! Several beside each other, or crests that are cut off, are not: until they are past, errors tell nothing. But the first sample of
+    !! a crest was no smaller than what was recorded.
     real(dp), intent(inout) :: x(:, :)           !! invalid ones are interpolated
-    logical, intent(in) :: valid(:)
+    logical, intent(in) :: valid(:), recorded(:)
     integer, intent(in) :: scale
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(inout) :: blows(:)
     type(autoregression) :: noise
-    real(dp) :: burst(size(x, 1)), error(size(x, 1)), least
+    real(dp), dimension(size(x, 1)) :: burst, error, recording
+    real(dp) :: least
+    logical, dimension(size(x, 1)) :: is_told, is_bound
     integer :: n, s, p, last, i, known
     n = size(x, 1)
     p = min(order, n/samples_per_order)
     burst = 0
+    is_told = valid
+    do i = 1, n
+      if (valid(i)) cycle
+      if (recorded(i) .or. any(.not. valid(max(1, i - 1):i - 1))) is_told(i:min(n, i + p)) = .false.
+    end do
+    is_bound = recorded .and. .not. valid .and. scale == 1   ! sums hold interpolated ones
+    is_bound(2:) = is_bound(2:) .and. is_told(:n - 1)
+    if (count(is_told) < 2) return
     do s = 1, size(x, 2)
+      recording = x(:, s) - sum(x(:first, s))/first
       call predict(valid, p, x(:, s), noise)
       call find_errors(x(:, s), noise%predictor, error)
-      where (.not. valid) error = 0
+      where (is_bound) error = merge(error + recording - x(:, s), 0.0_dp, (error + recording - x(:, s))*recording > 0)
+      where (.not. (is_told .or. is_bound)) error = 0
       error = error**2
-      burst = burst + error/(quantile_of(error, 0.5_dp)/chi_median + tiny(1.0_dp))
+      burst = burst + error/(quantile_of(pack(error, is_told), 0.5_dp)/chi_median + tiny(1.0_dp))
     end do
     least = clearly*chi_squared(false_alarm/n, 2*((size(x, 2) + 1)/2))
     last = -n
@@ -117,7 +134,7 @@ contains
     real(dp), intent(inout) :: x(:)
     type(autoregression), intent(out) :: noise
     real(dp) :: weight(p + 1)
-    integer :: n, i, k, last, m, q
+    integer :: n, i, last, m, q
     n = size(x)
     x = x - sum(x(:first))/first                 ! a record that begins before the blow begins at rest
     last = 0
@@ -126,15 +143,13 @@ contains
       if (last > 0) x(last + 1:i - 1) = [(x(last) + (x(i) - x(last))*(m - last)/(i - last), m=last + 1, i - 1)]
       last = i
     end do
-    do k = 1, 2
-      call burg(x, reshape([1, n], [2, 1]), p, 0.0_dp, noise)
-      if (all(valid)) return
-      q = ubound(noise%predictor, 1)
-      weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
-      do m = 1, interpolations
-        do i = 1 + q, n - q
-          if (.not. valid(i)) x(i) = -dot_product(weight(2:q + 1), x(i + 1:i + q) + x(i - 1:i - q:-1))/weight(1)
-        end do
+    call burg(x, valid_runs(samples_type(valid=valid), 1, n), p, 0.0_dp, noise)
+    if (all(valid)) return
+    q = ubound(noise%predictor, 1)
+    weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
+    do m = 1, interpolations
+      do i = 1 + q, n - q
+        if (.not. valid(i)) x(i) = -dot_product(weight(2:q + 1), x(i + 1:i + q) + x(i - 1:i - q:-1))/weight(1)
       end do
     end do
   end subroutine predict
