@@ -77,7 +77,7 @@ contains
       if (found%gain > penalty) call accept(found, penalty, model, gain)
       if (.not. gain > 0) cycle
       accepted = accepted + 1
-      if (is_broken(model, real(candidates(i)%pole, dp))) return   ! others may be its images
+      if (is_broken(model, real(candidates(i)%pole, dp), real(candidates(i)%pole, dp))) return   ! others may be its images
       moved = [moved, candidates(i)%pole, model%lines(size(model%lines))%pole]
     end do
   end subroutine add_round

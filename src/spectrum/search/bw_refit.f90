@@ -13,7 +13,7 @@ module bw_refit
 
   real(dp), parameter :: reach = 6               !! tuned: decays within which lines are fitted together
   real(dp), parameter :: bins_apart = 12         !! tuned: of 1/T, within which too
-  real(dp), parameter :: broken = 0.05_dp        !! tuned: part of a line's life
+  real(dp), parameter :: broken = 0.05_dp        !! tuned: part of two lines' scalar product
   integer, parameter :: most_sweeps = 6
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a fit that is tried, and of one that is to be at its end
   real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, after which they stay
@@ -51,20 +51,26 @@ contains
     logical :: are(size(model%lines))
     integer :: k
     are = overlaps(model%lines%pole, pole, span_of_model(model))
-    are = are .or. [(is_broken(model, min(model%lines(k)%pole%re, real(pole, dp))), k=1, size(are))]
+    are = are .or. [(is_broken(model, model%lines(k)%pole%re, real(pole, dp)), k=1, size(are))]
   end function near
 
-  pure logical function is_broken(model, rate)
-    !! Whether so much of a line's life tells nothing that it shows in the place of others too, as clipped crests do.
+  pure logical function is_broken(model, rate, other)
+    !! Whether so much of two lines' lives tells nothing that one shows in the place of the other, as clipped crests do. Their scalar
+    !! product over all samples being about 0, that over the others is what gaps lack.
     type(model_type), intent(in) :: model
-    real(dp), intent(in) :: rate                 !! real part of its pole
-    real(dp) :: life
-    is_broken = size(model%gaps) > 0
-    if (.not. is_broken) return
-    life = 1/max(-rate, 1/span_of_model(model))
-    associate (age => model%gaps - model%stretches(1, 1))
-      is_broken = count(age >= 0 .and. age < life) > broken*life
-    end associate
+    real(dp), intent(in) :: rate, other          !! real parts of their poles
+    real(dp) :: life(2), both(2)
+    integer :: b, lost
+    is_broken = .false.
+    if (size(model%gaps) == 0) return
+    lost = 0
+    both = 0
+    do b = 1, ubound(model%stretches, 2)
+      life = 1/max(-[rate, other], 1.0_dp/max(1, model%stretches(2, b) - model%stretches(1, b) + 1))
+      both = both + life
+      lost = lost + count(model%gaps >= model%stretches(1, b) .and. model%gaps - model%stretches(1, b) < minval(life))
+    end do
+    is_broken = lost > broken*sqrt(product(both))
   end function is_broken
 
   subroutine refit(model, old, start, most_steps, found, window)
