@@ -127,7 +127,7 @@ contains
     state%q(demand%modes + 1:) = 0.0_dp
     state%rate(demand%modes + 1:) = 0.0_dp
     allocate (state%shape(0))
-    call add_segment(now, state, to_dd(0.0_dp), spread(0.0_dp*first%q, 2, 2), contacts)
+    call add_segment(now, state, to_dd(0.0_dp), spread(0.0_dp*first%q, 2, 2), reshape([real(dp) ::], [0, 2]), contacts)
   end subroutine begin_without
 
   subroutine find_flexibility(scene, motion, summed, now, monitor, loads)
@@ -157,7 +157,7 @@ contains
     type(carried_type) :: carried
     type(beam_state) :: later
     type(event_type) :: event
-    real(dp), allocatable :: error(:, :)
+    real(dp), allocatable :: error(:, :), beyond(:, :)
     real(dp) :: held
     integer :: i, mass
     carried = carried_type(step%carried%body, now%carried%captured .and. .not. step%is_release)
@@ -172,13 +172,13 @@ contains
     end if
     event%kind = kind_of_change(step, now%there, presence(scene, carried))
     event%time = time%hi
-    call change(scene, demand, carried, time, motion, now, contacts, later, event, error, monitor)
+    call change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor)
     if (monitor%stop_requested()) return
     contacts%events = [contacts%events, event]
     if (present(loads) .or. .not. now%run%captured) call find_flexibility(scene, motion, later%count, now, monitor, loads)
     if (monitor%stop_requested()) return
     if (now%run%captured) then
-      call add_segment(now, later, time, error, contacts)
+      call add_segment(now, later, time, error, beyond, contacts)
       return
     end if
     held = 0.0_dp
@@ -192,7 +192,7 @@ contains
       mass = size(moved%u)
       call go_on(now%run, contacts, now%configuration, set, omega, &
                  bodies_after(set, later%count, scene%impact%mass_ratio, omega, later, held, &
-                              moving_state(moved%u(mass:), moved%v(mass:), time), now%loads), now%flexibility%here, error)
+                              moving_state(moved%u(mass:), moved%v(mass:), time), now%loads), now%flexibility%here, error, beyond)
     end associate
     if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor, loads)
   end subroutine take_step
@@ -211,7 +211,7 @@ contains
     state%level = run%bodies%level
   end function state_of
 
-  subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, monitor)
+  subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor)
     !! The motion goes over to the modes of the beam with what it carries from now on.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -222,9 +222,9 @@ contains
     type(lasting_contacts), intent(in) :: contacts
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
-    real(dp), allocatable, intent(out) :: error(:, :)
+    real(dp), allocatable, intent(out) :: error(:, :), beyond(:, :)   !! as those of segment_type
     class(monitor_type), intent(inout), target :: monitor
-    real(dp) :: beyond(size(now%bodies), 2, 2), force(2)
+    real(dp) :: unsummed_at(size(now%bodies), 2, 2), force(2)
     real(dp) :: follows(now%state%count, 2)          ! what loads move at once, of the modes that hand on their motion
     real(dp), allocatable :: load(:, :)              ! and their rates, (loads, 2)
     real(dp), allocatable :: unsummed(:)
@@ -234,15 +234,17 @@ contains
     is = presence(scene, carried)
     force = 0.0_dp
     if (now%run%captured .neqv. now%carried%captured .or. .not. now%run%ended) force = last_force(contacts)
-    beyond(:, :, 1) = force(1)*now%flexibility%at_bodies
-    beyond(:, :, 2) = force(2)*now%flexibility%at_bodies
-    follows = 0.0_dp
+    unsummed_at(:, :, 1) = force(1)*now%flexibility%at_bodies
+    unsummed_at(:, :, 2) = force(2)*now%flexibility%at_bodies
+    associate (set => motion%modes%configuration(now%configuration)%set, n => now%state%count)
+      follows = spread(set%struck(:n)/(set%modal_mass(:n)*max(set%beta_squared(:n)%hi, 1.0_dp)), 2, 2)*spread(force, 1, n)
+    end associate
     if (allocated(now%loads)) then
       load = loads_before(now%loads%course, time%hi)
       associate (square => motion%modes%configuration(now%configuration)%set%beta_squared(:now%state%count)%hi)
         do l = 1, size(load, 1)
           do i = 1, 2
-            beyond(:, :, i) = beyond(:, :, i) + load(l, i)*now%flexibility%of_loads(:, :, l)
+            unsummed_at(:, :, i) = unsummed_at(:, :, i) + load(l, i)*now%flexibility%of_loads(:, :, l)
             where (square > 1.0_dp) follows(:, i) = follows(:, i) + load(l, i)*now%loads%drive(:now%state%count, l)/square
           end do
         end do
@@ -253,8 +255,11 @@ contains
         call find_unsummed(configuration(now%configuration), now%state%count, force(1), configuration(next)%set, monitor, unsummed)
         if (monitor%stop_requested()) return
       end if
+      call find_beyond(configuration, now, next, taking_part(motion, next, demand%modes), is, speed_in_plane(scene%rotation, &
+                       motion%units)**2, force(1), unsummed_at, monitor, beyond)
+      if (monitor%stop_requested()) return
       call hand_over(configuration, now%configuration, now%state, now%there, next, taking_part(motion, next, demand%modes), is, &
-                     now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, beyond, unsummed)
+                     now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, unsummed_at, unsummed)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
         error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
@@ -266,6 +271,37 @@ contains
     now%carried = carried
     now%there = is
   end subroutine change
+
+  subroutine find_beyond(configuration, now, next, count, is, spin_squared, force, unsummed_at, monitor, beyond)
+    !! What the motion hands on to the octave of modes beyond those after a change.
+    type(configuration_type), intent(in) :: configuration(:)
+    type(now_type), intent(in) :: now
+    integer, intent(in) :: next                      !! configuration
+    integer, intent(in) :: count                     !! of its modes that take part
+    logical, intent(in) :: is(:)                     !! which bodies are there, (bodies)
+    real(dp), intent(in) :: spin_squared, force      !! that of the contact
+    real(dp), intent(in) :: unsummed_at(:, :, :)     !! as `beyond` of `hand_over`
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    real(dp), allocatable, intent(out) :: beyond(:, :)      !! as that of segment_type
+    type(configuration_type), allocatable :: wide(:)
+    type(body_type), allocatable :: bodies(:)
+    real(dp), allocatable :: unsummed(:)
+    type(beam_state) :: later
+    type(event_type) :: ignored
+    wide = configuration
+    bodies = now%bodies
+    associate (onto => wide(next))
+      call onto%source%find(first_numbers(min(2*count, onto%source%highest)), onto%set, monitor=monitor)
+      if (monitor%stop_requested()) return
+      if (force /= 0.0_dp) &
+        call find_unsummed(configuration(now%configuration), now%state%count, force, onto%set, monitor, unsummed)
+      if (monitor%stop_requested()) return
+      call hand_over(wide, now%configuration, now%state, now%there, next, onto%set%count, is, bodies, spin_squared, later, &
+                     ignored, monitor, unsummed_at, unsummed)
+    end associate
+    if (monitor%stop_requested()) return
+    beyond = reshape([later%q(count + 1:), later%rate(count + 1:)], [size(later%q) - count, 2])
+  end subroutine find_beyond
 
   subroutine find_unsummed(configuration, summed, force, after, monitor, unsummed)
     !! How modes after a capture see those that were not summed, and gave way to the force of the contact at once.
@@ -311,7 +347,7 @@ contains
     type(placed_loads), intent(in), optional :: loads
     type(event_type) :: event
     type(beam_state) :: later
-    real(dp), allocatable :: error(:, :)
+    real(dp), allocatable :: error(:, :), beyond(:, :)
     real(dp) :: stored
     associate (run => now%run)
       event%kind = capture_event
@@ -323,7 +359,7 @@ contains
       now%state = state_of(run, taking_part(motion, now%configuration, demand%modes))
       stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
       call change(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, contacts, later, &
-                  event, error, monitor)
+                  event, error, beyond, monitor)
       if (monitor%stop_requested()) return
       if (present(loads)) call find_flexibility(scene, motion, later%count, now, monitor, loads)
       if (monitor%stop_requested()) return
@@ -335,7 +371,7 @@ contains
         end associate
       end if
       contacts%events = [contacts%events, event]
-      call add_segment(now, later, run%bodies%state%time, error, contacts)
+      call add_segment(now, later, run%bodies%state%time, error, beyond, contacts)
     end associate
   end subroutine keep_mass
 
@@ -392,18 +428,19 @@ contains
     state%rate = moved%v
   end subroutine drive
 
-  pure subroutine add_segment(now, later, time, error, contacts)
+  pure subroutine add_segment(now, later, time, error, beyond, contacts)
     !! Free motion about the equilibrium.
     type(now_type), intent(inout) :: now
     type(beam_state), intent(in) :: later
     type(dd), intent(in) :: time
-    real(dp), intent(in) :: error(:, :)
+    real(dp), intent(in) :: error(:, :), beyond(:, :)   !! as those of segment_type
     type(lasting_contacts), intent(inout) :: contacts
     type(segment_type) :: segment
     now%state = later
     segment = segment_type(now%configuration, time, count=size(later%q), q=later%q, rate=later%rate)
     if (size(later%shape) > 0) segment%shape = later%shape
     segment%error = error
+    segment%beyond = beyond
     call append_segment(contacts, segment, 0)
   end subroutine add_segment
 

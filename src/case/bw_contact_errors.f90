@@ -6,7 +6,7 @@ module bw_contact_errors
   use bw_case_contacts, only: run_type
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_result, only: case_motion, history_errors
-  use bw_event, only: arrival_event, capture_event, contact_event, departure_event, exchange_event, release_event
+  use bw_event, only: capture_event, contact_event
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing
@@ -17,7 +17,7 @@ module bw_contact_errors
   private
   public :: add_rounding, fall_of_force, find_force_errors, find_history_errors, largest_distance
 
-  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 5.0_dp   !! tuned: how many times what is found of either is told,
+  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 3.0_dp   !! tuned: how many times what is found of either is told,
   real(dp), parameter :: of_half = 2.0_dp                            !! tuned: the latter no more than so many times what half of the modes lack
   real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp   !! tuned: of their tolerance, what steps leave
 
@@ -96,10 +96,13 @@ contains
             + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these))
         end associate
       end do
-      if (size(these) == 0) return
+      if (size(these) == 0 .or. .not. any(events%kind == capture_event)) return
+      i = these(size(these))                         ! it ends where the force is largest, and hardly changes
+      if (.not. is_missing(kept%force_error(i))) events(i)%end_error = &
+        max(events(i)%end_error, kept%force_error(i)/kept%largest(i)*(events(i)%end_time - events(i)%time))
       where (events%kind == capture_event)
-        events%time_error = events(these(size(these)))%end_error
-        events%end_error = events%time_error
+        events%time_error = events(i)%end_error
+        events%end_error = events(i)%end_error
       end where
     end associate
   end subroutine find_force_errors
@@ -116,12 +119,9 @@ contains
 
   pure real(dp) function fall_of_force(run, half) result(fall)
     !! Of what is wrong in forces, when the number of modes doubles. It may not do so at all where the motions do not have the same
-    !! contacts, or where bodies come and leave.
+    !! contacts.
     type(run_type), intent(in) :: run, half
     fall = 1.0_dp
-    associate (kinds => run%timeline%events%kind)
-      if (any(kinds == arrival_event .or. kinds == departure_event .or. kinds == exchange_event .or. kinds == release_event)) return
-    end associate
     if (same_contacts(run, half) == max(size(contacts_of(run)), size(contacts_of(half)))) fall = fall_as_struck(run, half)
   end function fall_of_force
 

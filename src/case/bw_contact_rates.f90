@@ -1,29 +1,25 @@
 module bw_contact_rates
   !! A beam through contacts that last, as under any other load: when the contacts have been followed their force is known, a polynomial in
   !! each step. So accelerations and shear forces are found, and where other loads act, all histories.
-  use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, hand_over
   use bw_double_double, only: dd, to_dd
-  use bw_event, only: event_type
   use bw_first_motion, only: find_first_motion
   use bw_force_response, only: force_degree
   use bw_force_step, only: polynomial_of
   use bw_kinds, only: dp
   use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads, quantities
-  use bw_load_course, only: load_course, scaled_course
+  use bw_load_course, only: load_course, loads_before, scaled_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
   use bw_loads_beside, only: beam_of, taking_part, unit_force
-  use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: configuration_type, first_numbers
+  use bw_missing, only: missing
+  use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
-  use bw_neglected_modes, only: neglected_type
+  use bw_neglected_modes, only: hand_on, neglected_type
   use bw_response, only: response_type
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, segment_type
   use bw_segment_samples, only: samples_of_segment
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_timeline, only: carried_type, configurations_of
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -47,7 +43,7 @@ module bw_contact_rates
     type(case_motion) :: motion                    !! whose only modes they are
     integer :: number = alone                      !! of their configuration
     integer :: summed = 0
-    real(dp), allocatable :: q(:), v(:)
+    real(dp), allocatable :: q(:), v(:)             !! once it is over that of what is missing
   end type wide_type
 
 contains
@@ -101,7 +97,10 @@ contains
     type(load_view) :: view
     type(load_tail) :: tail
     type(dd) :: until
+    type(configuration_type) :: pair(2)
     real(dp), allocatable :: flexibility(:)
+    real(dp), allocatable :: unknown(:, :)         ! state of modes that are summed, (modes, 2),
+    real(dp), allocatable :: missed(:)             ! and its largest part of histories, (columns)
     integer :: more, samples(2)
     associate (segments => motion%timeline%segments(these(1):these(2)))
       associate (configuration => motion%modes%configuration(segments(1)%configuration))
@@ -134,8 +133,25 @@ contains
           call find_first_motion(scene, alone, now%motion, now%q, now%v)
           now%q = now%q/unit_velocity(scene)
           now%v = now%v/unit_velocity(scene)
+          allocate (unknown(n, 2), source=0.0_dp)
+          if (segments(1)%configuration /= alone) then   ! a body comes at once
+            now%q(:n) = segments(1)%q(:n)
+            now%v(:n) = segments(1)%rate(:n)
+          end if
         else
-          call take_neglected(scene, wide, monitor, now)
+          allocate (pair(1)%set, source=wide%motion%modes%configuration(1)%set)
+          allocate (pair(2)%set, source=set)
+          now%q = wide%q
+          now%v = wide%v
+          call hand_on(scene, motion%units, pair, [1, 2], [wide%number, now%number], now%q, now%v, monitor)
+          if (monitor%stop_requested()) return
+          if (allocated(segments(1)%beyond)) then
+            now%q(n + 1:) = now%q(n + 1:) + segments(1)%beyond(:, 1)
+            now%v(n + 1:) = now%v(n + 1:) + segments(1)%beyond(:, 2)
+          end if
+          unknown = reshape([now%q(:n), now%v(:n)], [n, 2])
+          if (allocated(driven%neglected)) &
+            call follow_missing(set, view, grid, samples, segments(1)%start, until, unknown, monitor, missed)
           if (monitor%stop_requested()) return
           now%q(:n) = segments(1)%q(:n)
           now%v(:n) = segments(1)%rate(:n)
@@ -143,44 +159,46 @@ contains
         call sum_loaded_modes(set, view, grid, samples, segments(1)%start, until, monitor, now%q, now%v, driven%history, tail)
         if (monitor%stop_requested()) return
         wide = now
+        wide%q(:n) = unknown(:, 1)
+        wide%v(:n) = unknown(:, 2)
+        associate (load => loads_before(view%course, until%hi*(1.0_dp - 8.0_dp*epsilon(1.0_dp))), &
+                   soft => spread(1.0_dp/set%beta_squared(n + 1:)%hi, 2, size(acting%kind)))
+          wide%q(n + 1:) = wide%q(n + 1:) - matmul(soft*view%drive(n + 1:, :), load(:, 1))
+          wide%v(n + 1:) = wide%v(n + 1:) - matmul(soft*view%drive(n + 1:, :), load(:, 2))
+        end associate
         driven%rounding = driven%rounding + rounding_of(set, view, tail, until%hi)
         if (more < 2*n .and. allocated(driven%neglected)) deallocate (driven%neglected)
         if (.not. allocated(driven%neglected)) return
+        if (these(1) > 1) tail%largest(:, 2) = tail%largest(:, 2) + missed
         driven%neglected = max(driven%neglected, tail%largest(:, 2))
         driven%struck = max(driven%struck, norm2(set%struck(n + 1:)*tail%lag(n + 1:, 1)))
       end associate
     end associate
   end subroutine drive_stretch
 
-  subroutine take_neglected(scene, wide, monitor, now)
-    !! What modes beyond those that are summed have done goes over to other modes; springs are at rest then.
-    type(scene_type), intent(in) :: scene
-    type(wide_type), intent(in) :: wide            !! at the end of a stretch
-    class(monitor_type), intent(inout) :: monitor  !! the state means nothing where it asks to stop
-    type(wide_type), intent(inout) :: now          !! whose modes are known
-    type(configuration_type) :: pair(2)
-    type(carried_type), allocatable :: carried(:)
-    type(body_type), allocatable :: bodies(:)
-    type(beam_state) :: beyond, later
-    type(event_type) :: ignored
-    carried = configurations_of(scene)
-    bodies = bodies_of(scene, now%motion%units)
-    bodies%stiffness = 0.0_dp
-    bodies%turning_stiffness = 0.0_dp
-    bodies%pull = 0.0_dp
-    where (.not. is_missing(bodies%velocity)) bodies%velocity = 0.0_dp   ! what they bring moves the modes that are summed
-    if (carried(now%number)%captured) bodies(size(bodies))%velocity = 0.0_dp
-    beyond = beam_state(size(wide%q), wide%q, wide%v)
-    beyond%q(:wide%summed) = 0.0_dp
-    beyond%rate(:wide%summed) = 0.0_dp
-    allocate (beyond%shape(0))
-    allocate (pair(1)%set, source=wide%motion%modes%configuration(1)%set)
-    allocate (pair(2)%set, source=now%motion%modes%configuration(1)%set)
-    call hand_over(pair, 1, beyond, presence(scene, carried(wide%number)), 2, pair(2)%set%count, &
-                   presence(scene, carried(now%number)), bodies, 0.0_dp, later, ignored, monitor)
-    now%q = later%q
-    now%v = later%rate
-  end subroutine take_neglected
+  subroutine follow_missing(modes, view, grid, samples, start, until, state, monitor, largest)
+    !! The free motion of modes that are summed, beside the motion that is known.
+    class(mode_set), intent(in) :: modes
+    type(load_view), intent(in) :: view
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: samples(2)              !! as those of `sum_loaded_modes`
+    type(dd), intent(in) :: start, until
+    real(dp), intent(inout) :: state(:, :)         !! displacements and velocities at the start, then at the end, (modes, 2)
+    class(monitor_type), intent(inout) :: monitor  !! what is found means nothing where it asks to stop
+    real(dp), allocatable, intent(out) :: largest(:)   !! of what they add, (columns)
+    type(load_view) :: free
+    type(load_tail) :: ignored
+    real(dp), allocatable :: q(:), v(:), history(:, :)
+    free = view
+    free%drive = 0.0_dp
+    free%residual = 0.0_dp
+    q = [state(:, 1), spread(0.0_dp, 1, modes%count - size(state, 1))]
+    v = [state(:, 2), spread(0.0_dp, 1, modes%count - size(state, 1))]
+    allocate (history(samples(2), size(view%order)), source=0.0_dp)
+    call sum_loaded_modes(modes, free, grid, samples, start, until, monitor, q, v, history, ignored)
+    state = reshape([q(:size(state, 1)), v(:size(state, 1))], shape(state))
+    largest = maxval(abs(history), 1)
+  end subroutine follow_missing
 
   subroutine show_in_segments(scene, driven, motion)
     !! Of displacements, velocities and curvatures, what each segment shows at its samples.

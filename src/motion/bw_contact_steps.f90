@@ -44,7 +44,7 @@ module bw_contact_steps
     real(dp) :: impulse = 0.0_dp, deepest = 0.0_dp   !! of that contact
     real(dp) :: indentation = 0.0_dp              !! the deepest of all
     type(dd) :: end_time
-    real(dp), allocatable :: error(:, :)          !! as that of segment_type, of the next segment; unallocated: none
+    real(dp), allocatable :: error(:, :), beyond(:, :)   !! as those of segment_type, of the next segment; unallocated: none
   end type contact_run
 
 contains

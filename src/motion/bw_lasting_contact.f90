@@ -131,7 +131,7 @@ contains
     contacts%event_of = [contacts%event_of, event]
   end subroutine append_segment
 
-  pure subroutine go_on(run, contacts, configuration, modes, omega, bodies, residual, error)
+  pure subroutine go_on(run, contacts, configuration, modes, omega, bodies, residual, error, beyond)
     !! After a change of the beam: other modes, in the state that they start from. What a contact that goes on has gained by it belongs to the
     !! change. The force is that of the gap, of which a sum of modes may lack something, with the part 1 + cδ̇ that it had.
     type(contact_run), intent(inout) :: run
@@ -141,7 +141,7 @@ contains
     type(dd), intent(in) :: omega
     type(contact_bodies), intent(in) :: bodies
     real(dp), intent(in) :: residual              !! of these modes
-    real(dp), intent(in) :: error(:, :)           !! of their state, as that of segment_type
+    real(dp), intent(in) :: error(:, :), beyond(:, :)   !! as those of segment_type
     type(contact_law) :: law
     real(dp) :: before(3)
     before = balance_of(run)
@@ -150,6 +150,7 @@ contains
     run%bodies = bodies
     run%law%residual = residual
     run%error = error
+    run%beyond = beyond
     run%in_range = bodies%state%time%hi + range_of(modes, omega)
     run%changed = .true.
     if (.not. run%ended) then
@@ -213,6 +214,7 @@ contains
     end associate
     if (allocated(run%bodies%shape)) segment%shape = run%bodies%shape
     if (allocated(run%error)) call move_alloc(run%error, segment%error)
+    if (allocated(run%beyond)) call move_alloc(run%beyond, segment%beyond)
   end subroutine start_segment
 
   subroutine add_contact(run, contacts, monitor)

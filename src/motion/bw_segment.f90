@@ -70,6 +70,9 @@ module bw_segment
     real(dp), allocatable :: error(:, :)
       !! the same of modal displacements and velocities, where contacts amplify errors until the next segment, where bodies come and leave at
       !! the start; else unallocated, (modes, 2)
+    real(dp), allocatable :: beyond(:, :)
+      !! modal displacements and velocities that the next octave of modes would have at the start by what the motion before hands on, where
+      !! bodies come and leave then; else unallocated, (modes of the octave, 2)
   end type segment_type
 
   real(dp), parameter, public :: largest_exponent = 300.0_dp   !! of growth whose energy is still a number

@@ -5,8 +5,8 @@ module bw_unhanded
   !! on from octave to octave as those of the last two that are known do. Runs with fewer modes do not tell this: where phases happen to
   !! cancel, they agree, and all of them are wrong.
   !!
-  !! A mass with a velocity of its own takes none of the beam's motion. Springs that come are unstressed at a deflection that lacks the
-  !! missing modes. **Limit**: the tension that comes or leaves with a body is left out; it is less by 1/β_k².
+  !! A mass with a velocity of its own takes none of the beam's, but what it is deflected by. Springs that come are unstressed at a
+  !! deflection that lacks the missing modes. **Limit**: the tension that comes or leaves with a body is left out; it is less by 1/β_k².
   !! Units of bw_segment.
   use bw_change_of_bodies, only: body_type
   use bw_kinds, only: dp
@@ -26,6 +26,7 @@ contains
     logical, intent(in) :: was(:), is(:)           !! which of them are there before and after, (bodies)
     real(dp) :: doubt(after%count, 2)
     real(dp) :: inert(2), elastic(2), seen(before%count, 2), shape(after%count, 2), blow(size(q)), reach(size(q))
+    logical :: brings                              ! a velocity of its own
     real(dp), parameter :: lowest = 1.0_dp          ! β² below that is of rigid modes, which no spring bends
     integer :: b, c
     doubt = 0.0_dp
@@ -35,13 +36,13 @@ contains
       do b = 1, size(bodies)
         if (was(b) .eqv. is(b)) cycle
         inert = [bodies(b)%mass, bodies(b)%inertia]
-        if (is(b) .and. .not. is_missing(bodies(b)%velocity)) inert = 0.0_dp
+        brings = is(b) .and. .not. is_missing(bodies(b)%velocity)
         elastic = [bodies(b)%stiffness, bodies(b)%turning_stiffness]
         seen = before%motion_at(bodies(b)%position)
         shape = abs(after%motion_at(bodies(b)%position))
         do c = 1, 2
           blow = (inert(c) + elastic(c)/square)*abs(seen(:size(q), c))*reach
-          doubt(:, 2) = doubt(:, 2) + shape(:, c)*beyond(blow)
+          if (.not. brings) doubt(:, 2) = doubt(:, 2) + shape(:, c)*beyond(blow)
           doubt(:, 1) = doubt(:, 1) + shape(:, c)*beyond(blow/sqrt(square))
           if (is(b)) doubt(:, 1) = doubt(:, 1) + shape(:, c)*elastic(c)/square_after &
             *beyond(abs(seen(:size(q), c))*reach/sqrt(square))

@@ -148,3 +148,30 @@ def test_a_stiff_contact_that_captures_is_the_capture_at_once(here):
         assert list(result["event_kind"][:4]) == [CONTACT, CAPTURE, ARRIVAL, 3]
         apart.append(np.abs(result["displacement"] - at_once)[:, :160].max() / np.abs(at_once).max())
     assert apart[1] < 2e-4 and apart[1] < 0.15 * apart[0]  # as count^(-3/2)
+
+
+DIES = ("damping", {"stiffness_proportional": 1e-5})  # high modes do so at once
+ESTIMATED = {
+    "captured with its inertia": (("capture", {"rotary_inertia": 2e-3}),),
+    "captured where high modes die": (("capture", {}), DIES),
+    "captured and let go": (("capture", {}), ("damping", {"ratio": 0.01}), ("release", {"time": 0.03})),
+    "a body comes with a velocity in a contact": (of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4), DIES),
+    "a body leaves under a force": (
+        of_body(0.6, mass=0.3, until=0.0201),
+        ("force", {"position": 0.5, "amplitude": 3.0, "shape": "half_sine", "duration": 0.01}),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ESTIMATED)
+def test_estimates_are_near_the_errors_that_changes_leave(here, name):
+    """What the motion hands on to modes that are missing is counted, and so is what they would have handed on to those that are not."""
+    history = HISTORY | {"bending_moment": True, "samples": 60}
+    few, many = (run(here, f"n{count}", *ESTIMATED[name], count=count, history=history) for count in (24, 192))
+    ratios = []
+    for quantity in ("displacement", "velocity", "bending_moment"):
+        error = np.abs(few[quantity] - many[quantity]).max(axis=1)
+        told = few[f"{quantity}_error"]
+        assert (error <= told).all(), quantity
+        ratios.extend((told[error > 0] / error[error > 0]).tolist())
+    assert np.median(ratios) <= 8
