@@ -8,7 +8,7 @@ module bw_case_loads
   use bw_beam_units, only: beam_units
   use bw_case_bodies, only: bodies_of
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
-  use bw_case_result, only: case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
+  use bw_case_result, only: add_notes, case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
     history_errors, load_result
   use bw_change_of_bodies, only: beam_state, body_type
   use bw_error, only: error_type
@@ -22,7 +22,7 @@ module bw_case_loads
   use bw_monitor, only: monitor_type
   use bw_reached_tolerance, only: judge_tolerance
   use bw_scene, only: at_start, by_pieces, changes_in_time, changes_shapes, scene_type
-  use bw_text, only: append, shortest
+  use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
   public :: add_loads, applied, place_loads, without_tolerance
@@ -62,6 +62,7 @@ contains
     call courses_of(scene, motion%units, loads%course, error)
     if (allocated(error)) return
     found = applied(scene, loads%course, motion%units)
+    call add_notes(errors%notes, found%notes)
     call place_loads(scene, motion%units, loads)
     counted = scene
     most = most_count
@@ -147,6 +148,8 @@ contains
     type(scene_type), intent(in) :: scene
     type(load_course), intent(in) :: courses(:)    !! forces, then what accelerations do to the beam
     type(beam_units), intent(in) :: units
+    real(dp), parameter :: worth_saying = 1.0e-3_dp   ! of the impulse
+    character(:), allocatable :: name
     integer :: forces, l
     forces = 0
     if (allocated(scene%forces)) forces = size(scene%forces)
@@ -157,6 +160,16 @@ contains
       loads%applied_velocity = -impulse(forces + 1:)/units%mass
     end associate
     loads%until = maxval([(courses(l)%knot(size(courses(l)%knot)), l=1, size(courses))])*units%time%hi
+    allocate (loads%notes(0))
+    do l = 1, size(courses)
+      associate (before => abs(courses(l)%left_out), after => abs(impulse_of(courses(l))))
+        if (before <= worth_saying*(before + after)) cycle
+        name = 'force '//text_of(l)
+        if (l > forces) name = 'acceleration '//text_of(l - forces)//' of the base'
+        call append(loads%notes, name//': '//shortest(100.0_dp*before/(before + after), 3)//' % of its impulse lies before '// &
+                    't = 0, until when the beam is at rest, and is left out; a later start lets all of it act')
+      end associate
+    end do
   end function applied
 
   pure real(dp) function part_of_peak(run) result(part)

@@ -128,6 +128,7 @@ module bw_case_result
     real(dp), allocatable :: applied_impulse(:)     !! its impulse, N s
     real(dp), allocatable :: applied_acceleration(:)   !! largest magnitude of each acceleration of the base, m/s²
     real(dp), allocatable :: applied_velocity(:)    !! the velocity that the base has gained from it, m/s
+    type(string), allocatable :: notes(:)
   end type load_result
 
   type, public :: modal_model

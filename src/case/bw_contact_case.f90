@@ -104,6 +104,7 @@ contains
     call add_notes(result%notes, motion%notes)
     call add_notes(result%notes, errors%notes)
     call add_notes(result%notes, spectrum%notes)
+    if (allocated(acted)) call add_notes(result%notes, acted%notes)
     call compose(scene, motion, run, errors, spectrum, result)
     if (allocated(acted)) acted%count = result%mode_count
     call move_alloc(acted, result%loads)

@@ -3,7 +3,8 @@ module bw_load_courses
   use bw_beam_units, only: beam_units, units_of
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_kinds, only: dp, i8
-  use bw_load_course, only: course_of_samples, course_of_shape, end_jump, load_course, scaled_course
+  use bw_load_course, only: course_of_samples, course_of_shape, end_jump, is_over, load_course, &
+    scaled_course
   use bw_load_par, only: load_par
   use bw_missing, only: is_missing
   use bw_read_record, only: choose_source, path_beside
@@ -61,6 +62,8 @@ contains
         courses = [courses, course_of_shape(load%shape, load%amplitude, load%start/units%time%hi, duration/units%time%hi, &
                                             load%frequency*units%time%hi)]
       end if
+      if (is_over(courses(size(courses)))) call fail(error, status_bad_input, scene%file//':'//text_of(load%line)//': '//group// &
+        '%start: all of it acts before t = 0, until when the beam is at rest; accepted: a later start')
     end subroutine add
   end subroutine courses_of
 

@@ -8,7 +8,7 @@ module bw_load_course
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: course_of_samples, course_of_shape, degree_of, end_jump, impulse_of, interval_at, lag_bound, largest_load
+  public :: course_of_samples, course_of_shape, degree_of, end_jump, impulse_of, interval_at, is_over, lag_bound, largest_load
   public :: loads_before, next_knot, part_of_course, rates_of, scaled_course, steady_course
 
   type, public :: load_course
@@ -16,6 +16,7 @@ module bw_load_course
     real(dp), allocatable :: power(:, :)           !! b_j, (0:degree, intervals), degree ≥ 1
     complex(dp), allocatable :: tone(:)            !! c, (intervals)
     real(dp) :: frequency = 0.0_dp                 !! Ω; 0: there is no tone
+    real(dp) :: left_out = 0.0_dp                  !! its impulse before t = 0
   end type load_course
 
 contains
@@ -95,7 +96,14 @@ contains
     else
       call part_of_course(whole, first, 0.0_dp, course%knot(2), course%power(:, 1), course%tone(1))
     end if
+    course%left_out = impulse_of(whole) - impulse_of(course)
   end subroutine begin_at_rest
+
+  elemental logical function is_over(course)
+    !! Before t = 0.
+    type(load_course), intent(in) :: course
+    is_over = course%left_out /= 0.0_dp .and. largest_load(course) <= 0.0_dp
+  end function is_over
 
   pure integer function degree_of(course) result(degree)
     !! The largest of some loads.

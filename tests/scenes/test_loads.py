@@ -267,6 +267,15 @@ def test_a_force_from_a_file_is_read_in_its_own_units_and_times(here):
     assert float(named["applied_impulse"][0]) == pytest.approx(0.07, rel=1e-9)
 
 
+@pytest.mark.parametrize("contact", [{}, {"impact": {"mass": 0.1, "approach_velocity": 1.0}, "contact": {"stiffness": 1e6}}])
+def test_what_of_a_force_comes_before_the_start_is_said(here, contact):
+    force = {"shape": "triangle", "amplitude": 10.0, "duration": 0.004, "start": -0.001}
+    groups = {**contact, "modes": {"before": 8}}
+    noted = run(here, "cut", {"force": force, **groups}).attrs["notes"]
+    assert "force 1: 12.5 % of its impulse lies before t = 0" in noted  # a quarter of the base, an eighth of the area
+    assert "before t = 0" not in run(here, "whole", {"force": {**force, "start": 0.0}, **groups}).attrs.get("notes", "")
+
+
 def test_a_force_from_a_result_of_beamwave_is_read(here):
     """The acceleration of one beam's tip shakes another beam: a NetCDF file, a column by its name."""
     run(here, "shaker", {"force": HALF_SINE, "modes": {"before": 8}}, samples=512)
@@ -356,6 +365,7 @@ def test_what_has_no_meaning_is_refused_with_its_place(here, groups, words):
         ("1\n2\n", {}, 2, "force%time: no such column"),
         ("time,force\n0,0\n", {}, 2, "fewer than two samples"),
         ("time,force\n0,0\n0.002,1\n0.001,0\n", {}, 3, "does not rise"),
+        ("time,force\n0,0\n0.002,1\n0.003,0\n", {"start": -0.003}, 2, "force%start: all of it acts before t = 0"),
         ("time [s],force [K]\n0,0\n0.002,1\n0.003,0\n", {}, 2, "force%scale: is missing"),
         (None, {}, 3, "a.csv: cannot be read"),
     ],
