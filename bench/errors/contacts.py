@@ -1,8 +1,8 @@
 """Random scenes of contacts of a finite duration beside an integration of their own, and their estimates of errors beside far more modes.
 
-`PYTHONPATH=bench:tests/scenes python -m errors.contacts [--scenes 200] [--estimates 300] [--kind plain|initial|loads|changes]` takes half
-an hour. The integration (`tests/scenes/contact_reference.py`) has as many modes as the scene, so that only rounding and steps differ; it
-knows no changes of bodies. BEAMWAVE_SEED sets the seed, BEAMWAVE another program.
+`PYTHONPATH=bench:tests/scenes python -m errors.contacts [--scenes 200] [--estimates 300] [--kind plain|initial|captures|loads|changes]`
+takes half an hour. The integration (`tests/scenes/contact_reference.py`) has as many modes as the scene, so that only rounding and steps differ; it
+knows no captures and no changes of bodies. BEAMWAVE_SEED sets the seed, BEAMWAVE another program.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=200, help="beside the integration")
     parser.add_argument("--estimates", type=int, default=300, help="beside more modes")
-    parser.add_argument("--kind", choices=("plain", "initial", "loads", "changes"), default="plain", help="a beam at rest, let go from a deflection, under loads, or under loads "
-                        "while bodies come and leave")
+    parser.add_argument("--kind", choices=("plain", "initial", "captures", "loads", "changes"), default="plain",
+                        help="a beam at rest, let go from a deflection, that captures the mass, under loads, or under loads while bodies come and leave")  # fmt: skip
     options = parser.parse_args()
-    exact = judged(contact_scenes.judge, 0 if options.kind == "changes" else options.scenes, options.kind)
+    exact = judged(contact_scenes.judge, 0 if options.kind in ("captures", "changes") else options.scenes, options.kind)
     few = contact_scenes.FEW
     print(f"| largest error over the peak | undamped, up to {few} contacts | undamped, more | damped | least estimate over error |")
     print("|---|---|---|---|---|")

@@ -64,11 +64,18 @@ SLOPE = 336.0  # N s/m: a force at the tip of the paper's beam over the speed of
 
 
 def draw_moving(rng: np.random.Generator, kind: str) -> dict:
-    """Such a scene, of a beam that is let go from a deflection ('initial') or that forces and motions of its base move ('loads'), while
-    a body comes or leaves, or the mass is captured and released ('changes').
+    """Such a scene, of a beam that is let go from a deflection ('initial'), that captures the mass ('captures'), or that forces and motions of
+    its base move ('loads'), while a body comes or leaves, or the mass is captured and released ('changes').
     """
     scene = draw(rng)
     speed = abs(scene["impact"]["approach_velocity"])
+    if kind == "captures":
+        scene["capture"] = {"rotary_inertia": 10 ** float_in(rng, -4, -2)} if rng.random() < 0.5 else {}
+        if rng.random() < 0.35:
+            scene["damping"] = {"stiffness_proportional": 10 ** float_in(rng, -8, -5)}
+        if rng.random() < 0.3:
+            scene["release"] = {"time": scene["response"]["duration"] * float_in(rng, 0.2, 0.9)}
+        return scene
     if kind == "initial":
         scene["rotation"] = {"angular_velocity": float_in(rng, 10, 100), "plane": str(rng.choice(["in", "out"]))}
         force = float(rng.choice([-1, 1])) * SLOPE * speed * 10 ** float_in(rng, -1, 0.5)

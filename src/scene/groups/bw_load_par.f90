@@ -142,8 +142,11 @@ contains
     pure subroutine refuse(name, messages)
       character(*), intent(in) :: name
       type(message_list), intent(inout) :: messages
+      character(:), allocatable :: instead
+      instead = 'a group without it'
+      if (name == 'file') instead = instead//', or shape = ''file'''
       if (load%given(name)) call messages%add(load%line_of(name), place//name, 'has no meaning with shape = '''//shape// &
-                                              '''; accepted: a group without it')
+                                              '''; accepted: '//instead)
     end subroutine refuse
   end subroutine check_load
 
