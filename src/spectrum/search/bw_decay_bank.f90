@@ -16,7 +16,7 @@ module bw_decay_bank
 
   real(dp), parameter :: folds = 7               !! e-folds after which a decay's exponential is taken for 0
   real(dp), parameter, public :: highest_decay = 0.5_dp  !! per step
-  real(dp), parameter :: edge = 3                !! periods in a stretch, and from half the sampling rate: fewer are a trend, or 1/f noise
+  real(dp), parameter, public :: edge = 3        !! periods in a stretch, and from half the sampling rate: fewer are a trend, or 1/f noise
   real(dp), parameter :: clear = 16              !! tuned: times what a stronger line's skirts may be
   real(dp), parameter :: mirrored = 20           !! widths from 0 and half the sampling rate, within which a line meets its mirror image
   integer, parameter :: most = 24                !! candidates at a time

@@ -5,7 +5,7 @@ module bw_line_moves
   use bw_blow_moves, only: add_missing_blows
   use bw_constants, only: pi
   use bw_cost, only: order_price, penalty_of_course, penalty_of_line, penalty_of_tone
-  use bw_decay_bank, only: decay_candidate, find_candidates
+  use bw_decay_bank, only: decay_candidate, edge, find_candidates
   use bw_kinds, only: dp
   use bw_line, only: course_type, line_type
   use bw_line_drops, only: energy_of
@@ -125,7 +125,8 @@ contains
 
   subroutine add_course(model, own, start, host, best)
     !! Fit the best further course of a line, over its rates. The line is followed from the blow on, over longer and longer parts of the
-    !! record, so that its phase is never far from that of the fit.
+    !! record, so that its phase is never far from that of the fit. In fewer than `edge` periods it is a trend, and its frequency goes
+    !! anywhere: n periods tell a frequency to about its n-th part, and a fit that starts outside its own 1/n does not come back.
     type(model_type), intent(in) :: model
     logical, intent(in) :: own(:)                !! lines that are replaced
     type(line_type), intent(in) :: start(:)      !! by these
@@ -148,7 +149,7 @@ contains
       type(refit_type) :: found
       integer :: window
       lines = start
-      window = max(1, nint(span)/first_window)
+      window = max(nint(span)/first_window, min(ceiling(2*pi*edge/start(host)%pole%im), nint(span)/3))
       do while (2*window < span)
         call refit(model, own, lines, trial_steps, found, window)
         lines = found%lines

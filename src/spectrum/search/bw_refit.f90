@@ -23,7 +23,6 @@ module bw_refit
     !! Lines instead of others.
     logical, allocatable :: old(:)               !! which lines of the model they replace
     type(line_type), allocatable :: lines(:)
-    real(dp), allocatable :: trend(:, :, :)      !! white offset and slope that are taken off too, (2, S, 0:B)
     type(reduced_type), allocatable :: reduced(:)
     real(dp) :: gain = 0                         !! fall of the squares in the band
   end type refit_type
