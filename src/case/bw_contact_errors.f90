@@ -19,7 +19,8 @@ module bw_contact_errors
 
   real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 3.0_dp   !! tuned: how many times what is found of either is told,
   real(dp), parameter :: of_half = 2.0_dp                            !! tuned: the latter no more than so many times what half of the modes lack
-  real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp   !! tuned: of their tolerance, what steps leave
+  real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp
+  !! tuned: of their tolerance, what steps leave in histories, in forces over the largest and in times over the longest contact
 
 contains
 
@@ -72,26 +73,29 @@ contains
   end subroutine find_history_errors
 
   pure subroutine find_force_errors(run, half)
-    !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all.
+    !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all, nor is any of a single
+    !! mode, which has no half.
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half
     integer, allocatable :: these(:), partner(:)
-    real(dp) :: fall
+    real(dp) :: fall, steps
     integer :: i
     these = contacts_of(run)
     partner = partners_of(run, half)
     associate (events => run%timeline%events, kept => run%result, of_fewer => half%timeline%events)
       kept%force_error = missing
+      steps = in_forces*run%step_tolerance*maxval([0.0_dp, events(these)%end_time - events(these)%time])
       do i = 1, size(these)
         associate (event => events(these(i)))
           event%time_error = event%time
           event%end_error = event%end_time
-          if (partner(i) == 0) cycle
+          if (partner(i) == 0 .or. run%summed == half%summed) cycle
           fall = 1.0_dp
           if (i <= same_contacts(run, half)) fall = fall_as_struck(run, half)**octaves_between(run, half)
           fall = min(of_half, of_forces*fall)
           event%time_error = fall*abs(event%time - of_fewer(partner(i))%time)
-          event%end_error = fall*abs(event%end_time - of_fewer(partner(i))%end_time)
+          if (event%time > 0.0_dp) event%time_error = event%time_error + steps
+          event%end_error = fall*abs(event%end_time - of_fewer(partner(i))%end_time) + steps
           kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, partner(i)))) &
             + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these))
         end associate

@@ -114,6 +114,8 @@ def test_estimates_are_numbers_of_a_single_mode_and_of_a_motion_that_is_not_know
         found = run(here, name, struck({"radius": 0.025}) | changes, status)
         error, known = found["displacement_error"].values, np.abs(found["displacement"]).max("time").values
         assert ((error > 0) == (known > 0)).all() and (error <= 10 * known).all(), (name, error)
+        told = float(found["event_end_error"][0] / found["event_end"][0])
+        assert (told == 1) == (name == "single"), (name, told)  # of one mode no end is known
 
 
 @pytest.mark.parametrize("number", [8, 11, 22])
