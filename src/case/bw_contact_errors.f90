@@ -102,8 +102,8 @@ contains
       end do
       if (size(these) == 0 .or. .not. any(events%kind == capture_event)) return
       i = these(size(these))                         ! it ends where the force is largest, and hardly changes
-      if (.not. is_missing(kept%force_error(i))) events(i)%end_error = &
-        max(events(i)%end_error, kept%force_error(i)/kept%largest(i)*(events(i)%end_time - events(i)%time))
+      if (kept%largest(i) /= 0.0_dp .and. .not. is_missing(kept%force_error(i))) events(i)%end_error = &
+        max(events(i)%end_error, kept%force_error(i)/abs(kept%largest(i))*(events(i)%end_time - events(i)%time))
       where (events%kind == capture_event)
         events%time_error = events(i)%end_error
         events%end_error = events(i)%end_error

@@ -161,6 +161,7 @@ contains
         wide = now
         wide%q(:n) = unknown(:, 1)
         wide%v(:n) = unknown(:, 2)
+        ! The last knot is a sum that was rounded.
         associate (load => loads_before(view%course, until%hi*(1.0_dp - 8.0_dp*epsilon(1.0_dp))), &
                    soft => spread(1.0_dp/set%beta_squared(n + 1:)%hi, 2, size(acting%kind)))
           wide%q(n + 1:) = wide%q(n + 1:) - matmul(soft*view%drive(n + 1:, :), load(:, 1))

@@ -175,3 +175,14 @@ def test_estimates_are_near_the_errors_that_changes_leave(here, name):
         assert (error <= told).all(), quantity
         ratios.extend((told[error > 0] / error[error > 0]).tolist())
     assert np.median(ratios) <= 8
+
+
+def test_a_capture_from_the_other_side_has_the_same_errors(here):
+    """Where its time follows from the error of the force."""
+    beam = {"length": 1.0, "width": 0.04, "height": 0.012, "youngs_modulus": 7e10, "density": 2700.0}
+    told = []
+    for name, velocity in (("above", 1.0), ("below", -1.0)):
+        impact = {"mass": 0.3, "position": 0.8, "approach_velocity": velocity}
+        blow = (("impact", impact), ("contact", {"stiffness": 1e7, "exponent": 1.5}))
+        told.append(run(here, name, ("capture", {}), blow=blow, beam=beam)["event_end_error"][:2])
+    np.testing.assert_allclose(told[0], told[1], rtol=1e-6)  # rounding of a difference
