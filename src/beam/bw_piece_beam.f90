@@ -8,7 +8,7 @@ module bw_piece_beam
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: arm_of, attach, cut_at, cut_all, holds_tip, is_held, joint_position, junctions_of, &
+  public :: arm_of, attach, cut_at, cut_all, holds_tip, is_held, joint_at, joint_position, junctions_of, &
     modes_at_rest, root_power, side_of_tip, operator(==)
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
@@ -97,6 +97,19 @@ contains
       position = position + beam%piece(j)%length
     end do
   end function joint_position
+
+  pure integer function joint_at(beam, xi) result(joint)
+    !! The joint at a place, 0 the root; −1 where there is none.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: xi
+    type(dd) :: gap
+    gap = to_dd(-xi)
+    do joint = 0, size(beam%piece)
+      if (joint > 0) gap = gap + beam%piece(joint)%length
+      if (abs(gap%hi) <= same_place) return
+    end do
+    joint = -1
+  end function joint_at
 
   pure function junctions_of(beam) result(joints)
     !! The joints within the beam that carry something, or at which its section changes, from the root outwards.

@@ -65,7 +65,7 @@ contains
       !! the same of the beam between them, ∫ρAΦ_kv dx of its displacement, (modes after); unallocated: nothing
     type(shape_term), allocatable :: whole(:)       ! the displacement
     type(shape_term) :: motion(1)                   ! the velocity
-    real(dp), dimension(size(bodies), 2) :: moved, moving, push
+    real(dp), dimension(size(bodies), 2) :: moved, moving, push, stretch
     real(dp) :: momenta(2)
     real(dp), allocatable :: bent(:), rest(:)
     type(energy_type) :: coming(2), leaving(2), left, potential
@@ -74,6 +74,7 @@ contains
     whole = [state%shape, shape_term(from, was, state%q(:state%count))]
     moved = motions_at(bodies, configuration, whole)
     moving = motions_at(bodies, configuration, motion)
+    stretch = motions_at(bodies, configuration, whole, while_there=.true.)
     if (present(beyond)) then
       moved = moved + beyond(:, :, 1)
       moving = moving + beyond(:, :, 2)
@@ -84,7 +85,7 @@ contains
       if (size(state%shape) > 0 .and. any(bodies%pull > 0.0_dp)) &
         bent = seen_by(before, was, bodies, configuration, whole, monitor)/before%modal_mass
       coming = brought(before, bent, bodies, is .and. .not. was, moved, moving, spin_squared)
-      leaving = brought(before, bent, bodies, was .and. .not. is, moved, moving, spin_squared, leaving=.true.)
+      leaving = brought(before, bent, bodies, was .and. .not. is, moved, moving, spin_squared, stretch)
       potential = part_of_energy(before, state, .false.)
       potential%value = potential%value + state%level + coming(2)%value - leaving(2)%value
       event%energy_before = known_energy(energy_of(before, state) + coming(1) + coming(2))
@@ -203,11 +204,13 @@ contains
     end do
   end subroutine find_momenta
 
-  function motions_at(bodies, configuration, terms) result(motion)
+  function motions_at(bodies, configuration, terms, while_there) result(motion)
     !! Deflection and turning at the bodies, or their rates, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
     type(configuration_type), intent(in) :: configuration(:)
     type(shape_term), intent(in) :: terms(:)
+    logical, intent(in), optional :: while_there
+      !! of terms that have the body: what stretches its springs, which are unstressed at what the others are
     real(dp) :: motion(size(bodies), 2)
     real(dp), allocatable :: shape(:, :)
     integer :: b, i
@@ -215,6 +218,9 @@ contains
     do i = 1, size(terms)
       associate (set => configuration(terms(i)%configuration)%set, amplitude => terms(i)%amplitude)
         do b = 1, size(bodies)
+          if (present(while_there)) then
+            if (.not. terms(i)%there(b)) cycle
+          end if
           shape = set%motion_at(bodies(b)%position)
           motion(b, 1) = motion(b, 1) + accurate_sum(shape(:size(amplitude), 1)*amplitude)
           motion(b, 2) = motion(b, 2) + accurate_sum(shape(:size(amplitude), 2)*amplitude)
@@ -254,7 +260,7 @@ contains
     end do
   end function blows
 
-  function brought(modes, bent, bodies, these, moved, moving, spin_squared, leaving) result(energy)
+  function brought(modes, bent, bodies, these, moved, moving, spin_squared, stretch) result(energy)
     !! Kinetic and potential energy of some bodies: of what they bring as they come with springs that are unstressed, or take along as
     !! they leave.
     class(mode_set), intent(in) :: modes            !! before the change
@@ -263,17 +269,17 @@ contains
     logical, intent(in) :: these(:)
     real(dp), intent(in) :: moved(:, :), moving(:, :)
     real(dp), intent(in) :: spin_squared
-    logical, intent(in), optional :: leaving        !! absent: they come
+    real(dp), intent(in), optional :: stretch(:, :) !! of the springs of those that leave; absent: they come
     type(energy_type) :: energy(2)
     real(dp) :: part(5)
     integer :: b
     do b = 1, size(bodies)
       if (.not. these(b)) cycle
-      associate (body => bodies(b), stretch => moved(b, :) - bodies(b)%unstressed)
+      associate (body => bodies(b))
         part = 0.0_dp
         part(1:2) = 0.5_dp*[body%mass, body%inertia]*moving(b, :)**2
-        if (present(leaving)) then
-          part(3) = 0.5_dp*(body%stiffness*stretch(1)**2 + body%turning_stiffness*stretch(2)**2)
+        if (present(stretch)) then
+          part(3) = 0.5_dp*(body%stiffness*stretch(b, 1)**2 + body%turning_stiffness*stretch(b, 2)**2)
         else if (.not. is_missing(body%velocity)) then
           part(1:2) = [0.5_dp*body%mass*body%velocity**2, 0.0_dp]
         end if

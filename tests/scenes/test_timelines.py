@@ -155,6 +155,30 @@ def test_a_joint_that_locks_keeps_energy_and_momentum(here):
     np.testing.assert_allclose(result["configuration_start"], [0, 0.02], rtol=1e-15)
 
 
+@pytest.mark.parametrize("place", ["root", "tip"])
+def test_a_rigid_spring_stops_a_turning_beam_as_the_closed_sum(here, place):
+    beam = ("beam", {"length": 1.0, "mass_per_length": 1.0, "bending_stiffness": 1.0})
+    spring = {"root": {"position": 0.0, "rotational_stiffness": 1e30}, "tip": {"position": 1.0, "stiffness": 1e30}}[place]
+    stopped, left, points = 0.5, 1.1, np.array([0.3, 0.75])
+    shown = {"duration": 1.2, "samples": 64, "points": points.tolist(), "velocity": True}
+    groups = (beam, ("support", {"rotational_stiffness": 0.0}), ("initial", {"angular_velocity": 1.0}))
+    span = {"mass": 0.0, "from": stopped, "until": left}
+    result = run(here, place, *groups, ("body", spring | span), ("modes", {"before": 30, "after": 30}), ("response", shown))
+    alpha = roots(30, 0.0) if place == "root" else np.pi * np.arange(1, 31)
+    shape = (lambda xi: shapes(alpha, xi)) if place == "root" else (lambda xi: np.sin(np.outer(xi, alpha)))
+    xi, weight = np.polynomial.legendre.leggauss(200)
+    xi, weight = (xi + 1) / 2, weight / 2
+    share = (weight * xi) @ shape(xi) / (weight @ shape(xi) ** 2)  # of the velocity ξ
+    time = np.maximum(result["time"] - stopped, 0)
+    swing = shape(points) * share @ (np.sin(np.outer(alpha**2, time)) / alpha[:, np.newaxis] ** 2)
+    expected = np.outer(points, np.minimum(result["time"], stopped)) + swing
+    held = result["time"] < left
+    np.testing.assert_allclose(result["displacement"][:, held], expected[:, held], rtol=0, atol=1e-11)
+    lost = 1 - (weight @ shape(xi) ** 2 * share**2).sum() * 3  # of the energy 1/6 of the turn, what 30 modes do not see
+    np.testing.assert_allclose(result["energy_before"][1], (1 - lost) / 6, rtol=1e-11)
+    assert 0 < result["energy_after"][1] <= result["energy_before"][1]
+
+
 def test_a_robot_arm_catches_a_payload_locks_its_joint_and_lets_go(here):
     result = results.read(lockable(here, "robot_arm"))
     assert result["event_kind"].tolist() == [5, 5, 6]

@@ -14,7 +14,7 @@ module bw_piece_overlap
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
-  public :: overlap_sums, mass_product
+  public :: joint_motions, mass_product, overlap_sums
 
   real(dp), parameter :: alike = 1.0e-2_dp
     !! product of modes of mass 1 from which it is integrated: the values at the body have lost digits where they are small
@@ -125,7 +125,7 @@ contains
     end function differs
   end function changes_between
 
-  pure subroutine motion_at(modes, j, deflection, turning)
+  pure subroutine joint_motions(modes, j, deflection, turning)
     !! Of all modes at a joint; 0 is the root.
     type(piece_modes), intent(in) :: modes
     integer, intent(in) :: j
@@ -137,7 +137,7 @@ contains
       deflection = modes%deflection(j, :)
       turning = modes%turning(j, :)
     end if
-  end subroutine motion_at
+  end subroutine joint_motions
 
   pure subroutine products_with(onto, from, i, changed, with_mass, parts, known, products)
     !! ⟨Φ_k, φ_i⟩ for all k.
@@ -158,8 +158,8 @@ contains
     moved = 0.0_dp
     blurred = 0.0_dp
     do c = 1, size(changed)
-      call motion_at(onto, changed(c)%joint, v, psi)
-      call motion_at(from, changed(c)%joint, v_too, psi_too)
+      call joint_motions(onto, changed(c)%joint, v, psi)
+      call joint_motions(from, changed(c)%joint, v_too, psi_too)
       associate (mass => changed(c)%mass, inertia => changed(c)%inertia, &
                  springs => abs([changed(c)%stiffness, changed(c)%turning_stiffness]))
         numerator = numerator + v*v_too(i)*(mass*merge(onto%lambda%hi, from%lambda(i)%hi, mass > 0.0_dp .neqv. with_mass) &

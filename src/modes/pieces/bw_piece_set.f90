@@ -10,8 +10,8 @@ module bw_piece_set
   use bw_missing, only: no_number
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: is_held, joint_position
-  use bw_piece_overlap, only: overlap_sums, piece_modes
+  use bw_piece_beam, only: joint_at, joint_position
+  use bw_piece_overlap, only: joint_motions, overlap_sums, piece_modes
   use bw_piece_products, only: turn_product
   use bw_piece_shape, only: beam_place, deflections_inside, gap_to_end, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
@@ -42,14 +42,16 @@ module bw_piece_set
 contains
 
   pure function states_at(self, first, last, xi) result(state)
-    !! Deflection, turning, moment M = EIψ' and shear force N = κGA(v' − ψ) of modes `first` … `last` at points of the beam.
+    !! Deflection, turning, moment M = EIψ' and shear force N = κGA(v' − ψ) of modes `first` … `last` at points of the beam. At
+    !! joints the first two are those that the forces of what is attached there take, which waves would leave to rounding.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)                !! 0 ≤ ξ ≤ 1, (points)
     real(dp) :: state(4, last - first + 1, size(xi))
     type(beam_place) :: place(size(xi))
     type(piece_frequency) :: frequency
-    integer :: k, p
+    real(dp) :: motion(self%count, 2)
+    integer :: joint, k, p
     do p = 1, size(xi)
       place(p) = place_of(self%modes%system%beam, xi(p))
     end do
@@ -63,7 +65,10 @@ contains
       end do
     end do
     do p = 1, size(xi)
-      if (is_held(self%modes%system%beam, xi(p))) state(1, :, p) = 0.0_dp
+      joint = joint_at(self%modes%system%beam, xi(p))
+      if (joint < 0) cycle
+      call joint_motions(self%modes, joint, motion(:, 1), motion(:, 2))
+      state(1:2, :, p) = transpose(motion(first:last, :))
     end do
   end function states_at
 
@@ -80,13 +85,15 @@ contains
     integer, allocatable :: here(:), some(:)
     type(dd), allocatable :: inside(:)
     real(dp), allocatable :: gap(:)
-    integer :: i, k, p
+    real(dp) :: deflection(self%count), turning(self%count)
+    integer :: i, joint(size(xi)), k, p
     do p = 1, size(xi)
       place(p) = place_of(self%modes%system%beam, xi(p))
       offset(p) = place(p)%offset
+      joint(p) = joint_at(self%modes%system%beam, xi(p))
     end do
     do i = 1, size(self%modes%system%piece)
-      here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_at)
+      here = pack([(p, p=1, size(xi))], place%piece == i .and. joint < 0)
       do p = 1, size(here), at_once
         some = here(p:min(p + at_once - 1, size(here)))
         inside = offset(some)
@@ -99,8 +106,9 @@ contains
       end do
     end do
     do p = 1, size(xi)
-      if (xi(p) == self%struck_at) values(:, p) = self%struck(first:last)
-      if (is_held(self%modes%system%beam, xi(p))) values(:, p) = 0.0_dp
+      if (joint(p) < 0) cycle
+      call joint_motions(self%modes, joint(p), deflection, turning)
+      values(:, p) = deflection(first:last)
     end do
   end function piece_shapes
 
