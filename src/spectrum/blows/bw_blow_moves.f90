@@ -168,7 +168,8 @@ contains
   end function brought
 
   pure integer function best_shift(white, motion, at) result(shift)
-    !! By how many samples a blow is best moved, the motion that it brings going on as it is. It is not moved over rows that tell nothing.
+    !! By how many samples a blow is best moved, the motion that it brings going on as it is. It is not put off over rows that tell
+    !! nothing, which may be crests that were cut off.
     real(dp), intent(in) :: white(:, :)          !! what is left with this motion from sample `at` on
     real(dp), intent(in) :: motion(:, :)
     integer, intent(in) :: at
@@ -178,7 +179,7 @@ contains
     best = worth
     gain = 0
     do n = at - 1, 1, -1
-      if (all(abs(white(n, :)) <= 0)) exit
+      if (all(abs(white(n, :)) <= 0)) cycle
       gain = gain + sum(white(n, :)**2 - (white(n, :) - motion(n, :))**2)
       if (gain <= best) cycle
       best = gain
