@@ -228,8 +228,11 @@ contains
     real(dp) :: follows(now%state%count, 2)          ! what loads move at once, of the modes that hand on their motion
     real(dp), allocatable :: load(:, :)              ! and their rates, (loads, 2)
     real(dp), allocatable :: unsummed(:)
+    type(configuration_type), allocatable :: wide(:)   ! with the octave of modes beyond those after the change
     logical, allocatable :: is(:)
-    integer :: i, l, next
+    real(dp) :: spin_squared
+    integer :: count, i, l, next
+    spin_squared = speed_in_plane(scene%rotation, motion%units)**2
     next = number_of(configurations_of(scene), carried)
     is = presence(scene, carried)
     force = 0.0_dp
@@ -251,15 +254,19 @@ contains
       end associate
     end if
     associate (configuration => motion%modes%configuration)
-      if (carried%captured .and. .not. now%carried%captured) then
-        call find_unsummed(configuration(now%configuration), now%state%count, force(1), configuration(next)%set, monitor, unsummed)
+      count = taking_part(motion, next, demand%modes)
+      wide = configuration
+      call wide(next)%source%find(first_numbers(min(2*count, wide(next)%source%highest)), wide(next)%set, monitor=monitor)
+      if (monitor%stop_requested()) return
+      if (force(1) /= 0.0_dp) then
+        call find_unsummed(configuration(now%configuration), now%state%count, force(1), wide(next)%set, monitor, unsummed)
         if (monitor%stop_requested()) return
       end if
-      call find_beyond(configuration, now, next, taking_part(motion, next, demand%modes), is, speed_in_plane(scene%rotation, &
-                       motion%units)**2, force(1), unsummed_at, monitor, beyond)
+      call find_beyond(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
       if (monitor%stop_requested()) return
-      call hand_over(configuration, now%configuration, now%state, now%there, next, taking_part(motion, next, demand%modes), is, &
-                     now%bodies, speed_in_plane(scene%rotation, motion%units)**2, later, event, monitor, unsummed_at, unsummed)
+      if (allocated(unsummed)) unsummed = unsummed(:configuration(next)%set%count)
+      call hand_over(configuration, now%configuration, now%state, now%there, next, count, is, now%bodies, spin_squared, later, &
+                     event, monitor, unsummed_at, unsummed)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
         error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
@@ -272,39 +279,30 @@ contains
     now%there = is
   end subroutine change
 
-  subroutine find_beyond(configuration, now, next, count, is, spin_squared, force, unsummed_at, monitor, beyond)
+  subroutine find_beyond(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
     !! What the motion hands on to the octave of modes beyond those after a change.
-    type(configuration_type), intent(in) :: configuration(:)
+    type(configuration_type), intent(in) :: wide(:)  !! with that octave
     type(now_type), intent(in) :: now
     integer, intent(in) :: next                      !! configuration
     integer, intent(in) :: count                     !! of its modes that take part
     logical, intent(in) :: is(:)                     !! which bodies are there, (bodies)
-    real(dp), intent(in) :: spin_squared, force      !! that of the contact
+    real(dp), intent(in) :: spin_squared
     real(dp), intent(in) :: unsummed_at(:, :, :)     !! as `beyond` of `hand_over`
+    real(dp), allocatable, intent(in) :: unsummed(:) !! as that of `hand_over`
     class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
     real(dp), allocatable, intent(out) :: beyond(:, :)      !! as that of segment_type
-    type(configuration_type), allocatable :: wide(:)
     type(body_type), allocatable :: bodies(:)
-    real(dp), allocatable :: unsummed(:)
     type(beam_state) :: later
     type(event_type) :: ignored
-    wide = configuration
     bodies = now%bodies
-    associate (onto => wide(next))
-      call onto%source%find(first_numbers(min(2*count, onto%source%highest)), onto%set, monitor=monitor)
-      if (monitor%stop_requested()) return
-      if (force /= 0.0_dp) &
-        call find_unsummed(configuration(now%configuration), now%state%count, force, onto%set, monitor, unsummed)
-      if (monitor%stop_requested()) return
-      call hand_over(wide, now%configuration, now%state, now%there, next, onto%set%count, is, bodies, spin_squared, later, &
-                     ignored, monitor, unsummed_at, unsummed)
-    end associate
+    call hand_over(wide, now%configuration, now%state, now%there, next, wide(next)%set%count, is, bodies, spin_squared, later, &
+                   ignored, monitor, unsummed_at, unsummed)
     if (monitor%stop_requested()) return
     beyond = reshape([later%q(count + 1:), later%rate(count + 1:)], [size(later%q) - count, 2])
   end subroutine find_beyond
 
   subroutine find_unsummed(configuration, summed, force, after, monitor, unsummed)
-    !! How modes after a capture see those that were not summed, and gave way to the force of the contact at once.
+    !! How modes after a change see those that were not summed, and gave way to the force of the contact at once.
     type(configuration_type), intent(in) :: configuration
     integer, intent(in) :: summed
     real(dp), intent(in) :: force

@@ -220,7 +220,7 @@ def follow(blow: one.Blow, place: float, changes: list[Change], count: int, capt
 
             shape = modes.at(where)[:, 0]
             q = see(whole) + shape * max(0.0, gain) * beyond[0, 0]
-            if caught and force:  # the beam has what modes that were not summed give way by: three times as many of them
+            if force:  # the beam has what modes that were not summed give way by: three times as many of them
                 wide = Modes(4 * count, place, before.body)
                 gives = force * wide.driven(blow.position) / wide.square
                 gives[:count] = 0.0
