@@ -18,7 +18,7 @@ module bw_contact_changes
   use bw_kinds, only: dp
   use bw_lasting_contact, only: append_segment, begin_contacts, demand_type, finish_contacts, follow_until, go_on, &
     lasting_contacts
-  use bw_load_columns, only: placed_loads
+  use bw_load_columns, only: find_drive, placed_loads
   use bw_load_course, only: loads_before
   use bw_loads_beside, only: beam_of, place_beside, taking_part
   use bw_missing, only: is_missing
@@ -31,6 +31,7 @@ module bw_contact_changes
   use bw_text, only: append
   use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of
   use bw_unhanded, only: unhanded_motion
+  use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
   public :: follow_contacts
@@ -172,7 +173,7 @@ contains
     end if
     event%kind = kind_of_change(step, now%there, presence(scene, carried))
     event%time = time%hi
-    call change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor)
+    call change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
     if (monitor%stop_requested()) return
     contacts%events = [contacts%events, event]
     if (present(loads) .or. .not. now%run%captured) call find_flexibility(scene, motion, later%count, now, monitor, loads)
@@ -211,7 +212,7 @@ contains
     state%level = run%bodies%level
   end function state_of
 
-  subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor)
+  subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
     !! The motion goes over to the modes of the beam with what it carries from now on.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -224,6 +225,7 @@ contains
     type(event_type), intent(inout) :: event
     real(dp), allocatable, intent(out) :: error(:, :), beyond(:, :)   !! as those of segment_type
     class(monitor_type), intent(inout), target :: monitor
+    type(placed_loads), intent(in), optional :: loads
     real(dp) :: unsummed_at(size(now%bodies), 2, 2), force(2)
     real(dp) :: follows(now%state%count, 2)          ! what loads move at once, of the modes that hand on their motion
     real(dp), allocatable :: load(:, :)              ! and their rates, (loads, 2)
@@ -258,8 +260,9 @@ contains
       wide = configuration
       call wide(next)%source%find(first_numbers(min(2*count, wide(next)%source%highest)), wide(next)%set, monitor=monitor)
       if (monitor%stop_requested()) return
-      if (force(1) /= 0.0_dp) then
-        call find_unsummed(configuration(now%configuration), now%state%count, force(1), wide(next)%set, monitor, unsummed)
+      if (force(1) /= 0.0_dp .or. present(loads)) then
+        call find_unsummed(beam_of(scene, motion, now%configuration), configuration(now%configuration), now%state%count, force(1), &
+                           wide(next)%set, monitor, unsummed, load, loads)
         if (monitor%stop_requested()) return
       end if
       call find_beyond(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
@@ -301,22 +304,33 @@ contains
     beyond = reshape([later%q(count + 1:), later%rate(count + 1:)], [size(later%q) - count, 2])
   end subroutine find_beyond
 
-  subroutine find_unsummed(configuration, summed, force, after, monitor, unsummed)
-    !! How modes after a change see those that were not summed, and gave way to the force of the contact at once.
+  subroutine find_unsummed(given, configuration, summed, force, after, monitor, unsummed, load, loads)
+    !! How modes after a change see those that were not summed, and gave way to forces at once.
+    type(varying_beam), intent(in) :: given          !! before it
     type(configuration_type), intent(in) :: configuration
     integer, intent(in) :: summed
-    real(dp), intent(in) :: force
+    real(dp), intent(in) :: force                    !! of the contact
     class(mode_set), intent(in) :: after
     class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
     real(dp), allocatable, intent(out) :: unsummed(:)       !! (modes after)
+    real(dp), allocatable, intent(in) :: load(:, :)  !! those of other loads and their rates, (loads, 2)
+    type(placed_loads), intent(in), optional :: loads
     integer, parameter :: times_as_many = 4          ! modes as are summed
     class(mode_set), allocatable :: before
-    real(dp), allocatable :: q(:)
+    real(dp), allocatable :: drive(:, :), nothing(:, :), pressed(:)
+    real(dp) :: no_points(0)
     call configuration%source%find(first_numbers(min(configuration%source%highest, times_as_many*summed)), before, monitor=monitor)
     if (monitor%stop_requested()) return
-    q = 0.0_dp*before%modal_mass
-    q(summed + 1:) = force*before%struck(summed + 1:)/(before%modal_mass(summed + 1:)*before%beta_squared(summed + 1:)%hi)
-    unsummed = after%overlap_of_beam(before, q, monitor)
+    pressed = force*before%struck
+    if (present(loads)) then
+      allocate (nothing(before%count, 0))
+      call find_drive(given, before, loads%place, loads%turns, loads%accelerated, monitor, drive, no_points, nothing)
+      if (monitor%stop_requested()) return
+      pressed = pressed + matmul(drive(:, loads%kind), load(:, 1))
+    end if
+    pressed(:summed) = 0.0_dp
+    pressed(summed + 1:) = pressed(summed + 1:)/(before%modal_mass(summed + 1:)*before%beta_squared(summed + 1:)%hi)
+    unsummed = after%overlap_of_beam(before, pressed, monitor)
   end subroutine find_unsummed
 
   pure function last_force(contacts) result(force)
@@ -357,7 +371,7 @@ contains
       now%state = state_of(run, taking_part(motion, now%configuration, demand%modes))
       stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
       call change(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, contacts, later, &
-                  event, error, beyond, monitor)
+                  event, error, beyond, monitor, loads)
       if (monitor%stop_requested()) return
       if (present(loads)) call find_flexibility(scene, motion, later%count, now, monitor, loads)
       if (monitor%stop_requested()) return

@@ -220,9 +220,9 @@ def follow(blow: one.Blow, place: float, changes: list[Change], count: int, capt
 
             shape = modes.at(where)[:, 0]
             q = see(whole) + shape * max(0.0, gain) * beyond[0, 0]
-            if force:  # the beam has what modes that were not summed give way by: three times as many of them
+            if any(f for _, f, _ in acting):  # what modes that were not summed give way by: three times as many of them
                 wide = Modes(4 * count, place, before.body)
-                gives = force * wide.driven(blow.position) / wide.square
+                gives = sum(f * wide.driven(at) for at, f, _ in acting) / wide.square
                 gives[:count] = 0.0
                 q += modes.shape @ (modes.dx * (gives @ wide.at(modes.x)))
             rate = see([(before, v)]) + shape * max(0.0, gain) * beyond[0, 1]
