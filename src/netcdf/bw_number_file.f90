@@ -2,12 +2,12 @@ module bw_number_file
   !! A file whose numbers have their places: reals of eight bytes and integers of four, the most significant byte first, and
   !! texts. What is written lies with the system and survives the process; `flush` brings it onto the disk. After a refusal
   !! of the system nothing more is written, and `problem` is that of `bw_files`.
-  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_loc, c_null_ptr, c_ptr
   use bw_descriptors, only: close_file, flush_file, look_at_open, new_file, open_file, read_bytes, to_change
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_written, look_at, path_state, remove_file, same_file
   use bw_kinds, only: dp, i1, i8
-  use bw_system_calls, only: bw_get_numbers, bw_hold, bw_kind_of_error, bw_open_numbers, bw_put_bytes, bw_put_numbers, bw_release, &
+  use bw_system_calls, only: bw_get_numbers, bw_hold, bw_kind_of_error, bw_open_numbers, bw_put, bw_release, &
     bw_reserve, bw_write_gathered, error_not_offered
   implicit none (type, external)
   private
@@ -94,16 +94,16 @@ contains
     class(number_file), intent(inout) :: self
     integer(i8), intent(in) :: place                 !! bytes, from 0
     integer, intent(in) :: width                     !! `real_width`, or `whole_width`: then they are put as integers
-    real(dp), intent(in), contiguous :: values(:)
-    if (self%problem == 0) self%problem = bw_put_numbers(self%buffer, place, int(width, c_int), values, size(values, kind=i8))
+    real(dp), intent(in), contiguous, target :: values(:)
+    if (self%problem == 0) self%problem = bw_put(self%buffer, place, int(width, c_int), c_loc(values), size(values, kind=i8))
   end subroutine put_numbers
 
   subroutine put_text(self, place, text)
     !! Put letters from a place on.
     class(number_file), intent(inout) :: self
     integer(i8), intent(in) :: place
-    character(*), intent(in) :: text
-    if (self%problem == 0) self%problem = bw_put_bytes(self%buffer, place, text, len(text, i8))
+    character(*), intent(in), target :: text
+    if (self%problem == 0) self%problem = bw_put(self%buffer, place, 1_c_int, c_loc(text), len(text, i8))
   end subroutine put_text
 
   subroutine get_numbers(self, place, width, values)

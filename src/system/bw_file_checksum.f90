@@ -14,21 +14,16 @@ module bw_file_checksum
 contains
 
   function file_digits(path, error) result(digits)
-    !! The sum of a file in hexadecimal digits. **Errors**: `status_bad_file` where it cannot be read.
+    !! The sum of a file's bytes and of their number in hexadecimal digits; about as quick as reading them.
+    !! **Errors**: `status_bad_file` where it cannot be read; then the digits are 0.
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
     character(16) :: digits
-    write (digits, '(z16.16)') file_checksum(path, error)
-  end function file_digits
-
-  integer(i8) function file_checksum(path, error) result(total)
-    !! The sum of a file's bytes and of their number; about as quick as reading them.
-    character(*), intent(in) :: path
-    type(error_type), allocatable, intent(inout) :: error
     integer(i1), allocatable :: bytes(:)
-    integer(i8) :: place, have
+    integer(i8) :: place, have, total
     integer :: descriptor, problem, ignored
     allocate (bytes(at_once))
+    digits = repeat('0', len(digits))
     total = 0
     place = 0
     call open_regular(path, descriptor, error)
@@ -40,9 +35,9 @@ contains
       total = word_sum([total, lane_sums(transfer(bytes, 0_i8, at_once/8))])
       place = place + have
     end do
-    total = word_sum([total, place])
+    write (digits, '(z16.16)') word_sum([total, place])
     ignored = close_file(descriptor)
     if (problem /= 0) call cannot_be_read(error, path, problem)
-  end function file_checksum
+  end function file_digits
 
 end module bw_file_checksum

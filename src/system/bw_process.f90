@@ -5,44 +5,21 @@ module bw_process
   !! that runs at exit turns every ending but `leave` into `status_fault`, or into `status_bad_file` where memory was refused.
   !! `leave` ends the process at once: all is written and closed, and what libraries do at exit can crash (HDF5 over a file that was
   !! refused) or hang (OpenBLAS over threads whose memory was refused).
-  use, intrinsic :: iso_c_binding, only: c_char, c_null_char
-  use bw_error, only: error_type, fail, status_bad_file, status_fault, status_stopped
+  use, intrinsic :: iso_c_binding, only: c_null_char
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
-  use bw_system_calls, only: bw_free_disk, bw_prepare_openblas, bw_set_ending, bw_set_environment, bw_stop_asked, bw_watch, &
+  use bw_system_calls, only: bw_free_disk, bw_prepare_openblas, bw_set_environment, bw_stop_asked, &
     & free_memory => bw_free_memory, leave => bw_leave, open_standard_streams => bw_open_standard_streams, pause => bw_pause, &
-    & stop_after => bw_stop_after
+    & stop_after => bw_stop_after, watch_over_process => bw_watch
   use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: free_disk, free_memory, open_standard_streams, watch_over_process, prepare_libraries
   public :: leave, pause, stop_after, stop_asked
 
-  type :: ending_type
-    !! What is said of an ending that is none of ours, and its status.
-    character(kind=c_char, len=120) :: message
-    integer :: status
-  end type ending_type
-
-  type(ending_type), parameter :: endings(0:3) = [ &
-    ending_type('a fault in the program: please report it', status_fault), &
-    ending_type('memory was refused', status_bad_file), &
-    ending_type('the stack is exhausted; accepted: a larger one (ulimit -s)', status_bad_file), &
-    ending_type('stopped within a step that could not be left in order; finished cases are saved', status_stopped)]
-    !! by the numbers of bw_system.c
-  character(kind=c_char, len=200), target :: said(0:size(endings) - 1)      !! stays there for handlers of signals
   integer(i8), parameter :: openblas_bytes = 140000000    !! what it claims at its first call, and hardly uses
 
 contains
-
-  subroutine watch_over_process()
-    !! Watch for signals, and for endings that are none of ours. Call this once, before any work is done.
-    integer :: i
-    do i = 0, size(endings) - 1
-      said(i) = 'beamwave: '//trim(endings(i)%message)//new_line('a')//c_null_char
-      call bw_set_ending(i, said(i), endings(i)%status)
-    end do
-    call bw_watch()
-  end subroutine watch_over_process
 
   subroutine prepare_libraries(scene, error)
     !! See to it that libraries use one thread and no locks of their own: those of HDF5 are not there on every file system.

@@ -230,17 +230,6 @@ static char *room_for(number_file *file, int64_t place, int64_t count, int64_t w
   return file->bytes + file->count - *room;
 }
 
-int bw_put_bytes(number_file *file, int64_t place, const char *bytes, int64_t count)
-{
-  int number;
-  for (int64_t room; count > 0; place += room, bytes += room, count -= room) {
-    char *to = room_for(file, place, count, 1, &room, &number);
-    if (!to) return number;
-    memcpy(to, bytes, (size_t)room);
-  }
-  return 0;
-}
-
 /* Copy words of eight bytes that have the most significant byte first at one of the two places. */
 static void copy_words(void *restrict to, const void *restrict from, int64_t count)
 {
@@ -252,16 +241,19 @@ static void copy_words(void *restrict to, const void *restrict from, int64_t cou
   }
 }
 
-/* The most significant byte first, in words of eight bytes, or of four as integers. */
-int bw_put_numbers(number_file *file, int64_t place, int width, const double *values, int64_t count)
+/* Reals, the most significant byte first: in words of eight bytes, or of four as integers. With a width of 1, letters. */
+int bw_put(number_file *file, int64_t place, int width, const void *values, int64_t count)
 {
+  const int64_t wide = width == 1 ? 1 : sizeof(double);
+  const char *from = values;
   int number;
-  for (int64_t room; count > 0; place += room, values += room / width, count -= room / width) {
+  for (int64_t room; count > 0; place += room, from += room / width * wide, count -= room / width) {
     char *to = room_for(file, place, count * width, width, &room, &number);
     if (!to) return number;
-    if (width == 8) copy_words(to, values, room / 8);
+    if (width == 1) memcpy(to, from, (size_t)room);
+    if (width == 8) copy_words(to, from, room / 8);
     for (int64_t i = 0; width == 4 && i < room / 4; i++) {
-      uint32_t word = (uint32_t)(int32_t)values[i];
+      uint32_t word = (uint32_t)(int32_t)((const double *)(const void *)from)[i];
       word = HIGH_FIRST(word, 32);
       memcpy(to + 4 * i, &word, 4);
     }
@@ -320,46 +312,29 @@ int bw_do(int what, const char *path, const char *to)
   return result < 0 ? errno : 0;
 }
 
-static int by_name(const void *one, const void *other)
-{
-  return strcmp(*(char *const *)one, *(char *const *)other);
-}
-
 /* The names in a directory that end so, hidden ones apart, in their order, each with a NUL behind it; free() what is given. */
 int bw_list(const char *path, const char *suffix, char **text, int64_t *length)
 {
-  char **names = NULL;
-  size_t count = 0, total = 0;
-  int number = 0;
-  DIR *directory = opendir(path);
-  *text = NULL;
+  struct dirent **entries;
+  size_t total = 1, tail = strlen(suffix);
+  int count = scandir(path, &entries, NULL, alphasort);
   *length = 0;
-  if (!directory) return errno;
-  for (struct dirent *entry; errno = 0, (entry = readdir(directory));) {
-    size_t letters = strlen(entry->d_name), tail = strlen(suffix);
-    if (entry->d_name[0] == '.' || letters < tail || strcmp(entry->d_name + letters - tail, suffix)) continue;
-    char **longer = count % 64 ? names : realloc(names, (count + 64) * sizeof *names);
-    if (longer) names = longer;
-    if (!longer || !(names[count] = strdup(entry->d_name))) { errno = ENOMEM; break; }
-    count++;
-    total += letters + 1;
-  }
-  number = errno;
-  closedir(directory);
-  if (!number && !(*text = malloc(total + 1))) number = ENOMEM;
-  if (!number && count) qsort(names, count, sizeof *names, by_name);
-  for (size_t i = 0; i < count; i++) {
-    if (!number) {
-      strcpy(*text + *length, names[i]);
-      *length += (int64_t)strlen(names[i]) + 1;
+  *text = NULL;
+  if (count < 0) return errno;
+  for (int i = 0; i < count; i++) total += strlen(entries[i]->d_name) + 1;
+  *text = malloc(total);
+  for (int i = 0; i < count; i++) {
+    const char *name = entries[i]->d_name;
+    size_t letters = strlen(name);
+    if (*text && name[0] != '.' && letters >= tail && !strcmp(name + letters - tail, suffix)) {
+      memcpy(*text + *length, name, letters + 1);
+      *length += (int64_t)letters + 1;
     }
-    free(names[i]);
+    free(entries[i]);
   }
-  free(names);
-  return number;
+  free(entries);
+  return *text ? 0 : ENOMEM;
 }
-
-void bw_release(void *memory) { free(memory); }
 
 /* ---- locks and their holders ----------------------------------------------------------------------------------------- */
 
@@ -399,11 +374,17 @@ int64_t bw_beginning_of(int64_t process)
 
 /* ---- how this process ends ------------------------------------------------------------------------------------------- */
 
-enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, ENDINGS };    /* numbers of bw_process.f90 */
+enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP };
+
+/* What is said of an ending that is none of ours, and its status, which is one of bw_error.f90. */
+static const struct { const char *message; int status; } endings[] = {
+  {"beamwave: a fault in the program: please report it\n", 70},
+  {"beamwave: memory was refused\n", 3},
+  {"beamwave: the stack is exhausted; accepted: a larger one (ulimit -s)\n", 3},
+  {"beamwave: stopped within a step that could not be left in order; finished cases are saved\n", 5}};
 
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
 static volatile sig_atomic_t received, time_is_up, is_unseen, is_child;
-static struct { const char *message; int status; } endings[ENDINGS];
 static const char *stack_top;
 static uint64_t stack_room;                                  /* below it, where nothing else lies */
 
@@ -478,13 +459,6 @@ void bw_open_standard_streams(void)
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", stream ? O_WRONLY : O_RDONLY) < 0) return;
 }
 
-/* What is said at an ending, and its status; the message stays where it is. */
-void bw_set_ending(int ending, const char *message, int status)
-{
-  endings[ending].message = message;
-  endings[ending].status = status;
-}
-
 /* Let the stack grow as far as this process may have it, and note where it lies. The system keeps 128 MB below it free. */
 static void widen_stack(const char *top)
 {
@@ -511,7 +485,7 @@ static void keep_memory(void)
 #endif
 }
 
-/* Call this once, after all endings are set. */
+/* Watch for signals, and for endings that are none of ours. Call this once, before any work is done. */
 void bw_watch(void)
 {
   static char room[65536];
@@ -551,8 +525,6 @@ int bw_stop_asked(void)
   is_unseen = 0;
   return received || time_is_up;
 }
-
-void bw_leave(int status) { _exit(status); }
 
 /* ---- another process -------------------------------------------------------------------------------------------------- */
 
@@ -640,8 +612,6 @@ int bw_wait(int64_t child)
 }
 
 /* ---- machine and terminal ---------------------------------------------------------------------------------------------- */
-
-int bw_is_terminal(int descriptor) { return isatty(descriptor); }
 
 void bw_pause(int microseconds) { usleep((useconds_t)microseconds); }
 

@@ -1,6 +1,6 @@
 module bw_system_calls
-  !! The functions of bw_system.c, which says what each does. A path ends with `c_null_char`; an integer result is 0, or the
-  !! number of the system's error.
+  !! The functions of bw_system.c, which says what each does, and some of the system's own. A path ends with `c_null_char`;
+  !! an integer result is 0, or the number of the system's error.
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_int64_t, c_ptr
   implicit none (type, external)
   public
@@ -35,19 +35,12 @@ module bw_system_calls
       import :: c_int, c_ptr
       type(c_ptr), value :: file
     end function bw_hold
-    integer(c_int) function bw_put_bytes(file, place, bytes, count) bind(c)
-      import :: c_char, c_int, c_int64_t, c_ptr
-      type(c_ptr), value :: file
-      integer(c_int64_t), value :: place, count
-      character(c_char), intent(in) :: bytes(*)
-    end function bw_put_bytes
-    integer(c_int) function bw_put_numbers(file, place, width, values, count) bind(c)
-      import :: c_double, c_int, c_int64_t, c_ptr
-      type(c_ptr), value :: file
+    integer(c_int) function bw_put(file, place, width, values, count) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      type(c_ptr), value :: file, values
       integer(c_int64_t), value :: place, count
       integer(c_int), value :: width
-      real(c_double), intent(in) :: values(*)
-    end function bw_put_numbers
+    end function bw_put
     integer(c_int) function bw_get_numbers(file, place, width, values, count) bind(c)
       import :: c_double, c_int, c_int64_t, c_ptr
       type(c_ptr), value :: file
@@ -108,7 +101,7 @@ module bw_system_calls
       type(c_ptr), intent(out) :: text
       integer(c_int64_t), intent(out) :: length
     end function bw_list
-    subroutine bw_release(memory) bind(c)
+    subroutine bw_release(memory) bind(c, name='free')
       import :: c_ptr
       type(c_ptr), value :: memory
     end subroutine bw_release
@@ -130,11 +123,6 @@ module bw_system_calls
     end function bw_beginning_of
     subroutine bw_open_standard_streams() bind(c)
     end subroutine bw_open_standard_streams
-    subroutine bw_set_ending(ending, message, status) bind(c)
-      import :: c_char, c_int
-      integer(c_int), value :: ending, status
-      character(c_char), intent(in) :: message(*)
-    end subroutine bw_set_ending
     subroutine bw_watch() bind(c)
     end subroutine bw_watch
     subroutine bw_stop_after(seconds) bind(c)
@@ -144,7 +132,7 @@ module bw_system_calls
     integer(c_int) function bw_stop_asked() bind(c)
       import :: c_int
     end function bw_stop_asked
-    subroutine bw_leave(status) bind(c)
+    subroutine bw_leave(status) bind(c, name='_exit')
       import :: c_int
       integer(c_int), value :: status
     end subroutine bw_leave
@@ -176,7 +164,7 @@ module bw_system_calls
       import :: c_int, c_int64_t
       integer(c_int64_t), value :: child
     end function bw_wait
-    integer(c_int) function bw_is_terminal(descriptor) bind(c)
+    integer(c_int) function bw_is_terminal(descriptor) bind(c, name='isatty')
       import :: c_int
       integer(c_int), value :: descriptor
     end function bw_is_terminal
