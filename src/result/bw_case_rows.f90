@@ -62,7 +62,7 @@ contains
       call table%put(result%impact%modal_velocity(:before%count)*result%approach_velocity)
     if (table%real_row('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18', needs='mode_shapes')) &
       call table%put_columns(shapes_of(modes, result%profile_points))
-    call model_rows(table, result%model)
+    if (table%layout%modal_model) call model_rows(table, result%model)
     call configuration_rows(table, result)
     call impact_rows(table, result, modes, before)
     call event_rows(table, result%events, result%units, result%approach_velocity, result%lever)

@@ -48,7 +48,7 @@ contains
     if (row('phase_error', 'point peak', 'rad', half_of//'phase')) call table%put_columns(along_lines(record%lines%phase_error))
     if (row('phase_bound', 'point peak', 'rad', deviation_of//'the phase')) &
       call table%put_columns(along_lines(record%lines%phase_bound))
-    if (table%whole_row('peak_status', 'peak', 'what the line is', status_words, has_masks=.true., needs='record')) &
+    if (table%whole_row('peak_status', 'peak', 'what the line is', status_words, has_masks=.true.)) &
       call table%put(record%lines%status)
     if (part('angular_frequency', 'rad s-1', 'angular frequency in a part of the record')) &
       call table%put_columns(record%lines%windows(1, :, :))
@@ -59,11 +59,11 @@ contains
   contains
     logical function row(name, dimensions, units, long_name)
       character(*), intent(in) :: name, dimensions, units, long_name
-      row = table%real_row('measured_'//name, dimensions, units, long_name, needs='record')
+      row = table%real_row('measured_'//name, dimensions, units, long_name)
     end function row
     logical function part(name, units, long_name)
       character(*), intent(in) :: name, units, long_name
-      part = table%real_row('window_'//name, 'peak window', units, long_name, needs='record')
+      part = table%real_row('window_'//name, 'peak window', units, long_name)
     end function part
   end subroutine line_rows
 
@@ -71,7 +71,7 @@ contains
     !! What waves of a beam that is identified from all cases need of each: the noise of amplitudes, and what sensors share of it.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
-    character(*), parameter :: needs = 'record waves unknown', of_parts = ' of the real part of the amplitude, or the imaginary one'
+    character(*), parameter :: needs = 'waves unknown', of_parts = ' of the real part of the amplitude, or the imaginary one'
     if (table%real_row('measured_amplitude_noise', 'point peak', unit_of_sensors, 'standard deviation'//of_parts// &
                        ', at known frequency and decay; none of a sensor that is constant or a multiple of another', &
                        needs=needs)) call table%put_columns(along_lines(noise_of_own()))
@@ -128,7 +128,7 @@ contains
   contains
     logical function row(name, units, long_name)
       character(*), intent(in) :: name, units, long_name
-      row = table%real_row('measured_'//name, '', units, long_name, needs='record waves')
+      row = table%real_row('measured_'//name, '', units, long_name, needs='waves')
     end function row
   end subroutine dispersion_rows
 
@@ -137,13 +137,13 @@ contains
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     if (table%real_row('candidate_angular_frequency', 'candidate', 'rad s-1', &
-                       'where something was looked at that is no line', needs='record')) &
+                       'where something was looked at that is no line')) &
       call table%put(record%lines%rejected%angular_frequency)
-    if (table%real_row('candidate_ordinate', 'candidate', '1', 'power over that of the noise there', needs='record')) &
+    if (table%real_row('candidate_ordinate', 'candidate', '1', 'power over that of the noise there')) &
       call table%put(record%lines%rejected%ordinate)
-    if (table%whole_row('candidate_reason', 'candidate', 'why it is no line; 0: there is none', reason_words, 1, &
-                        needs='record')) call table%put(record%lines%rejected%reason)
-    if (table%whole_row('candidate_count', '', 'number of candidates that are no lines', needs='record')) &
+    if (table%whole_row('candidate_reason', 'candidate', 'why it is no line; 0: there is none', reason_words, 1)) &
+      call table%put(record%lines%rejected%reason)
+    if (table%whole_row('candidate_count', '', 'number of candidates that are no lines')) &
       call table%put([size(record%lines%rejected)])
   end subroutine candidate_rows
 
@@ -153,7 +153,7 @@ contains
     type(record_result), intent(in), optional :: record
     if (row('noise_deviation', 'point', 'standard deviation of what the lines leave')) &
       call table%put(record%lines%noise_deviation)
-    if (table%real_row('measured_blow_time', '', 's', 'time of the first blow since the first sample', needs='record')) &
+    if (table%real_row('measured_blow_time', '', 's', 'time of the first blow since the first sample')) &
       call table%put(record%lines%blow(:min(1, size(record%lines%blow))))
     if (row('noise_level', 'point frequency', 'root mean square of what noise adds to the amplitude spectrum')) &
       call table%put_columns(record%noise)
@@ -163,7 +163,7 @@ contains
   contains
     logical function row(name, dimensions, long_name)
       character(*), intent(in) :: name, dimensions, long_name
-      row = table%real_row(name, dimensions, unit_of_sensors, long_name, needs='record')
+      row = table%real_row(name, dimensions, unit_of_sensors, long_name)
     end function row
   end subroutine sensor_rows
 
@@ -185,7 +185,7 @@ contains
   contains
     logical function row(name, dimensions, units, long_name)
       character(*), intent(in) :: name, dimensions, units, long_name
-      row = table%real_row(name, dimensions, units, long_name, needs='record hammer')
+      row = table%real_row(name, dimensions, units, long_name, needs='hammer')
     end function row
   end subroutine hammer_rows
 
