@@ -11,12 +11,13 @@ module bw_record_flaws
   !!   within q for half the run, and so leaves it by at most 3³ q = 27 q in a further length of the run on either side.
   !!   The record has to go farther than `reach` q there.
   !!
-  !! At the largest and the smallest value, where a sensor clips, L ≥ 3 is asked for and the second test at the samples next to
-  !! the run, on both sides: a crest that is flat over L ≥ 3 samples has fallen there by at most ((L+2)/L)² q < 3 q.
+  !! At the largest and the smallest value a sensor clips where more samples are than in the `reach` steps before it, which a crest
+  !! passes slowly; or where a run of L ≥ 3 has steep sides: a crest that is flat over it falls by at most ((L+2)/L)² q < 3 q to the
+  !! samples next to it.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
-  public :: find_flaws, mark_flaws, smallest_step
+  public :: find_flaws, mark_flaws
 
   real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, of each sensor
   real(dp), parameter :: reach = 30.0_dp         !! steps
@@ -39,69 +40,71 @@ contains
   pure type(flaws_type) function find_flaws(values) result(flaws)
     !! Look at the samples of one sensor, in the order of their times.
     real(dp), intent(in) :: values(:)
+    logical :: told(size(values))
+    call look(values, told, flaws)
+  end function find_flaws
+
+  pure subroutine mark_flaws(values, told)
+    !! Mark samples of one sensor that say nothing of the motion: those where it stuck, and those at an end of its range where it clips.
+    real(dp), intent(in) :: values(:)
+    logical, intent(inout) :: told(:)             !! false for these samples; others stay as they are
+    type(flaws_type) :: flaws
+    call look(values, told, flaws)
+  end subroutine mark_flaws
+
+  pure subroutine look(values, told, flaws)
+    !! Find the flaws of one sensor, and which samples they are.
+    real(dp), intent(in) :: values(:)
+    logical, intent(inout) :: told(:)
+    type(flaws_type), intent(out) :: flaws
     real(dp) :: step
     integer(i8) :: n, first, last
+    logical :: clips(2), at_end(2)                ! high, low
     n = size(values, kind=i8)
     flaws%highest = maxval(values)
     flaws%lowest = minval(values)
     flaws%is_constant = flaws%highest == flaws%lowest
     if (flaws%is_constant) return
     step = smallest_step(values)
+    clips = [piles_up(flaws%highest - values, step), piles_up(values - flaws%lowest, step)]
     last = 0
     do while (last < n)
       first = last + 1
       last = end_of_run(values, first)
       if (last - first + 1 < least_run) cycle
-      if (is_clipped(values, first, last, step, flaws)) then       ! one such run tells of all samples there
-        if (values(first) == flaws%highest) flaws%clipped_high = count(values == flaws%highest, kind=i8)
-        if (values(first) == flaws%lowest) flaws%clipped_low = count(values == flaws%lowest, kind=i8)
-      else if (is_stuck(values, first, last, step)) then
-        flaws%stuck_runs = flaws%stuck_runs + 1
-        if (last - first <= flaws%stuck_last - flaws%stuck_first .and. flaws%stuck_runs > 1) cycle
-        flaws%stuck_first = first
-        flaws%stuck_last = last
-      end if
+      at_end = [values(first) == flaws%highest, values(first) == flaws%lowest]
+      if (any(at_end) .and. has_steep_sides(values, first, last, step)) clips = clips .or. at_end
+      if (any(at_end .and. clips)) cycle
+      if (.not. is_stuck(values, first, last, step)) cycle
+      told(first:last) = .false.
+      flaws%stuck_runs = flaws%stuck_runs + 1
+      if (last - first <= flaws%stuck_last - flaws%stuck_first .and. flaws%stuck_runs > 1) cycle
+      flaws%stuck_first = first
+      flaws%stuck_last = last
     end do
-  end function find_flaws
+    if (clips(1)) flaws%clipped_high = count(values == flaws%highest, kind=i8)
+    if (clips(2)) flaws%clipped_low = count(values == flaws%lowest, kind=i8)
+    where ((clips(1) .and. values == flaws%highest) .or. (clips(2) .and. values == flaws%lowest)) told = .false.
+  end subroutine look
 
-  pure subroutine mark_flaws(values, told)
-    !! Mark samples of one sensor that say nothing of the motion: those where it stuck, and those at an end of its range where it clips,
-    !! be it in one run or at many short crests: there are more samples at the end then than in the few steps before it.
+  pure logical function piles_up(below, step)
+    !! Whether more samples are at an end of the range than just below it.
+    real(dp), intent(in) :: below(:)              !! distance from the end
+    real(dp), intent(in) :: step
+    integer(i8) :: at_it
+    at_it = count(below <= 0.0_dp, kind=i8)
+    piles_up = at_it >= least_run .and. at_it > count(below > 0.0_dp .and. below < reach*step, kind=i8)
+  end function piles_up
+
+  pure logical function has_steep_sides(values, first, last, step)
+    !! Whether the samples next to a run are far from it.
     real(dp), intent(in) :: values(:)
-    logical, intent(inout) :: told(:)             !! false for these samples; others stay as they are
-    type(flaws_type) :: flaws
-    real(dp) :: step
-    integer(i8) :: n, first, last
-    logical :: at_end, clips(2)
-    flaws = find_flaws(values)
-    if (flaws%is_constant) return
-    step = smallest_step(values)
-    clips = [piles_up(flaws%highest - values), piles_up(values - flaws%lowest)]
-    if (flaws%stuck_runs == 0 .and. .not. any(clips)) return
-    n = size(values, kind=i8)
-    last = 0
-    do while (last < n)
-      first = last + 1
-      last = end_of_run(values, first)
-      at_end = (clips(1) .and. values(first) == flaws%highest) .or. (clips(2) .and. values(first) == flaws%lowest)
-      if (at_end) then
-        told(first:last) = .false.
-      else if (last - first + 1 >= least_run) then
-        if (is_stuck(values, first, last, step)) told(first:last) = .false.
-      end if
-    end do
-
-  contains
-
-    pure logical function piles_up(below)
-      !! Whether more samples are at an end than just below it.
-      real(dp), intent(in) :: below(:)            !! distance from the end
-      integer(i8) :: at_it
-      at_it = count(below <= 0.0_dp, kind=i8)
-      piles_up = at_it >= least_run .and. at_it > count(below > 0.0_dp .and. below < crest_fall*step, kind=i8)
-    end function piles_up
-
-  end subroutine mark_flaws
+    integer(i8), intent(in) :: first, last
+    real(dp), intent(in) :: step
+    associate (beside => [max(1_i8, first - 1), min(size(values, kind=i8), last + 1)])
+      has_steep_sides = all(abs(values(beside) - values(first)) > crest_fall*step .or. beside == [first, last])
+    end associate
+  end function has_steep_sides
 
   pure real(dp) function smallest_step(values) result(step)
     !! The smallest step between neighbours that differ; the largest number of all where none do.
@@ -125,19 +128,6 @@ contains
       last = last + 1
     end do
   end function end_of_run
-
-  pure logical function is_clipped(values, first, last, step, flaws)
-    !! A run at the largest or smallest value with steep sides.
-    real(dp), intent(in) :: values(:)
-    integer(i8), intent(in) :: first, last
-    real(dp), intent(in) :: step
-    type(flaws_type), intent(in) :: flaws         !! its largest and smallest value
-    is_clipped = .false.
-    if (values(first) /= flaws%highest .and. values(first) /= flaws%lowest) return
-    is_clipped = .true.
-    if (first > 1) is_clipped = abs(values(first - 1) - values(first)) > crest_fall*step
-    if (last < size(values)) is_clipped = is_clipped .and. abs(values(last + 1) - values(last)) > crest_fall*step
-  end function is_clipped
 
   pure logical function is_stuck(values, first, last, step)
     !! A run that neither noise nor a smooth motion explains.
