@@ -2,11 +2,12 @@ module bw_contact_errors
   !! Errors of a motion whose impact lasts. The forces of its contacts are known, and what the modes beyond would add under them is missing
   !! (bw_neglected_modes); octave by octave it falls as it did from the octave before. What half of the modes lack beyond that is wrong in
   !! forces and times of contacts, which feel the modes that are missing by the velocity of the place that is struck: so it falls as that
-  !! does.
+  !! does. A mass that comes or leaves takes a force of the beam that jumps, by which mode k moves as 1/β_k²: however fast other parts fall,
+  !! those octaves have an eighth of the displacement, and half of the velocity and of the moment, of the octave before.
   use bw_case_contacts, only: run_type
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_result, only: case_motion, history_errors
-  use bw_event, only: capture_event, contact_event
+  use bw_event, only: arrival_event, capture_event, contact_event, departure_event, exchange_event
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing
@@ -29,25 +30,29 @@ contains
     type(run_type), intent(in) :: run, half
     type(history_errors), intent(inout) :: errors
     real(dp) :: fall, octaves, told
+    logical :: jumps
+    jumps = any(run%timeline%events%kind == arrival_event .or. run%timeline%events%kind == departure_event &
+                .or. run%timeline%events%kind == exchange_event)
     octaves = octaves_between(run, half)
     fall = fall_of_force(run, half)**octaves
     told = min(of_half, of_forces*fall)
     associate (mine => run%response, beside => half%response, by => run%neglected, other => half%neglected)
-      errors%displacement = error_of(mine%displacement, beside%displacement, by%displacement, other%displacement)
+      errors%displacement = error_of(mine%displacement, beside%displacement, by%displacement, other%displacement, 3)
       if (allocated(mine%velocity)) &
-        errors%velocity = error_of(mine%velocity, beside%velocity, by%velocity, other%velocity)
+        errors%velocity = error_of(mine%velocity, beside%velocity, by%velocity, other%velocity, 1)
       if (allocated(mine%bending_moment)) &
-        errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, other%bending_moment)
+        errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, other%bending_moment, 1)
       if (allocated(mine%acceleration)) &
-        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration, in_forces)
+        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration, 0, in_forces)
       if (allocated(mine%shear_force)) &
-        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force, in_forces)
+        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force, 0, in_forces)
     end associate
   contains
-    pure function error_of(history, fewer, neglected, by_half, of_steps) result(error)
+    pure function error_of(history, fewer, neglected, by_half, power, of_steps) result(error)
       !! Of a quantity. Where there are no more modes to look at, it is that of half of the modes.
       real(dp), intent(in) :: history(:, :), fewer(:, :)   !! (samples, points)
       real(dp), allocatable, intent(in) :: neglected(:), by_half(:)   !! (points)
+      integer, intent(in) :: power                   !! of 1/2, by which octaves of what a jump moves fall
       real(dp), intent(in), optional :: of_steps     !! of their tolerance; absent: that of histories
       real(dp), dimension(size(history, 2)) :: error, least, ratio
       real(dp) :: steps
@@ -58,7 +63,9 @@ contains
       if (allocated(neglected) .and. allocated(by_half)) then
         ratio = 1.0_dp
         where (neglected < by_half) ratio = neglected/by_half
-        ratio = min(most, ratio**(1.0_dp/octaves))
+        ratio = ratio**(1.0_dp/octaves)
+        if (jumps) ratio = max(0.5_dp**power, ratio)
+        ratio = min(most, ratio)
         error = of_neglected*neglected/(1.0_dp - ratio) + told*max(hidden*error, error - by_half)
       else
         error = of_half*error

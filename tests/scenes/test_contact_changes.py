@@ -177,6 +177,20 @@ def test_estimates_are_near_the_errors_that_changes_leave(here, name):
     assert np.median(ratios) <= 8
 
 
+def test_what_a_long_contact_presses_goes_over_as_a_light_body_leaves(here):
+    """Modes that are not summed give way to it, and hand that on; what is told counts that later octaves fall slowly."""
+    blow = (
+        ("impact", {"mass": 2.8, "position": 0.574, "approach_velocity": 0.0154}),
+        ("contact", {"stiffness": 2720.0, "exponent": 1.5}),
+    )
+    history = HISTORY | {"duration": 0.1, "samples": 512, "points": [0.25, 0.5], "bending_moment": True}
+    body = of_body(0.85, mass=0.017, until=0.0295)
+    few, many = (run(here, f"n{count}", body, blow=blow, count=count, history=history) for count in (20, 160))
+    for quantity in ("velocity", "bending_moment"):
+        error = np.abs(few[quantity] - many[quantity]).max(axis=1)
+        assert (error <= few[f"{quantity}_error"]).all() and (few[f"{quantity}_error"] <= 8 * error).all(), quantity
+
+
 def test_a_capture_from_the_other_side_has_the_same_errors(here):
     """Where its time follows from the error of the force."""
     beam = {"length": 1.0, "width": 0.04, "height": 0.012, "youngs_modulus": 7e10, "density": 2700.0}
