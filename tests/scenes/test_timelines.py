@@ -179,6 +179,18 @@ def test_a_rigid_spring_stops_a_turning_beam_as_the_closed_sum(here, place):
     assert 0 < result["energy_after"][1] <= result["energy_before"][1]
 
 
+@pytest.mark.parametrize("body", [{"mass": 1e-12}, {"mass": 1e-9}, {"mass": 0.0, "stiffness": 1e-6}])
+def test_what_hardly_weighs_or_holds_hardly_changes_anything(here, body):
+    """Modes before and after differ by less than their squares are known to, wherever they hardly move there."""
+    beam = ("beam", {"length": 1.0, "mass_per_length": 1.0, "bending_stiffness": 1.0})
+    shown = {"duration": 0.4, "samples": 64, "points": [0.25, 1.0], "velocity": True, "bending_moment": True}
+    groups = (beam, ("initial", {"force": 1.0, "position": 0.6}), ("modes", {"before": 20, "after": 20}), ("response", shown))
+    alone = run(here, "alone", *groups)
+    result = run(here, "beside", *groups, ("body", {"position": 0.5, "from": 0.05} | body))
+    for name in ("displacement", "velocity", "bending_moment"):
+        np.testing.assert_allclose(result[name], alone[name], rtol=0, atol=1e-6 * np.abs(alone[name]).max())
+
+
 def test_a_robot_arm_catches_a_payload_locks_its_joint_and_lets_go(here):
     result = results.read(lockable(here, "robot_arm"))
     assert result["event_kind"].tolist() == [5, 5, 6]

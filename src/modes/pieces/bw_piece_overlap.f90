@@ -19,6 +19,9 @@ module bw_piece_overlap
   real(dp), parameter :: alike = 1.0e-2_dp
     !! product of modes of mass 1 from which it is integrated: the values at the body have lost digits where they are small
 
+  real(dp), parameter :: apart = sqrt(epsilon(1.0_dp))
+    !! of β²: squares nearer than that are known to too few digits for what they differ by
+
   integer, parameter :: asked_every = 64         !! motions after which the monitor is asked
   real(dp), parameter :: least_digits = 1.0e-13_dp  !! of products of modes of mass 1
 
@@ -173,7 +176,8 @@ contains
       end associate
     end do
     products = abs(gap)*sqrt(onto%mass*from%mass(i))
-    near = abs(numerator) >= alike*products .or. blurred*sqrt(onto%mass*from%mass(i)) > least_digits*products
+    near = abs(gap) <= apart*abs(onto%square%hi) .or. abs(numerator) >= alike*products &
+      .or. blurred*sqrt(onto%mass*from%mass(i)) > least_digits*products
     if (any(near)) gap = merge(1.0_dp, gap, near)
     products = numerator/gap
     if (.not. any(near)) return
