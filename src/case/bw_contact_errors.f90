@@ -20,8 +20,9 @@ module bw_contact_errors
 
   real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 3.0_dp   !! tuned: how many times what is found of either is told,
   real(dp), parameter :: of_half = 2.0_dp                            !! tuned: the latter no more than so many times what half of the modes lack
-  real(dp), parameter :: in_histories = 0.3_dp, in_forces = 20.0_dp
-  !! tuned: of their tolerance, what steps leave in histories, in forces over the largest and in times over the longest contact
+  real(dp), parameter :: in_histories = 2.0_dp, in_forces = 20.0_dp
+  !! tuned: of their tolerance, what steps leave in histories, in forces over the largest and in times over the longest contact, unless
+  !! contacts amplify it
 
 contains
 
@@ -43,19 +44,18 @@ contains
       if (allocated(mine%bending_moment)) &
         errors%bending_moment = error_of(mine%bending_moment, beside%bending_moment, by%bending_moment, other%bending_moment, 1)
       if (allocated(mine%acceleration)) &
-        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration, 0, in_forces)
+        errors%acceleration = error_of(mine%acceleration, beside%acceleration, by%acceleration, other%acceleration, 0)
       if (allocated(mine%shear_force)) &
-        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force, 0, in_forces)
+        errors%shear_force = error_of(mine%shear_force, beside%shear_force, by%shear_force, other%shear_force, 0)
     end associate
+    call add_step_errors(run, half, errors)
   contains
-    pure function error_of(history, fewer, neglected, by_half, power, of_steps) result(error)
+    pure function error_of(history, fewer, neglected, by_half, power) result(error)
       !! Of a quantity. Where there are no more modes to look at, it is that of half of the modes.
       real(dp), intent(in) :: history(:, :), fewer(:, :)   !! (samples, points)
       real(dp), allocatable, intent(in) :: neglected(:), by_half(:)   !! (points)
       integer, intent(in) :: power                   !! of 1/2, by which octaves of what a jump moves fall
-      real(dp), intent(in), optional :: of_steps     !! of their tolerance; absent: that of histories
       real(dp), dimension(size(history, 2)) :: error, least, ratio
-      real(dp) :: steps
       real(dp), parameter :: most = 0.9_dp, hidden = 0.07_dp   ! tuned
       error = largest_distance(history, fewer)
       least = 0.0_dp
@@ -70,14 +70,56 @@ contains
       else
         error = of_half*error
       end if
-      steps = in_histories
-      if (present(of_steps)) steps = of_steps
       error = max(least, error)
-      associate (known => history(:run%response%finite_samples, :))
-        where (any(known /= 0.0_dp, dim=1)) error = error + steps*run%step_tolerance*largest_magnitude(known)
-      end associate
     end function error_of
   end subroutine find_history_errors
+
+  pure subroutine add_step_errors(run, half, errors)
+    !! What steps leave in histories, as contacts amplify it.
+    type(run_type), intent(in) :: run, half
+    type(history_errors), intent(inout) :: errors
+    real(dp) :: growth
+    growth = maxval([1.0_dp, growth_of_steps(run, half)])
+    associate (response => run%response)
+      errors%displacement = errors%displacement + left_in(response%displacement, in_histories)
+      if (allocated(response%velocity)) errors%velocity = errors%velocity + left_in(response%velocity, in_histories)
+      if (allocated(response%bending_moment)) &
+        errors%bending_moment = errors%bending_moment + left_in(response%bending_moment, in_histories)
+      if (allocated(response%acceleration)) errors%acceleration = errors%acceleration + left_in(response%acceleration, in_forces)
+      if (allocated(response%shear_force)) errors%shear_force = errors%shear_force + left_in(response%shear_force, in_forces)
+    end associate
+  contains
+    pure function left_in(history, of_tolerance) result(error)
+      real(dp), intent(in) :: history(:, :)          !! (samples, points)
+      real(dp), intent(in) :: of_tolerance
+      real(dp) :: error(size(history, 2))
+      error = 0.0_dp
+      associate (known => history(:run%response%finite_samples, :))
+        where (any(known /= 0.0_dp, dim=1)) error = growth*of_tolerance*run%step_tolerance*largest_magnitude(known)
+      end associate
+    end function left_in
+  end subroutine add_step_errors
+
+  pure function growth_of_steps(run, half) result(growth)
+    !! By how much contacts up to each amplify what steps lack in the first: as they do what half of the modes lack in it.
+    type(run_type), intent(in) :: run, half
+    real(dp), allocatable :: growth(:)               !! ≥ 1, (contacts)
+    integer, allocatable :: these(:), partner(:)
+    real(dp) :: apart, first
+    integer :: i
+    these = contacts_of(run)
+    partner = partners_of(run, half)
+    allocate (growth(size(these)), source=1.0_dp)
+    associate (force => run%result%force, lacks => run%step_tolerance*largest_magnitude(run%result%force(:, these)))
+      first = 2.0_dp*lacks                           ! both runs have steps
+      do i = 1, size(these)
+        if (partner(i) == 0) exit
+        apart = maxval(abs(force(:, these(i)) - half%result%force(:, partner(i))))
+        if (i == 1) first = max(first, apart)
+        if (first > 0.0_dp) growth(i:) = max(growth(i), apart/first)
+      end do
+    end associate
+  end function growth_of_steps
 
   pure subroutine find_force_errors(run, half)
     !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all, nor is any of a single
@@ -85,13 +127,15 @@ contains
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half
     integer, allocatable :: these(:), partner(:)
-    real(dp) :: fall, steps
+    real(dp), allocatable :: grown(:)                ! what steps leave in forces, over the largest
+    real(dp) :: fall, longest
     integer :: i
     these = contacts_of(run)
     partner = partners_of(run, half)
     associate (events => run%timeline%events, kept => run%result, of_fewer => half%timeline%events)
       kept%force_error = missing
-      steps = in_forces*run%step_tolerance*maxval([0.0_dp, events(these)%end_time - events(these)%time])
+      grown = in_forces*run%step_tolerance*growth_of_steps(run, half)
+      longest = maxval([0.0_dp, events(these)%end_time - events(these)%time])
       do i = 1, size(these)
         associate (event => events(these(i)))
           event%time_error = event%time
@@ -101,10 +145,10 @@ contains
           if (i <= same_contacts(run, half)) fall = fall_as_struck(run, half)**octaves_between(run, half)
           fall = min(of_half, of_forces*fall)
           event%time_error = fall*abs(event%time - of_fewer(partner(i))%time)
-          if (event%time > 0.0_dp) event%time_error = event%time_error + steps
-          event%end_error = fall*abs(event%end_time - of_fewer(partner(i))%end_time) + steps
+          if (event%time > 0.0_dp) event%time_error = event%time_error + grown(i)*longest
+          event%end_error = fall*abs(event%end_time - of_fewer(partner(i))%end_time) + grown(i)*longest
           kept%force_error(these(i)) = fall*maxval(abs(kept%force(:, these(i)) - half%result%force(:, partner(i)))) &
-            + in_forces*run%step_tolerance*largest_magnitude(kept%force(:, these))
+            + grown(i)*largest_magnitude(kept%force(:, these))
         end associate
       end do
       if (size(these) == 0 .or. .not. any(events%kind == capture_event)) return

@@ -222,8 +222,8 @@ contains
       text = '  The first contact '
       if (i == hardest .and. count(presses(:i)) > 1) text = '  Contact '//text_of(count(presses(:i)))//', the hardest, '
       text = text//'lasts '//shortest(1.0e6_dp*(told%end_time - told%time), 5)//' us'// &
-        give_or_take(1.0e6_dp*told%end_error)//' with up to '//shortest(abs(contact%largest(i)), 6)//' N'// &
-        give_or_take(contact%force_error(i))//', '//shortest(1.0e6_dp*(contact%largest_time(i) - told%time), 4)// &
+        give_or_take(1.0e6_dp*told%end_error, 'us')//' with up to '//shortest(abs(contact%largest(i)), 6)//' N'// &
+        give_or_take(contact%force_error(i), 'N')//', '//shortest(1.0e6_dp*(contact%largest_time(i) - told%time), 4)// &
         ' us after its beginning; impulse '//shortest(impulse(i), 6)//' N s'
       if (any(result%events%kind == capture_event)) then
         call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
@@ -250,12 +250,13 @@ contains
     call report_events(result, lines, matters)
   end subroutine report_contact
 
-  pure function give_or_take(error) result(text)
+  pure function give_or_take(error, unit) result(text)
     !! An error beside its number; nothing where it is not known.
     real(dp), intent(in) :: error
+    character(*), intent(in) :: unit
     character(:), allocatable :: text
     text = ''
-    if (.not. is_missing(error)) text = ' (+/- '//shortest(error, 2)//')'
+    if (.not. is_missing(error)) text = ' (+/- '//shortest(error, 2)//' '//unit//')'
   end function give_or_take
 
   pure function forces_that_matter(result) result(matters)

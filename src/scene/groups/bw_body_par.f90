@@ -34,9 +34,8 @@ module bw_body_par
     'the rotating frame. At the root, position 0, only springs are allowed, beside a `&support` that is not rigid. Several '// &
     'bodies may share a place, also with the struck mass. A body comes at `from` and leaves at `until`. It takes on the '// &
     'motion that the beam has there, or strikes the beam with `velocity` and stays. Its springs are unstressed in the '// &
-    'position that the beam has when it comes. Loads keep acting through these changes, and a contact (`&contact`) goes on, '// &
-    'but not both in one scene. A sample at exactly such a time shows '// &
-    'the beam after the change. A sweep '// &
+    'position that the beam has when it comes. Loads keep acting through these changes, and a contact (`&contact`) goes on. '// &
+    'A sample at exactly such a time shows the beam after the change. A sweep '// &
     'names a body by its number in the scene, as `body(2)%mass`; a single body needs none.')
 
   type(input_name), parameter, public :: body_names(*) = [ &
