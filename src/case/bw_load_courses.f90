@@ -105,12 +105,14 @@ contains
       type(load_par), intent(in) :: load
       type(load_course), intent(in) :: course
       real(dp) :: jump
+      character(:), allocatable :: accepted
       if (.not. allocated(load%file)) return
       jump = end_jump(course, scene%response%duration/units%time%hi)
+      accepted = 'a first and a last sample of 0 (subtract what the sensor shows at rest, or add a sample of 0 at either end)'
+      if (course%left_out /= 0.0_dp) accepted = 'a later start (what lies before t = 0 is cut off)'
       if (jump > 0.0_dp) call fail(error, status_bad_input, scene%file//':'//text_of(load%line)//': force%file: '//load%file// &
         ' begins or ends at once, with '//shortest(jump, 3)//' N, after which accelerations have no limit as modes are added; '// &
-        'accepted: a first and a last sample of 0 (subtract what the sensor shows at rest, or add a sample of 0 at either '// &
-        'end), or no acceleration')
+        'accepted: '//accepted//', or no acceleration')
     end subroutine check_limit
   end subroutine check_load_files
 

@@ -360,6 +360,7 @@ def test_what_has_no_meaning_is_refused_with_its_place(here, groups, words):
     "text, names, status, words",
     [
         ("time,force\n0,1\n0.001,0\n", {}, 2, "begins or ends at once, with 1 N"),
+        ("time,force\n0,0\n0.001,1\n0.002,0\n", {"start": -0.0005}, 2, "accepted: a later start"),
         ("time,force,second\n0,0,0\n0.001,0,0\n", {}, 2, "a.csv has 2 columns"),
         ("time,force\n0,0\n0.001,0\n", {"column": "Force"}, 2, "force%column"),
         ("1\n2\n", {}, 2, "force%time: no such column"),
