@@ -227,14 +227,21 @@ contains
     integer, intent(in) :: cases(:)                   !! ascending
     integer, allocatable :: noted(:)
     logical, allocatable :: is_taken(:)
-    integer :: v
+    integer :: v, i, k
     do v = 1, self%head%count
       if (self%is_gathered(v)) call self%copy_rows(other, v, cases)
     end do
     call other%find_notes(noted)
-    allocate (is_taken(self%layout%cases), source=.false.)
-    is_taken(cases) = .true.
-    call self%copy_rows(other, self%notes, pack(noted, is_taken(noted)))
+    allocate (is_taken(size(noted)))
+    k = 1
+    do i = 1, size(noted)
+      do while (k < size(cases))
+        if (cases(k) >= noted(i)) exit
+        k = k + 1
+      end do
+      is_taken(i) = any(cases(k:min(k, size(cases))) == noted(i))
+    end do
+    call self%copy_rows(other, self%notes, pack(noted, is_taken))
     if (self%file%problem == 0) self%file%problem = other%file%problem
   end subroutine take_cases
 

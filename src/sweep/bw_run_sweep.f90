@@ -83,7 +83,7 @@ contains
     integer(i8), intent(out) :: before                !! cases of this part that are done
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: statuses(:)
-    integer :: i
+    integer :: i, n
     allocate (owner(0), left(0))
     before = 0
     call work%survey(statuses, error)
@@ -93,7 +93,14 @@ contains
     if (allocated(error)) return
     owner = [(ichar(work%owner(i:i)), i=1, len(work%owner))]
     before = count(statuses(work%part::work%parts) /= not_done)
-    left = pack([(i, i=work%part, work%layout%cases, work%parts)], statuses(work%part::work%parts) == not_done)
+    deallocate (left)
+    allocate (left(count(statuses(work%part::work%parts) == not_done)))
+    n = 0
+    do i = work%part, work%layout%cases, work%parts
+      if (statuses(i) /= not_done) cycle
+      n = n + 1
+      left(n) = i
+    end do
   end subroutine take_up
 
   subroutine conclude(work, progress, watch, table, outcome, error, supplement)
