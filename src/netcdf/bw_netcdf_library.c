@@ -3,6 +3,17 @@
    and without, as it was found when the program was built. */
 #include <dlfcn.h>
 #include <stddef.h>
+#include <string.h>
+
+void bw_let_library_read(const char *path);                  /* bw_system.c: a crash is told of this file */
+static char path[4096];                                      /* of the last file that was opened */
+
+/* The two letters that `plain_path` has put before it were not given. */
+static const char *set_path(const char *name)
+{
+  strncpy(path, name + 2, sizeof path - 1);
+  return name;
+}
 
 enum { NOT_LOADED = -2000 };                                 /* a status that is none of NetCDF's */
 
@@ -17,12 +28,15 @@ static void *entry(const char *name)
 #define CALL(name, parameters, arguments) \
   int bw_##name parameters \
   { \
-    int (*real) parameters; \
+    int (*real) parameters, status = NOT_LOADED; \
     *(void **)&real = entry(#name); \
-    return real ? real arguments : NOT_LOADED; \
+    bw_let_library_read(path); \
+    if (real) status = real arguments; \
+    bw_let_library_read(NULL); \
+    return status; \
   }
 
-CALL(nc_open, (const char *path, int mode, int *file), (path, mode, file))
+CALL(nc_open, (const char *name, int mode, int *file), (set_path(name), mode, file))
 CALL(nc_close, (int file), (file))
 CALL(nc_inq_format, (int file, int *format), (file, format))
 CALL(nc_inq, (int file, int *dimensions, int *variables, int *attributes, int *unlimited),
@@ -46,6 +60,3 @@ const char *bw_nc_strerror(int status)
   *(void **)&real = entry("nc_strerror");
   return real ? real(status) : "NetCDF's library cannot be loaded: " NETCDF_PATH;
 }
-
-/* Load it now: a process that is given little memory may not be able to. */
-void bw_nc_load(void) { (void)entry("nc_open"); }

@@ -2,13 +2,13 @@ module bw_netcdf_reading
   !! NetCDF files that somebody else may have written, read with sizes of 64 bits by the C library, which the first call loads;
   !! netCDF-Fortran has 32 bits, and no texts of the string type, which h5py and netCDF4 write. The type and the length of an
   !! attribute are asked for before it is read. Files, dimensions and variables have C's numbers, from 0; a `status` is NetCDF's,
-  !! 0 where all is well, and nothing is done after another.
+  !! 0 where all is well, and nothing is done after another. A file that crashes the library ends the program, which names it.
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_char, c_ptr, c_size_t
   use bw_kinds, only: dp, i8
   use bw_netcdf_path, only: plain_path
   implicit none (type, external)
   private
-  public :: close_netcdf, find_variable, is_classic, load_netcdf, open_netcdf, read_dimensions, read_number, read_numbers, read_text
+  public :: close_netcdf, find_variable, is_classic, open_netcdf, read_dimensions, read_number, read_numbers, read_text
   public :: read_variable, status_text
 
   integer, parameter, public :: all_is_well = 0, of_the_file = -1      !! the latter: in place of a variable's number
@@ -32,9 +32,6 @@ module bw_netcdf_reading
   end type netcdf_variable
 
   interface
-    subroutine load_netcdf() bind(c, name='bw_nc_load')
-      !! Load NetCDF's library, which else the first call does: call this before a process is begun that has little memory.
-    end subroutine load_netcdf
     integer(c_int) function nc_open(path, mode, file) bind(c, name='bw_nc_open')
       import :: c_char, c_int
       character(c_char), intent(in) :: path(*)
@@ -160,10 +157,10 @@ contains
   end function status_text
 
   subroutine read_dimensions(file, dimensions, variables, status)
-    !! All dimensions of a file, and how many variables it has.
+    !! All dimensions of a file, and room for its variables.
     integer, intent(in) :: file
     type(netcdf_dimension), allocatable, intent(out) :: dimensions(:)
-    integer, intent(out) :: variables
+    type(netcdf_variable), allocatable, intent(out) :: variables(:)
     integer, intent(inout) :: status
     character(longest_name + 1) :: name
     integer(c_int) :: count, others, ignored(2)
@@ -173,8 +170,7 @@ contains
     count = 0
     if (status == all_is_well) status = int(nc_inq(int(file, c_int), count, others, ignored(1), ignored(2)))
     if (status /= all_is_well) count = 0
-    variables = int(others)
-    allocate (dimensions(count))
+    allocate (dimensions(count), variables(merge(others, 0_c_int, status == all_is_well)))
     do d = 1, size(dimensions)
       length = 0
       if (status == all_is_well) status = int(nc_inq_dim(int(file, c_int), int(d - 1, c_int), name, length))

@@ -1,26 +1,21 @@
 module bw_netcdf_source
   !! A NetCDF file as a source of histories: every variable that has the dimension of the samples is a column, or several, one
   !! for each place of its other dimension, called `name(1)`, `name(2)`, … A result of beamwave is such a file.
-  !!
-  !! A damaged file may crash the library that reads it, or keep it for ever. So each look at the file is that of another
-  !! process (bw_child_process): one that lists the variables, and one for each time that numbers are read.
+  !! It is open only while it is read.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_netcdf_path, only: has_backslash
-  use bw_netcdf_reading, only: all_is_well, load_netcdf, open_to_read => open_netcdf, read_numbers, status_text
-  use bw_netcdf_survey, only: list_columns, netcdf_column, survey
+  use bw_netcdf_reading, only: all_is_well, end_reading => close_netcdf, open_to_read => open_netcdf, read_numbers, status_text
+  use bw_netcdf_survey, only: netcdf_column, survey
   use bw_record_source, only: record_source
   use bw_sample_times, only: first_fall
-  use bw_text, only: string, text_of
+  use bw_text, only: text_of
   implicit none (type, external)
   private
 
   integer, parameter :: block_size = 2**20           !! numbers of a variable in memory at a time
-  integer, parameter :: most_seconds = 5
-    !! of processor time for a block, or the list of variables: a hundred times what the slowest compression takes
 
   type, extends(record_source), public :: netcdf_source
     type(netcdf_column), allocatable, private :: where(:)
@@ -30,8 +25,7 @@ module bw_netcdf_source
     procedure :: read_values
     procedure :: place_of_row
     procedure :: close => close_netcdf
-    procedure, private :: stream
-    procedure, private :: serve
+    procedure, private :: take_rows
     procedure, private :: refuse_number
   end type netcdf_source
 
@@ -48,27 +42,13 @@ contains
     class(netcdf_source), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
-    type(child_process) :: child
-    type(string), allocatable :: texts(:)
     self%path = path
     if (has_backslash(path)) then
       call fail(error, status_bad_input, path//': NetCDF takes a backslash for a slash; accepted: a path without')
       return
     end if
-    call load_netcdf()
-    call child%begin(most_seconds, error)
-    if (.not. allocated(error)) then
-      if (child%is_here()) then
-        call survey(path, texts, error)
-        call child%tell(texts, error)
-      end if
-      call child%hear(texts, error)
-    end if
-    if (allocated(error)) then
-      error%message = path//': '//error%message
-    else
-      call list_columns(texts, self, self%where)
-    end if
+    call survey(path, self, self%where, error)
+    if (allocated(error)) error%message = path//': '//error%message
   end subroutine open_netcdf
 
   subroutine read_times(self, column, rows, times, steps, error)
@@ -83,7 +63,7 @@ contains
     allocate (times(merge(rows, 0_i8, column > 0)), steps(merge(rows, 0_i8, column > 0)), stat=refused)
     if (refused /= 0) call fail(error, status_bad_file, self%path//': memory for '//text_of(rows)//' times was refused')
     if (column == 0 .or. allocated(error)) return
-    call self%stream([column], 1_i8, rows, times, error, rising=.true.)
+    call self%take_rows([column], 1_i8, rows, times, error, rising=.true.)
     if (rows < size(times, kind=i8)) times = times(:rows)
     if (rows < size(steps, kind=i8)) steps = steps(:rows)
     steps = 0.0_dp
@@ -99,41 +79,43 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: rows
     rows = size(values, 1, kind=i8)
-    call self%stream(columns, first, rows, values, error)
+    call self%take_rows(columns, first, rows, values, error)
   end subroutine read_values
 
-  subroutine stream(self, columns, first, rows, values, error, rising)
-    !! Take numbers from a process that reads them.
+  subroutine take_rows(self, columns, first, rows, values, error, rising)
+    !! Read numbers, block by block.
     class(netcdf_source), intent(in) :: self
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first                 !! row
     integer(i8), intent(inout) :: rows               !! how many are asked for, and then how many there are
-    real(dp), intent(inout), target :: values(rows, *)   !! (rows, columns)
+    real(dp), intent(inout) :: values(rows, *)       !! (rows, columns)
     type(error_type), allocatable, intent(inout) :: error
     logical, intent(in), optional :: rising          !! stop behind a fall
-    type(child_process) :: child
     type(row_block), allocatable :: blocks(:)
-    type(string), allocatable :: texts(:)
-    logical :: good
-    integer :: b, s
+    real(dp), allocatable :: found(:, :)
+    integer :: file, status, b, s
     blocks = blocks_of(self%where(columns), rows)
-    call child%begin(most_seconds, error, bytes=16*self%rows*size(self%where))     ! a chunk may hold all there is
-    if (allocated(error)) error%message = self%path//': '//error%message
-    if (allocated(error)) return
-    if (child%is_here()) call self%serve(child, columns, first, blocks, present(rising))
-    good = .true.
+    call open_to_read(self%path, file, status)
     do b = 1, size(blocks)
       associate (block => blocks(b))
+        call read_block(self%where(columns(block%first_column:block%last_column)), file, first + block%first_row - 1, &
+                        block%last_row - block%first_row + 1, found, status)
+        if (status /= all_is_well) call fail(error, status_bad_file, 'cannot be read: '//status_text(status))
         do s = block%first_column, block%last_column
-          if (good) call child%receive(values(block%first_row:block%last_row, s), good)
+          associate (column => found(:, s - block%first_column + 1))
+            if (.not. allocated(error)) call self%refuse_number(columns(s), first + block%first_row - 1, column, error)
+            values(block%first_row:block%last_row, s) = column
+          end associate
         end do
-        if (.not. good) rows = min(rows, block%first_row - 1)
+        if (allocated(error)) exit
+        if (.not. present(rising)) cycle
+        if (first_fall(found(:, 1)) > 0) rows = block%last_row
+        if (rows == block%last_row) exit
       end associate
     end do
-    if (good) call child%receive(values(:0, 1), good)
-    call child%hear(texts, error)
+    call end_reading(file)
     if (allocated(error)) error%message = self%path//': '//error%message
-  end subroutine stream
+  end subroutine take_rows
 
   pure function blocks_of(these, rows) result(blocks)
     !! What is read at a time, so that no more than a block is in memory, and a chunk of the file is unpacked once for all its
@@ -168,40 +150,6 @@ contains
     type(netcdf_column), intent(in) :: these(:)
     width = maxval(these%place) - minval(these%place) + 1
   end function width_of
-
-  subroutine serve(self, child, columns, first, blocks, rising)
-    !! Read what the other process asks for, and end.
-    class(netcdf_source), intent(in) :: self
-    type(child_process), intent(inout) :: child
-    integer, intent(in) :: columns(:)
-    integer(i8), intent(in) :: first                 !! row
-    type(row_block), intent(in) :: blocks(:)
-    logical, intent(in) :: rising                    !! stop behind a fall
-    type(error_type), allocatable :: error
-    type(string), allocatable :: texts(:)
-    real(dp), allocatable :: values(:, :)
-    integer :: file, status, b, s
-    allocate (texts(0))
-    call open_to_read(self%path, file, status)
-    do b = 1, size(blocks)
-      associate (block => blocks(b))
-        call read_block(self%where(columns(block%first_column:block%last_column)), file, first + block%first_row - 1, &
-                        block%last_row - block%first_row + 1, values, status)
-        if (status /= all_is_well) call fail(error, status_bad_file, 'cannot be read: '//status_text(status))
-        do s = 1, size(values, 2)
-          if (.not. allocated(error)) call self%refuse_number(columns(block%first_column + s - 1), first + block%first_row - 1, &
-                                                              values(:, s), error)
-          if (.not. allocated(error)) call child%send(values(:, s))
-        end do
-      end associate
-      if (allocated(error)) exit
-      if (rising) then
-        if (first_fall(values(:, 1)) > 0) exit
-      end if
-    end do
-    call child%send(values(:0, 1))
-    call child%tell(texts, error)
-  end subroutine serve
 
   subroutine read_block(these, file, first, rows, values, status)
     !! Some samples of columns of one variable, unpacked as CF says.

@@ -1,25 +1,22 @@
 module bw_netcdf_survey
-  !! What is in a NetCDF file: the dimension of the samples, and the variables that have it. One process looks at the file and
-  !! puts what it finds into texts, another makes columns of these.
+  !! What is in a NetCDF file: the dimension of the samples, and the variables that have it, of which each is a column or several.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: look_at, path_state
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
-  use bw_netcdf_reading, only: all_is_well, find_variable, is_classic, netcdf_dimension, netcdf_variable, open_netcdf, &
-    read_dimensions, read_number, read_numbers, read_text, read_variable, status_text
+  use bw_netcdf_reading, only: all_is_well, close_netcdf, find_variable, is_classic, netcdf_dimension, netcdf_variable, &
+    open_netcdf, read_dimensions, read_number, read_numbers, read_text, read_variable, status_text
   use bw_record, only: column_type
   use bw_record_source, only: record_source
   use bw_sensor_unit, only: quantity_of
-  use bw_text, only: append, lower, string, text_builder, text_of
+  use bw_text, only: append, lower, string, text_of
   use bw_time_column, only: mark_time
   implicit none (type, external)
   private
-  public :: list_columns, survey
+  public :: survey
 
-  character(*), parameter :: facts_form = '(3(i0,1x),2(l1,1x),4(es24.16e3,1x))'
   integer, parameter :: most_columns = 1000000       !! as many as a scene can number
-  integer, parameter :: texts_each = 6               !! of a variable: name, unit, quantity, facts, places, what is odd about it
   character(*), parameter :: quantities = ' displacement velocity acceleration strain '
   character(*), parameter :: sample_names = ' time t sample samples index '
 
@@ -36,54 +33,65 @@ module bw_netcdf_survey
 
 contains
 
-  subroutine survey(path, texts, error)
-    !! Look at a file. The first text is how many samples there are. The file is not closed: the process ends.
+  subroutine survey(path, source, of_column, error)
+    !! Look at a file.
     !! **Errors**: `status_bad_file`, without the file's name.
     character(*), intent(in) :: path
-    type(string), allocatable, intent(out) :: texts(:)
+    class(record_source), intent(inout) :: source    !! gets all but its path
+    type(netcdf_column), allocatable, intent(out) :: of_column(:)
     type(error_type), allocatable, intent(inout) :: error
     type(netcdf_dimension), allocatable :: dimensions(:)
-    type(netcdf_variable) :: variable
-    type(string), allocatable :: found(:)
-    integer(i8) :: columns, more
-    real(dp) :: needed                               ! bytes
-    integer :: file, samples, variables, v, last, status
+    type(netcdf_variable), allocatable :: variables(:)
+    integer(i8), allocatable :: widths(:)            ! columns of each variable
+    integer :: file, samples, v, first, status
     call open_netcdf(path, file, status)
     call read_dimensions(file, dimensions, variables, status)
+    do v = 1, size(variables)
+      call read_variable(file, v - 1, variables(v), status)
+    end do
     call check(status, error)
     samples = dimension_of_samples(dimensions)
     if (samples == 0) call refuse('has no samples', error)
-    allocate (found(1 + texts_each*variables))
-    last = 1
-    columns = 0
-    needed = 0.0_dp
-    do v = 0, variables - 1
-      if (allocated(error)) return
-      call read_variable(file, v, variable, status)
-      call check(status, error)
-      if (allocated(error)) return
-      needed = needed + bytes_of(variable, dimensions)
-      if (.not. variable%is_numeric .or. .not. any(variable%dimensions == samples - 1)) cycle
-      more = 1
-      if (size(variable%dimensions) == 2) more = dimensions(1 + other_dimension(variable, samples - 1))%length
-      columns = columns + more
-      if (size(variable%dimensions) > 2) call refuse(variable%name//' has '//text_of(size(variable%dimensions))// &
-        ' dimensions, as in a sweep; accepted: a record of one case', error)
-      if (more < 1) call refuse(variable%name//' has no columns', error)
-      if (columns > most_columns) call refuse('has '//text_of(columns)//' columns and more; accepted: up to '// &
+    allocate (widths(size(variables)), source=0_i8)
+    do v = 1, size(variables)
+      if (allocated(error)) exit
+      widths(v) = columns_of(variables(v), dimensions, samples)
+      if (size(variables(v)%dimensions) > 2 .and. widths(v) > 0) call refuse(variables(v)%name//' has '// &
+        text_of(size(variables(v)%dimensions))//' dimensions, as in a sweep; accepted: a record of one case', error)
+      if (widths(v) < 0) call refuse(variables(v)%name//' has no columns', error)
+      if (sum(widths) > most_columns) call refuse('has '//text_of(sum(widths))//' columns and more; accepted: up to '// &
         text_of(most_columns), error)
-      call look_at_variable(file, v, variable, samples - 1, int(more), found(last + 1:last + texts_each), error)
-      last = last + texts_each
     end do
-    call check_length(path, file, needed, error)
-    if (last == 1) call refuse('has no variable along the dimension of its samples', error)
-    if (allocated(error)) return
-    found(1)%text = text_of(dimensions(samples)%length)
-    allocate (texts(last))
-    do v = 1, last
-      call move_alloc(found(v)%text, texts(v)%text)
-    end do
+    call check_length(path, file, variables, dimensions, error)
+    if (all(widths == 0)) call refuse('has no variable along the dimension of its samples', error)
+    if (.not. allocated(error)) then
+      source%rows = dimensions(samples)%length
+      allocate (source%columns(sum(widths)), of_column(sum(widths)))
+      first = 1
+      do v = 1, size(variables)
+        if (widths(v) == 0 .or. allocated(error)) cycle
+        associate (last => first + int(widths(v)) - 1)
+          call look_at_variable(file, v - 1, variables(v), samples - 1, source, source%columns(first:last), of_column(first:last), &
+                                error)
+          first = last + 1
+        end associate
+      end do
+    end if
+    call close_netcdf(file)
   end subroutine survey
+
+  pure integer(i8) function columns_of(variable, dimensions, samples) result(columns)
+    !! How many columns a variable is: 0 where it has not the dimension of the samples; below 0 where its other one has no length.
+    type(netcdf_variable), intent(in) :: variable
+    type(netcdf_dimension), intent(in) :: dimensions(:)
+    integer, intent(in) :: samples                   !! its number, from 1
+    columns = 0
+    if (.not. (variable%is_numeric .and. any(variable%dimensions == samples - 1))) return
+    columns = 1
+    if (size(variable%dimensions) /= 2) return
+    columns = dimensions(1 + merge(variable%dimensions(2), variable%dimensions(1), variable%dimensions(1) == samples - 1))%length
+    if (columns == 0) columns = -1
+  end function columns_of
 
   pure real(dp) function bytes_of(variable, dimensions) result(bytes)
     !! The least that a variable takes in a file of a classic format, its attributes apart.
@@ -98,17 +106,20 @@ contains
     bytes = bytes + head + len(variable%name) + 4*size(variable%dimensions)
   end function bytes_of
 
-  subroutine check_length(path, file, needed, error)
+  subroutine check_length(path, file, variables, dimensions, error)
     !! **Errors**: the end of a file of a classic format was cut off, for which the library would give zeros.
     character(*), intent(in) :: path
     integer, intent(in) :: file
-    real(dp), intent(in) :: needed                   !! bytes
+    type(netcdf_variable), intent(in) :: variables(:)
+    type(netcdf_dimension), intent(in) :: dimensions(:)
     type(error_type), allocatable, intent(inout) :: error
     type(path_state) :: state
-    integer :: ignored
+    real(dp) :: needed                               ! bytes
+    integer :: v, ignored
     if (allocated(error)) return
     if (.not. is_classic(file)) return
     ignored = look_at(path, state)
+    needed = sum([(bytes_of(variables(v), dimensions), v=1, size(variables))])
     if (real(state%bytes, dp) < needed) call fail(error, status_bad_file, 'is cut off: it has '//text_of(state%bytes)// &
                                                   ' bytes, and says that it has '//text_of(needed)//' at least')
   end subroutine check_length
@@ -140,132 +151,86 @@ contains
     if (dimensions(samples)%length == 0) samples = 0
   end function dimension_of_samples
 
-  pure integer function other_dimension(variable, samples) result(other)
-    !! The dimension of two that is not that of the samples.
-    type(netcdf_variable), intent(in) :: variable
-    integer, intent(in) :: samples
-    other = variable%dimensions(1)
-    if (other == samples) other = variable%dimensions(2)
-  end function other_dimension
-
-  subroutine look_at_variable(file, number, variable, samples, columns, texts, error)
-    !! What a file says of a variable.
+  subroutine look_at_variable(file, number, variable, samples, source, columns, of_column, error)
+    !! What a file says of a variable, and of its columns.
     integer, intent(in) :: file, number
     type(netcdf_variable), intent(in) :: variable
     integer, intent(in) :: samples                   !! NetCDF's number of their dimension
-    integer, intent(in) :: columns
-    type(string), intent(inout) :: texts(texts_each)
+    class(record_source), intent(inout) :: source    !! whose notes tell what is odd
+    type(column_type), intent(inout) :: columns(:)
+    type(netcdf_column), intent(inout) :: of_column(:)
     type(error_type), allocatable, intent(inout) :: error
+    type(column_type) :: column
     type(netcdf_column) :: facts
-    character(200) :: line
-    integer :: rank, status
-    if (allocated(error)) return
+    real(dp) :: places(size(columns))
+    integer :: rank, status, c
     status = all_is_well
     rank = size(variable%dimensions)
-    facts = netcdf_column(number, rank, columns, variable%dimensions(rank) == samples, variable%is_single)
-    texts(1)%text = variable%name
-    call read_text(file, number, 'units', texts(2)%text, status)
-    call read_text(file, number, 'quantity', texts(3)%text, status)
+    facts = netcdf_column(number, rank, 1, variable%dimensions(rank) == samples, variable%is_single)
+    column%name = variable%name
+    call read_text(file, number, 'units', column%unit, status)
+    call read_text(file, number, 'quantity', column%quantity, status)
     call take_number('_FillValue', facts%fills(1))
     call take_number('missing_value', facts%fills(2))
     call take_number('scale_factor', facts%factor)
     call take_number('add_offset', facts%offset)
     where (.not. ieee_is_finite(facts%fills)) facts%fills = missing     ! what is not finite is missing anyway
+    if (.not. (ieee_is_finite(facts%factor) .and. ieee_is_finite(facts%offset))) &
+      call refuse(variable%name//': its scale_factor or add_offset is no finite number', error)
     if (allocated(error)) return
-    if (.not. (ieee_is_finite(facts%factor) .and. ieee_is_finite(facts%offset))) call fail(error, status_bad_file, &
-      variable%name//': its scale_factor or add_offset is no finite number')
-    write (line, facts_form) facts
-    texts(4)%text = trim(line)
-    call find_places(file, facts, variable%name, texts(5)%text, texts(6)%text, status)
+    call describe(column, source%is_labelled)
+    call find_places(file, facts, column%name, places, source%notes, status)
     call check(status, error)
+    do c = 1, size(columns)
+      columns(c) = column
+      if (rank == 2) columns(c)%name = column%name//'('//text_of(c)//')'
+      columns(c)%position = places(c)
+      of_column(c) = facts
+      of_column(c)%place = c
+    end do
   contains
     subroutine take_number(name, value)
       character(*), intent(in) :: name
       real(dp), intent(inout) :: value
       integer(i8) :: there
       call read_number(file, number, name, value, there, status)
-      if (there == 0 .or. there == 1 .or. allocated(error)) return
-      call fail(error, status_bad_file, variable%name//': its attribute '//name//' is not one number')
+      if (there /= 0 .and. there /= 1) call refuse(variable%name//': its attribute '//name//' is not one number', error)
     end subroutine take_number
   end subroutine look_at_variable
 
-  subroutine find_places(file, facts, name, places, note, status)
-    !! ξ of each column, by blanks: its variable's attribute `position`, or of two dimensions `point_position`; empty where neither
-    !! says it. What is no such place is odd.
+  subroutine find_places(file, facts, name, places, notes, status)
+    !! ξ of each column: its variable's attribute `position`, or of two dimensions `point_position`. What is no such place is odd.
     integer, intent(in) :: file
     type(netcdf_column), intent(in) :: facts
     character(*), intent(in) :: name                 !! of the variable
-    character(:), allocatable, intent(out) :: places, note
+    real(dp), intent(out) :: places(:)               !! missing where neither says it
+    type(string), allocatable, intent(inout) :: notes(:)
     integer, intent(inout) :: status
     type(netcdf_variable) :: points
-    type(text_builder) :: lines
-    real(dp), allocatable :: values(:)
     integer(i8) :: there
-    integer :: c, problem
-    allocate (values(facts%place), source=missing)
-    call read_number(file, facts%variable, 'position', values(1), there, status)
-    if (there == 1) values = values(1)
-    c = -1
-    if (there == 0 .and. facts%rank == 2) c = find_variable(file, 'point_position')
-    if (c >= 0) then
+    integer :: v, problem
+    places = missing
+    call read_number(file, facts%variable, 'position', places(1), there, status)
+    if (there == 1) places = places(1)
+    v = -1
+    if (there == 0 .and. facts%rank == 2) v = find_variable(file, 'point_position')
+    if (v >= 0) then
       problem = status
-      call read_variable(file, c, points, problem)
+      call read_variable(file, v, points, problem)
       if (problem == all_is_well) problem = merge(problem, 1, size(points%dimensions) == 1 .and. points%is_numeric)
-      call read_numbers(file, c, [1_i8], [int(facts%place, i8)], values, problem)
+      call read_numbers(file, v, [1_i8], [size(places, kind=i8)], places, problem)
       if (problem == all_is_well) there = 1
     end if
-    note = ''
-    if (there == 1) there = merge(1, -1, all(ieee_is_finite(values)))
-    if (there == 1) there = merge(1, -1, all(values >= 0.0_dp .and. values <= 1.0_dp))
-    if (there /= 0 .and. there /= 1) note = 'position: what the file says of '//name//' is no number from 0 to 1, and is not used'
-    do c = 1, merge(facts%place, 0, there == 1)
-      call lines%append(text_of(values(c))//' ')
-    end do
-    places = lines%text()
+    if (there == 1 .and. .not. all(places >= 0.0_dp .and. places <= 1.0_dp)) there = -1    ! nor any NaN
+    if (there /= 1) places = missing
+    if (there /= 0 .and. there /= 1) call append(notes, 'position: what the file says of '//name// &
+                                                 ' is no number from 0 to 1, and is not used')
   end subroutine find_places
 
-  pure subroutine list_columns(texts, source, of_column)
-    !! The columns of a file, from what was found in it.
-    type(string), intent(in) :: texts(:)
-    class(record_source), intent(inout) :: source    !! gets all but its path
-    type(netcdf_column), allocatable, intent(out) :: of_column(:)
-    type(netcdf_column), allocatable :: facts(:)     ! of the variables; their place is how many columns they have
-    type(column_type) :: column
-    real(dp), allocatable :: places(:)
-    integer :: v, c, first, last
-    read (texts(1)%text, *) source%rows
-    allocate (facts(size(texts)/texts_each))
-    do v = 1, size(facts)
-      read (texts(2 + texts_each*(v - 1) + 3)%text, *) facts(v)
-    end do
-    allocate (source%columns(sum(facts%place)), of_column(sum(facts%place)))
-    last = 0
-    do v = 1, size(facts)
-      first = 2 + texts_each*(v - 1)
-      call describe(texts(first:first + 2), column, source%is_labelled)
-      if (allocated(places)) deallocate (places)
-      allocate (places(facts(v)%place), source=missing)
-      if (texts(first + 4)%text /= '') read (texts(first + 4)%text, *) places
-      if (texts(first + 5)%text /= '') call append(source%notes, texts(first + 5)%text)
-      do c = 1, facts(v)%place
-        last = last + 1
-        source%columns(last) = column
-        if (facts(v)%rank == 2) source%columns(last)%name = column%name//'('//text_of(c)//')'
-        source%columns(last)%position = places(c)
-        of_column(last) = facts(v)
-        of_column(last)%place = c
-      end do
-    end do
-  end subroutine list_columns
-
-  pure subroutine describe(texts, column, is_labelled)
-    !! What the columns of a variable have in common.
-    type(string), intent(in) :: texts(3)             !! its name, unit and quantity in the file
-    type(column_type), intent(inout) :: column
+  pure subroutine describe(column, is_labelled)
+    !! What the columns of a variable measure.
+    type(column_type), intent(inout) :: column       !! with its name, unit and quantity in the file
     logical, intent(inout) :: is_labelled            !! the file says what some variables measure
-    column%name = texts(1)%text
-    column%unit = texts(2)%text
-    column%quantity = texts(3)%text
     if (index(quantities, ' '//lower(column%name)//' ') > 0) column%quantity = lower(column%name)
     if (index(quantities, ' '//column%quantity//' ') == 0) column%quantity = ''
     if (column%quantity /= '') is_labelled = .true.

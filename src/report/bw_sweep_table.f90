@@ -23,6 +23,9 @@ module bw_sweep_table
   character(*), parameter :: outcomes(*) = [character(24) :: 'largest_displacement', 'largest_stress', 'largest_contact_force', &
     'restitution', 'final_mass_velocity']   !! of motions and contacts, as far as a result has them
   integer, parameter :: displacement = 1, stress = 2, force = 3
+  integer, parameter :: ordered(*) = [-1, -1, 0, 0, displacement, displacement, stress, force, -1, -1]
+    !! what each reason orders the cases by: 0: their frequencies; below: nothing
+  integer, parameter :: sign(*) = [0, 0, -1, 1, -1, 1, 1, 1, 0, 0]      !! 1: the largest is shown, −1: the smallest
 
   type :: case_row
     !! What there is to say of a case that may be shown.
@@ -119,7 +122,7 @@ contains
         row = case_row(first + i - 1, int(statuses(first + i - 1)), frequency(i), outcome(i, :))
         if (size(statuses) <= most_rows) rows(row%case) = row
         do r = 1, merge(0, size(reasons), size(statuses) <= most_rows)
-          if (is_better(row, rows(r), trim(reasons(r)), size(statuses, kind=i8))) rows(r) = row
+          if (is_better(row, rows(r), r, size(statuses, kind=i8))) rows(r) = row
         end do
       end do
     end do
@@ -129,36 +132,26 @@ contains
     !! A case is to be shown for a reason instead of another: of equal ones the first.
     type(case_row), intent(in) :: row
     type(case_row), intent(in) :: than        !! shown so far; case 0: none is
-    character(*), intent(in) :: reason
+    integer, intent(in) :: reason             !! its number in `reasons`
     integer(i8), intent(in) :: cases          !! in all
     real(dp), parameter :: same = 1.0e-9_dp
+    real(dp) :: value, other, alike           ! the last: what two ways to the same modes differ by
     logical :: is_first
     is_first = than%case == 0 .or. row%case < than%case
-    select case (reason)
-    case ('first'); is_better = row%case == 1
-    case ('last'); is_better = row%case == cases
-    case ('lowest frequency'); is_better = leads(-row%frequency, -than%frequency, is_missing(row%frequency))
-    case ('highest frequency'); is_better = leads(row%frequency, than%frequency, is_missing(row%frequency))
-    case ('smallest displacement'); is_better = is_beyond(-1, displacement)
-    case ('largest displacement'); is_better = is_beyond(1, displacement)
-    case ('largest stress'); is_better = is_beyond(1, stress)
-    case ('largest force'); is_better = is_beyond(1, force)
-    case ('first without frequency'); is_better = is_missing(row%frequency) .and. row%status == case_done .and. is_first
-    case default; is_better = row%status /= case_done .and. is_first
-    end select
-  contains
-    pure logical function is_beyond(sign, k)
-      integer, intent(in) :: sign, k          !! 1: the largest of an outcome is looked for, -1: the smallest
-      is_beyond = leads(sign*row%outcome(k), sign*than%outcome(k), is_missing(row%outcome(k)))
-    end function is_beyond
-
-    pure logical function leads(value, other, none)
-      real(dp), intent(in) :: value, other
-      logical, intent(in) :: none             !! the value does not exist
-      real(dp) :: alike                       ! what two ways to the same modes differ by
+    if (ordered(reason) >= 0) then
+      value = sign(reason)*merge(row%frequency, row%outcome(max(1, ordered(reason))), ordered(reason) == 0)
+      other = sign(reason)*merge(than%frequency, than%outcome(max(1, ordered(reason))), ordered(reason) == 0)
       alike = same*abs(other)
-      leads = .not. none .and. (than%case == 0 .or. value > other + alike .or. (.not. value < other - alike .and. is_first))
-    end function leads
+      is_better = than%case == 0 .or. value > other + alike .or. (.not. value < other - alike .and. is_first)
+      is_better = is_better .and. .not. is_missing(abs(value))
+    else
+      select case (reason)
+      case (1); is_better = row%case == 1
+      case (2); is_better = row%case == cases
+      case (9); is_better = is_missing(row%frequency) .and. row%status == case_done .and. is_first
+      case default; is_better = row%status /= case_done .and. is_first
+      end select
+    end if
   end function is_better
 
   pure integer function next_row(rows, printed) result(next)

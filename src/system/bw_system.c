@@ -22,11 +22,7 @@
 #include <sys/statvfs.h>
 #include <sys/time.h>
 #include <sys/types.h>
-#include <sys/wait.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <sys/prctl.h>
-#endif
 
 #if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 #define HIGH_FIRST(word, bits) (word)
@@ -102,6 +98,16 @@ int bw_write(int descriptor, const void *bytes, int64_t count)
     }
   }
   return 0;
+}
+
+/* More of what comes out of a pipe, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
+int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
+{
+  struct pollfd stream = {channel, POLLIN, 0};
+  ssize_t have;
+  if (poll(&stream, 1, milliseconds) <= 0) return -1;
+  AGAIN_WHERE_INTERRUPTED(have = read(channel, bytes, (size_t)most));
+  return have < 0 ? 0 : have;
 }
 
 /* What a file holds, onto the disk, so that it outlives the machine. */
@@ -374,25 +380,32 @@ int64_t bw_beginning_of(int64_t process)
 
 /* ---- how this process ends ------------------------------------------------------------------------------------------- */
 
-enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP };
+enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, OF_FILE };
 
 /* What is said of an ending that is none of ours, and its status, which is one of bw_error.f90. */
 static const struct { const char *message; int status; } endings[] = {
-  {"beamwave: a fault in the program: please report it\n", 70},
-  {"beamwave: memory was refused\n", 3},
-  {"beamwave: the stack is exhausted; accepted: a larger one (ulimit -s)\n", 3},
-  {"beamwave: stopped within a step that could not be left in order; finished cases are saved\n", 5}};
+  {"a fault in the program: please report it\n", 70},
+  {"memory was refused\n", 3},
+  {"the stack is exhausted; accepted: a larger one (ulimit -s)\n", 3},
+  {"stopped within a step that could not be left in order; finished cases are saved\n", 5},
+  {": cannot be read: the library that reads it crashed or found no end: the file is damaged, or memory was refused\n", 3}};
 
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
-static volatile sig_atomic_t received, time_is_up, is_unseen, is_child;
+static volatile sig_atomic_t received, time_is_up, is_unseen;
+static const char *file_of_library;                          /* that a library is reading; NULL: there is none */
 static const char *stack_top;
 static uint64_t stack_room;                                  /* below it, where nothing else lies */
 
 /* Nothing here may allocate: the heap may be what is broken. */
+static void say(const char *text)
+{
+  if (write(STDERR_FILENO, text, strlen(text)) < 0) return;
+}
+
 static void end_at_once(int ending)
 {
-  const char *message = endings[ending].message;
-  if ((!is_child || ending == OF_STACK) && write(STDERR_FILENO, message, strlen(message)) < 0) _exit(endings[ending].status);
+  say(ending == OF_FILE ? file_of_library : "beamwave: ");
+  say(endings[ending].message);
   _exit(endings[ending].status);
 }
 
@@ -428,16 +441,20 @@ static void on_missed_stop(int number)
   end_at_once(OF_STOP);
 }
 
-/* A fault just after memory was refused comes of that, and one just below the stack of a stack that is full. Of others of a child its
-   parent will see and tell. */
+static void on_library_time(int number)
+{
+  (void)number;
+  end_at_once(OF_FILE);
+}
+
+/* A fault in a library that reads a file comes of the file, one just below the stack of a stack that is full, and one just after memory
+   was refused of that. */
 static void on_fault(int number, siginfo_t *fault, void *unused)
 {
   uint64_t below = (uint64_t)(uintptr_t)stack_top - (uint64_t)(uintptr_t)fault->si_addr;
+  int is_of_stack = (number == SIGSEGV || number == SIGBUS) && fault->si_code > 0 && below < stack_room;
   (void)unused;
-  if ((number == SIGSEGV || number == SIGBUS) && fault->si_code > 0 && below < stack_room) end_at_once(OF_STACK);
-  if (!is_child) end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT);
-  signal(number, SIG_DFL);
-  raise(number);
+  end_at_once(file_of_library ? OF_FILE : is_of_stack ? OF_STACK : errno == ENOMEM ? OF_MEMORY : OF_FAULT);
 }
 
 /* Libraries exit with 1 or −1 where memory is refused (Fortran's, FFTW; HDF5); Fortran's has 2 for errors of the program. */
@@ -445,7 +462,7 @@ static void on_fault(int number, siginfo_t *fault, void *unused)
 static void on_end(int status, void *unused)
 {
   (void)unused;
-  end_at_once(status == 1 || status == -1 || status == 255 ? OF_MEMORY : OF_FAULT);
+  end_at_once(file_of_library ? OF_FILE : status == 1 || status == -1 || status == 255 ? OF_MEMORY : OF_FAULT);
 }
 #else
 static void on_end(void) { end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT); }
@@ -497,6 +514,8 @@ void bw_watch(void)
   sigaction(SIGALRM, &action, NULL);
   action.sa_handler = on_missed_stop;
   sigaction(SIGPROF, &action, NULL);
+  action.sa_handler = on_library_time;
+  sigaction(SIGVTALRM, &action, NULL);
   widen_stack(__builtin_frame_address(0));
   keep_memory();
   sigaltstack(&stack, NULL);                                 /* for the fault of a stack that is full */
@@ -504,6 +523,14 @@ void bw_watch(void)
   for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) sigaction(faults[i], &action, NULL);
   signal(SIGXFSZ, SIG_IGN);                                  /* `ulimit -f`: the write fails, as on a full disk */
   signal(SIGPIPE, SIG_IGN);                                  /* nobody reads any more: the write fails */
+}
+
+/* A library reads a file, for seconds of work at most; NULL: it has come back. */
+void bw_let_library_read(const char *path)
+{
+  const int most = 5;                                        /* a hundred times what the slowest compression takes */
+  file_of_library = path;
+  setitimer(ITIMER_VIRTUAL, &(struct itimerval){{0, 0}, {path ? most : 0, 0}}, NULL);
 }
 
 /* Ask to stop after so many seconds. */
@@ -524,91 +551,6 @@ int bw_stop_asked(void)
   if (is_unseen) watch_stop(10);
   is_unseen = 0;
   return received || time_is_up;
-}
-
-/* ---- another process -------------------------------------------------------------------------------------------------- */
-
-/* Fork: the child gets 0 and a pipe to write, the parent its number and the pipe to read; −1: the system refuses it. The
-   child dies with its parent, and does not mind signals that are meant for it. */
-int64_t bw_fork(int *channel)
-{
-  int ends[2];
-  pid_t parent = getpid(), child = -1;
-  if (pipe2(ends, O_CLOEXEC) < 0) return -1;
-  child = fork();
-  if (child < 0) close(ends[1]);
-  if (child != 0) {
-    if (child < 0) close(ends[0]); else close(ends[1]);
-    *channel = ends[0];
-    return child;
-  }
-  is_child = 1;
-  close(ends[0]);
-  *channel = ends[1];
-  for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) signal(stops[i], SIG_IGN);
-  setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
-#ifdef __linux__
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
-  if (getppid() != parent) _exit(1);
-  return 0;
-}
-
-/* Let a child that reads what others wrote live for so many more seconds of processor time, as far as the user lets it. */
-void bw_confine(int seconds)
-{
-  struct rusage used = {0};
-  struct rlimit limit;
-  if (!is_child || seconds <= 0 || getrlimit(RLIMIT_CPU, &limit) < 0) return;
-  getrusage(RUSAGE_SELF, &used);
-  rlim_t wanted = (rlim_t)(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + seconds);
-  limit.rlim_cur = wanted < limit.rlim_max ? wanted : limit.rlim_max;
-  setrlimit(RLIMIT_CPU, &limit);
-}
-
-/* Let it have so many more bytes of memory, where the system tells how many it has. What its libraries print as errors is dropped. */
-void bw_confine_memory(int64_t bytes)
-{
-  struct rlimit limit;
-  unsigned long long pages = 0;
-  FILE *told = fopen("/proc/self/statm", "re");
-  int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
-  if (told && fscanf(told, "%llu", &pages) == 1 && getrlimit(RLIMIT_AS, &limit) == 0) {
-    rlim_t wanted = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + (rlim_t)bytes;
-    limit.rlim_cur = wanted < limit.rlim_max ? wanted : limit.rlim_max;
-    setrlimit(RLIMIT_AS, &limit);
-  }
-  if (told) fclose(told);
-}
-
-/* As many bytes of what the child tells; fewer where it ends before. */
-int64_t bw_receive(int channel, void *bytes, int64_t count)
-{
-  int64_t have = 0;
-  for (ssize_t more = 1; have < count && more > 0; have += more > 0 ? more : 0)
-    AGAIN_WHERE_INTERRUPTED(more = read(channel, (char *)bytes + have, (size_t)(count - have)));
-  return have;
-}
-
-/* More of what the child tells, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
-int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
-{
-  struct pollfd stream = {channel, POLLIN, 0};
-  ssize_t have;
-  if (poll(&stream, 1, milliseconds) <= 0) return -1;
-  AGAIN_WHERE_INTERRUPTED(have = read(channel, bytes, (size_t)most));
-  return have < 0 ? 0 : have;
-}
-
-/* Its exit status, or below 0 the signal that ended it. */
-int bw_wait(int64_t child)
-{
-  int status = 0;
-  pid_t ended;
-  AGAIN_WHERE_INTERRUPTED(ended = waitpid((pid_t)child, &status, 0));
-  if (ended < 0) return -SIGKILL;
-  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
 }
 
 /* ---- machine and terminal ---------------------------------------------------------------------------------------------- */

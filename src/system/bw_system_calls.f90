@@ -136,34 +136,12 @@ module bw_system_calls
       import :: c_int
       integer(c_int), value :: status
     end subroutine bw_leave
-    integer(c_int64_t) function bw_fork(channel) bind(c)
-      import :: c_int, c_int64_t
-      integer(c_int), intent(out) :: channel
-    end function bw_fork
-    subroutine bw_confine(seconds) bind(c)
-      import :: c_int
-      integer(c_int), value :: seconds
-    end subroutine bw_confine
-    subroutine bw_confine_memory(bytes) bind(c)
-      import :: c_int64_t
-      integer(c_int64_t), value :: bytes
-    end subroutine bw_confine_memory
-    integer(c_int64_t) function bw_receive(channel, bytes, count) bind(c)
-      import :: c_int, c_int64_t, c_ptr
-      integer(c_int), value :: channel
-      type(c_ptr), value :: bytes
-      integer(c_int64_t), value :: count
-    end function bw_receive
     integer(c_int64_t) function bw_listen(channel, bytes, most, milliseconds) bind(c)
       import :: c_int, c_int64_t, c_ptr
       integer(c_int), value :: channel, milliseconds
       type(c_ptr), value :: bytes
       integer(c_int64_t), value :: most
     end function bw_listen
-    integer(c_int) function bw_wait(child) bind(c)
-      import :: c_int, c_int64_t
-      integer(c_int64_t), value :: child
-    end function bw_wait
     integer(c_int) function bw_is_terminal(descriptor) bind(c, name='isatty')
       import :: c_int
       integer(c_int), value :: descriptor

@@ -1,10 +1,9 @@
 program fuzz_records
   !! fuzz_records COUNT [FIRST LAST]
   !!
-  !! Reads COUNT odd tables of text, as many sound ones with damaged bytes, and so many NetCDF files of either kind, as
-  !! `beamwave check` does. Each is a record or refused with one line and a status that says so, in ten seconds of processor time
+  !! Reads COUNT odd tables of text, as many sound ones with damaged bytes, and so many odd NetCDF files, as `beamwave check` does. Each is a record or refused with one line and a status that says so, in ten seconds of processor time
   !! and one gigabyte. Ends with 1 at the first that is not, leaves it behind, and says how to make it again. FIRST and LAST, 1 to
-  !! 4, are kinds of records. BEAMWAVE_SEED sets the seed.
+  !! 3, are kinds of records. BEAMWAVE_SEED sets the seed.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, ieee_set_status, ieee_status_type
   use, intrinsic :: iso_c_binding, only: c_int, c_long
@@ -27,8 +26,7 @@ program fuzz_records
   integer(c_int), parameter :: length_of_files = 1         ! RLIMIT_FSIZE
   integer(c_long), parameter :: largest_file = 200000000   ! bytes
   character(*), parameter :: file = 'fuzz_records.scratch'
-  character(*), parameter :: kinds(4) = [character(32) :: 'odd tables', 'tables with damaged bytes', 'odd NetCDF files', &
-    'NetCDF files with damaged bytes']
+  character(*), parameter :: kinds(3) = [character(32) :: 'odd tables', 'tables with damaged bytes', 'odd NetCDF files']
 
   interface
     integer(c_int) function getrusage(who, usage) bind(c)
@@ -50,7 +48,7 @@ program fuzz_records
   real(dp) :: slowest, spent
   character(16) :: word
 
-  call watch_over_process()                                ! so that a fault is told from what a child was refused
+  call watch_over_process()                                ! so that a fault is told
   if (setrlimit(length_of_files, [largest_file, largest_file]) /= 0) call give_up('files cannot be limited')
   call get_command_argument(1, word)
   read (word, *) count
@@ -93,12 +91,11 @@ contains
     else
       call ieee_get_status(floating)
       call ieee_set_halting_mode(ieee_all, .false.)      ! the library turns numbers into types that are too small for them
-      call write_odd_netcdf(random, file, sound=kind == 4)
+      call write_odd_netcdf(random, file)
       call ieee_set_status(floating)
-      if (kind == 3) return
-      call read_bytes(text)
+      return
     end if
-    if (mod(kind, 2) == 0) call damage_bytes(random, text)
+    if (kind == 2) call damage_bytes(random, text)
     call write_bytes(text)
   end subroutine write_record
 
@@ -109,16 +106,6 @@ contains
     write (unit) text
     close (unit)
   end subroutine write_bytes
-
-  subroutine read_bytes(text)
-    character(:), allocatable, intent(out) :: text
-    integer :: unit, bytes
-    open (newunit=unit, file=file, access='stream', form='unformatted', status='old')
-    inquire (unit, size=bytes)
-    allocate (character(bytes) :: text)
-    read (unit) text
-    close (unit)
-  end subroutine read_bytes
 
   subroutine read_it()
     !! Read the record, and judge what comes of it.
@@ -147,22 +134,17 @@ contains
   end subroutine read_it
 
   real(dp) function processor_seconds() result(seconds)
-    !! Of this process and of those that have ended.
-    integer(c_long) :: own(18), others(18)
+    integer(c_long) :: usage(18)
     integer(c_int) :: ignored
-    ignored = getrusage(0_c_int, own)
-    ignored = getrusage(-1_c_int, others)
-    own = own + others
-    seconds = own(1) + own(3) + 1.0e-6_dp*(own(2) + own(4))
+    ignored = getrusage(0_c_int, usage)
+    seconds = usage(1) + usage(3) + 1.0e-6_dp*(usage(2) + usage(4))
   end function processor_seconds
 
   integer(i8) function most_memory() result(kilobytes)
-    !! The most that this process has had, or one that has ended.
-    integer(c_long) :: own(18), others(18)
+    integer(c_long) :: usage(18)
     integer(c_int) :: ignored
-    ignored = getrusage(0_c_int, own)
-    ignored = getrusage(-1_c_int, others)
-    kilobytes = max(own(5), others(5))
+    ignored = getrusage(0_c_int, usage)
+    kilobytes = usage(5)
   end function most_memory
 
   subroutine give_up(problem)

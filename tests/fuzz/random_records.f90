@@ -148,11 +148,10 @@ contains
     end do
   end subroutine damage_bytes
 
-  subroutine write_odd_netcdf(random, path, sound)
+  subroutine write_odd_netcdf(random, path)
     !! A NetCDF file of any format, with an odd dimension, type or attribute now and then.
     type(random_stream), intent(inout) :: random
     character(*), intent(in) :: path
-    logical, intent(in) :: sound                           !! nothing is odd
     integer, parameter :: formats(*) = [0, nf90_64bit_offset, nf90_64bit_data, nf90_netcdf4, nf90_netcdf4, &
                                         nf90_netcdf4 + nf90_classic_model]
     integer :: file, form, variables, v, status, format
@@ -162,42 +161,40 @@ contains
     form = formats(format)
     status = nf90_create(path, ior(form, nf90_clobber), file)
     lengths = [int(16 + random%below(100), c_size_t), int(1 + random%below(4), c_size_t), int(1 + random%below(30), c_size_t)]
-    if (random%chance(5) .and. .not. sound) lengths(1 + random%below(3)) = int(random%log_between(1.0_dp, 1.0e5_dp), c_size_t)
-    if (random%chance(5) .and. .not. sound .and. form >= nf90_netcdf4) &         ! others would be as long
+    if (random%chance(5)) lengths(1 + random%below(3)) = int(random%log_between(1.0_dp, 1.0e5_dp), c_size_t)
+    if (random%chance(5) .and. form >= nf90_netcdf4) &         ! others would be as long
       lengths(1 + random%below(3)) = int(random%log_between(1.0e10_dp, 1.0e18_dp), c_size_t)
-    if (random%chance(5) .and. .not. sound) lengths(1 + random%below(3)) = 0                        ! without limit
+    if (random%chance(5)) lengths(1 + random%below(3)) = 0                        ! without limit
     status = nc_def_dim(file, trim(merge('time  ', 'frames', random%chance(80)))//c_null_char, lengths(1), dimensions(1))
     status = nc_def_dim(file, 'point'//c_null_char, lengths(2), dimensions(2))
     status = nc_def_dim(file, 'other'//c_null_char, lengths(3), dimensions(3))
     variables = 1 + random%below(4)
     do v = 1, variables
-      call add_variable(random, file, v, form == nf90_netcdf4, int(dimensions) + 1, sound)
+      call add_variable(random, file, v, form == nf90_netcdf4, int(dimensions) + 1)
     end do
     status = nf90_enddef(file)
     do v = 1, merge(variables, 0, maxval(lengths) <= 100000)       ! of a huge one nothing is written: the file stays small
-      call fill(random, file, v, min(lengths, 1000_c_size_t), sound)
+      call fill(random, file, v, min(lengths, 1000_c_size_t))
     end do
     status = nf90_close(file)
   end subroutine write_odd_netcdf
 
-  subroutine add_variable(random, file, number, is_enhanced, dimensions, sound)
+  subroutine add_variable(random, file, number, is_enhanced, dimensions)
     !! One more variable: the first is mostly the time.
     type(random_stream), intent(inout) :: random
     integer, intent(in) :: file, number
     logical, intent(in) :: is_enhanced                     !! strings and compression may be
     integer, intent(in) :: dimensions(3)                   !! those of the file: samples, points, others
-    logical, intent(in) :: sound                           !! nothing is odd
     character(:), allocatable :: name
     integer :: id, type, status, i
     name = pick(random, names)//text_of(number)
     if (random%chance(90) .and. number == 1) name = 'time'
-    if (sound .and. number == 1) name = 'time'
     if (random%chance(60) .and. number == 2) name = pick(random, usual_names)
-    type = types(1 + random%below(merge(4, size(types), sound)))
+    type = types(1 + random%below(size(types)))
     if (random%chance(10) .and. is_enhanced) type = more_types(1 + random%below(2))
     if (number == 1) type = nf90_double
     status = nf90_noerr
-    select case (random%below(8) + merge(8, 0, number > 1 .and. .not. sound))
+    select case (random%below(8) + merge(8, 0, number > 1))
     case (0:11); status = nf90_def_var(file, name, type, dimensions(:1), id)
     case (12, 13); status = nf90_def_var(file, name, type, dimensions([2, 1]), id)
     case (14); status = nf90_def_var(file, name, type, dimensions([1, 2]), id)
@@ -210,11 +207,6 @@ contains
     end select
     if (status /= nf90_noerr) return
     if (random%chance(20) .and. is_enhanced) status = nf90_def_var_deflate(file, id, 1, 1, 1)
-    if (sound) then
-      status = nf90_put_att(file, id, 'units', trim(merge('s  ', 'm/s', number == 1)))
-      status = nf90_put_att(file, id, 'scale_factor', 2.0_dp)
-      return
-    end if
     if (random%chance(60)) call put_odd_text(random, file, id, 'units', is_enhanced)
     if (random%chance(10)) call put_odd_text(random, file, id, 'quantity', is_enhanced)
     if (random%chance(10)) call put_odd_number(random, file, id, 'scale_factor', is_enhanced)
@@ -265,20 +257,19 @@ contains
     end select
   end subroutine put_odd_number
 
-  subroutine fill(random, file, id, lengths, sound)
+  subroutine fill(random, file, id, lengths)
     !! Numbers of a variable: times rise, mostly; some are left as they are.
     type(random_stream), intent(inout) :: random
     integer, intent(in) :: file, id
     integer(c_size_t), intent(in) :: lengths(3)
-    logical, intent(in) :: sound                           !! nothing is odd
     real(dp) :: values(lengths(1))
     integer :: i, status
-    if (random%chance(5) .and. .not. sound) return
+    if (random%chance(5)) return
     if (size(values) == 0) return                          ! such a dimension is unlimited, and may be long by now
     do i = 1, size(values)
       values(i) = random%between(-1.0_dp, 1.0_dp)
       if (id == 1) values(i) = real(i, dp)/1024
-      if (random%below(3000) == 0 .and. .not. sound) values(i) = random%real_bits(-1020, 1020)
+      if (random%below(3000) == 0) values(i) = random%real_bits(-1020, 1020)
     end do
     status = nf90_put_var(file, id, values)
     if (status /= nf90_noerr) then                         ! it has more dimensions

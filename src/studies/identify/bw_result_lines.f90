@@ -102,13 +102,14 @@ contains
     integer, intent(inout) :: problem            !! of NetCDF; nothing is done after one
     integer, parameter :: no_such_variable = -49
     type(netcdf_dimension), allocatable :: dimensions(:)
+    type(netcdf_variable), allocatable :: unread(:)
     type(netcdf_variable) :: variable
     integer(i8), allocatable :: lengths(:), all(:)
-    integer :: number, ignored
+    integer :: number
     number = -1
     if (problem == all_is_well) number = find_variable(file, name)
     if (problem == all_is_well .and. number < 0) problem = no_such_variable
-    call read_dimensions(file, dimensions, ignored, problem)
+    call read_dimensions(file, dimensions, unread, problem)
     call read_variable(file, number, variable, problem)
     if (problem /= all_is_well) return
     lengths = dimensions(variable%dimensions + 1)%length
