@@ -221,7 +221,8 @@ contains
       call read_numbers(file, v, [1_i8], [size(places, kind=i8)], places, problem)
       if (problem == all_is_well) there = 1
     end if
-    if (there == 1 .and. .not. all(places >= 0.0_dp .and. places <= 1.0_dp)) there = -1    ! nor any NaN
+    if (there == 1) there = merge(1, -1, all(ieee_is_finite(places)))
+    if (there == 1) there = merge(1, -1, all(places >= 0.0_dp .and. places <= 1.0_dp))
     if (there /= 1) places = missing
     if (there /= 0 .and. there /= 1) call append(notes, 'position: what the file says of '//name// &
                                                  ' is no number from 0 to 1, and is not used')

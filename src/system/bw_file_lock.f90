@@ -1,8 +1,8 @@
 module bw_file_lock
-  !! A lock: a file that one process at a time has. It comes into being with its text, which names the holder: host, process and
-  !! beginning. Where the file system has `flock`, the lock ends with its holder, however that ends. Where it has none, as
-  !! Lustre by default, the file is the lock: a holder of this host that is no longer there is found out, and a word in the
-  !! message says how to remove the lock of another host. A lock that is held for moments only says so, and is waited for.
+  !! A lock: a file that one process at a time has. Its text names the holder: host, process and beginning. Where the file system
+  !! has `flock`, the lock ends with its holder, however that ends. Where it has none, as Lustre by default, the file is the lock:
+  !! a holder of this host that is no longer there is found out, and a word in the message says how to remove the lock of another
+  !! host. A lock that is held for moments only says so, and is waited for, as is one without a text yet.
   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
   use bw_descriptors, only: close_file, look_at_open, new_file, open_file, read_bytes, to_change, write_text
   use bw_error, only: error_type, fail, status_bad_file
@@ -16,10 +16,10 @@ module bw_file_lock
   private
   public :: first_of_lock, lock_suffix, is_locked_to_write, own_host, unique_name
 
-  character(*), parameter :: lock_suffix = '.lock', first_of_lock = 'lock.'     !! the latter until it is whole
+  character(*), parameter :: lock_suffix = '.lock', first_of_lock = 'lock.'     !! the latter of one that is buried
   integer, parameter :: attempts = 3000      !! at a lock whose holder takes it away meanwhile, or its directory, or has it for moments
   integer, parameter :: wait_microseconds = 20000      !! for the latter
-  integer, parameter :: longest = 1000       !! letters of a lock's text
+  integer, parameter :: longest = 600        !! letters of a lock's text, which is as long as that: it is written over others
   character(*), parameter :: for_moments = 'moments', for_a_run = 'run'
   character(*), parameter :: no_locks = '; this file system has no locks: if it is no longer there, remove this file'
   integer(c_int), parameter :: to_write = 0, to_read = 1
@@ -35,9 +35,7 @@ module bw_file_lock
     procedure :: refuse_if_held
     procedure :: is_held
     procedure :: give_back
-    procedure, private :: write_draft
-    procedure, private :: place_draft
-    procedure, private :: take_over
+    procedure, private :: try
     procedure, private :: refuse
   end type file_lock
 
@@ -65,20 +63,12 @@ contains
     class(file_lock), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
-    character(:), allocatable :: draft
     logical :: taken
     integer :: problem, ignored, i
     self%path = path
-    draft = directory_of(path)//first_of_lock//unique_name()
-    self%is_refused = .false.
     do i = 1, attempts
-      problem = make_directory(directory_of(path))
-      if (problem == 0) call self%write_draft(draft, problem)
-      if (problem == 0) call self%place_draft(draft, problem)
-      taken = problem == 0
-      if (bw_kind_of_error(problem) == error_is_there) call self%take_over(draft, taken, problem, error)
-      ignored = remove_file(draft)
-      if (taken) self%is_refused = .false.
+      self%is_refused = .false.
+      call self%try(taken, problem, error)
       if (taken) return
       ignored = close_file(self%descriptor)
       if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_written(error, path, problem)
@@ -90,67 +80,42 @@ contains
     call fail(error, status_bad_file, path//': other runs take and leave this lock all the time')
   end subroutine take
 
-  subroutine write_draft(self, draft, problem)
-    !! Write the lock under a name of its own, with its text, and lock it where that is possible.
+  subroutine try(self, taken, problem, error)
+    !! Open the lock, or make it, and take it unless somebody has it. **Errors**: that is so, or cannot be told.
     class(file_lock), intent(inout) :: self
-    character(*), intent(in) :: draft
-    integer, intent(out) :: problem
-    problem = open_file(draft, new_file, self%descriptor)
-    if (problem == 0) problem = write_text(self%descriptor, own_host()//' '//text_of(bw_process())//' '// &
-      text_of(bw_beginning_of(bw_process()))//' '//trim(merge(for_moments, for_a_run//'    ', self%is_brief))//new_line('a')// &
-      'host, process and beginning (in ticks of /proc) of a run of beamwave; once it is no longer there, this file may be '// &
-      'removed'//new_line('a'))
-    if (problem == 0) problem = bw_lock(self%descriptor, to_write)
-    if (bw_kind_of_error(problem) == error_not_offered) problem = 0
-  end subroutine write_draft
-
-  subroutine place_draft(self, draft, problem)
-    !! Give the draft the lock's name, unless it is taken.
-    class(file_lock), intent(inout) :: self
-    character(*), intent(in) :: draft
-    integer, intent(out) :: problem
-    integer :: descriptor, ignored
-    problem = link_file(draft, self%path)
-    if (bw_kind_of_error(problem) /= error_not_offered) return
-    problem = open_file(self%path, new_file, descriptor)     ! a file has one name only here: the name is taken first
-    if (problem == 0) problem = rename_file(draft, self%path)
-    ignored = close_file(descriptor)
-  end subroutine place_draft
-
-  subroutine take_over(self, draft, taken, problem, error)
-    !! Put the draft into the place of a lock whose holder is gone. **Errors**: it is not, or that cannot be told.
-    class(file_lock), intent(inout) :: self
-    character(*), intent(in) :: draft
     logical, intent(out) :: taken            !! false without an error: the lock has changed meanwhile, and is to be tried again
     integer, intent(out) :: problem          !! of the system
     type(error_type), allocatable, intent(inout) :: error
-    type(path_state) :: opened, named
-    integer :: descriptor, locked, ignored
+    character(longest) :: text
+    type(path_state) :: opened
+    integer :: locked, ignored
+    logical :: is_new, is_the_file           ! the file itself is the lock
     taken = .false.
-    problem = open_file(self%path, to_change, descriptor)
-    if (problem == 0) problem = look_at_open(descriptor, opened)
-    if (problem == 0) then
-      locked = bw_lock(descriptor, to_write)
-      select case (bw_kind_of_error(locked))
-      case (error_is_held)
-        call self%refuse(self%path, descriptor, '', error)
-      case (error_not_offered)
-        if (holder_is_gone(descriptor)) then
-          call bury(self%path, draft//'.old', opened)
-        else
-          call self%refuse(self%path, descriptor, no_locks, error)
-        end if
-      case default                           ! nobody holds it: it is replaced as long as it is still the one that was opened
-        problem = locked
-        if (problem == 0) problem = look_at(self%path, named)
-        taken = problem == 0 .and. same_file(named, opened)
-        if (taken) problem = rename_file(draft, self%path)
-        taken = taken .and. problem == 0
-      end select
+    problem = make_directory(directory_of(self%path))
+    if (problem == 0) problem = open_file(self%path, new_file, self%descriptor)
+    is_new = problem == 0
+    if (bw_kind_of_error(problem) == error_is_there) problem = open_file(self%path, to_change, self%descriptor)
+    if (problem /= 0) return
+    locked = bw_lock(self%descriptor, to_write)
+    is_the_file = bw_kind_of_error(locked) == error_not_offered
+    if (bw_kind_of_error(locked) == error_is_held) then
+      call self%refuse(self%path, self%descriptor, '', error)
+    else if (is_the_file .and. .not. is_new) then
+      if (.not. holder_is_gone(self%descriptor)) call self%refuse(self%path, self%descriptor, no_locks, error)
+      problem = look_at_open(self%descriptor, opened)
+      if (problem == 0 .and. .not. allocated(error)) call bury(self%path, opened)
+    else
+      if (.not. is_the_file) problem = locked
+      if (problem == 0) taken = self%is_held()               ! unless the file has lost its name meanwhile
+      text = own_host()//' '//text_of(bw_process())//' '//text_of(bw_beginning_of(bw_process()))//' '// &
+        trim(merge(for_moments, for_a_run//'    ', self%is_brief))//new_line('a')// &
+        'host, process and beginning (in ticks of /proc) of a run of beamwave; once it is no longer there, this file may be removed'
+      text(longest:) = new_line('a')
+      if (taken) problem = write_text(self%descriptor, text)
+      taken = taken .and. problem == 0
+      if (is_new .and. problem /= 0) ignored = remove_file(self%path)
     end if
-    ignored = close_file(descriptor)
-    if (bw_kind_of_error(problem) == error_not_there) problem = 0
-  end subroutine take_over
+  end subroutine try
 
   subroutine refuse(self, path, descriptor, advice, error)
     !! Say that another run has a lock, and which one, as far as the text of the lock tells.
@@ -221,6 +186,7 @@ contains
     beginning = 0
     is_brief = .false.
     if (read_bytes(descriptor, 0_i8, bytes, have) /= 0) return
+    is_brief = have == 0
     text = transfer(bytes(:have), text(:have))
     text(have + 1:) = ' '//for_a_run               ! where the text is cut short
     read (text, *, iostat=stat) name, process, beginning, how_long
@@ -229,12 +195,14 @@ contains
     is_brief = how_long == for_moments
   end subroutine read_holder
 
-  subroutine bury(path, grave, dead)
+  subroutine bury(path, dead)
     !! Take a dead lock away. What another run has put there meanwhile gets its name back.
-    character(*), intent(in) :: path, grave
+    character(*), intent(in) :: path
     type(path_state), intent(in) :: dead
+    character(:), allocatable :: grave
     type(path_state) :: taken
     integer :: ignored
+    grave = directory_of(path)//first_of_lock//unique_name()
     if (rename_file(path, grave) /= 0) return
     ignored = look_at(grave, taken)
     if (.not. same_file(taken, dead)) ignored = link_file(grave, path)
