@@ -6,22 +6,21 @@ module bw_case_loads
   !! is part of the answer; what is missing is how much they lag behind the loads. As many modes more tell that, and for displacements it
   !! is bounded.
   use bw_beam_units, only: beam_units
-  use bw_case_bodies, only: bodies_of
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_result, only: add_notes, case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
     history_errors, load_result
-  use bw_change_of_bodies, only: beam_state, body_type
+  use bw_change_of_bodies, only: beam_state
   use bw_error, only: error_type
   use bw_kinds, only: dp
   use bw_load_columns, only: placed_loads, quantities
-  use bw_load_course, only: impulse_of, largest_load, load_course, steady_course
+  use bw_load_course, only: impulse_of, largest_load, load_course
   use bw_load_courses, only: courses_of
   use bw_load_run, only: follow_loads, largest_of, loaded_run
   use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: at_start, by_pieces, changes_in_time, changes_shapes, scene_type
+  use bw_scene, only: by_pieces, changes_in_time, changes_shapes, scene_type
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
@@ -63,7 +62,7 @@ contains
     if (allocated(error)) return
     found = applied(scene, loads%course, motion%units)
     call add_notes(errors%notes, found%notes)
-    call place_loads(scene, motion%units, loads)
+    call place_loads(scene, loads)
     counted = scene
     most = most_count
     if (scene%modes%asked) most = 4*most_count
@@ -111,36 +110,15 @@ contains
     end function twice
   end subroutine add_loads
 
-  subroutine place_loads(scene, units, loads)
-    !! Forces come first, each at a place of its own; motions of the base are all of one kind. Springs of bodies that come later make
-    !! loads that are 0 until then; beside a contact of a finite duration they hold a shape instead (bw_change_of_bodies).
+  pure subroutine place_loads(scene, loads)
+    !! Forces come first, each at a place of its own; motions of the base are all of one kind.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
     type(placed_loads), intent(inout) :: loads     !! with the courses of what the scene gives
-    type(body_type), allocatable :: bodies(:)
-    integer :: b, l
+    integer :: l
     allocate (loads%place(0))
     if (allocated(scene%forces)) loads%place = scene%forces%position
-    loads%turns = spread(.false., 1, size(loads%place))
     loads%accelerated = allocated(scene%bases)
-    loads%kind = [(l, l=1, size(loads%place)), (0, l=size(loads%place) + 1, size(loads%course))]
-    loads%spring_of = 0*loads%kind
-    bodies = bodies_of(scene, units)
-    do b = 1, size(at_start(scene))
-      if (is_missing(scene%bodies(b)%from) .or. allocated(scene%contact)) cycle
-      if (bodies(b)%stiffness > 0.0_dp) call add_spring(.false.)
-      if (bodies(b)%turning_stiffness > 0.0_dp) call add_spring(.true.)
-    end do
-    where (loads%kind == 0) loads%kind = size(loads%place) + 1
-  contains
-    subroutine add_spring(turns)
-      logical, intent(in) :: turns
-      loads%place = [loads%place, bodies(b)%position]
-      loads%turns = [loads%turns, turns]
-      loads%kind = [loads%kind, size(loads%place)]
-      loads%spring_of = [loads%spring_of, b]
-      loads%course = [loads%course, steady_course(0.0_dp, 0.0_dp)]
-    end subroutine add_spring
+    loads%kind = [(min(l, size(loads%place) + 1), l=1, size(loads%course))]
   end subroutine place_loads
 
   pure type(load_result) function applied(scene, courses, units) result(loads)

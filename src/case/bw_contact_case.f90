@@ -75,8 +75,8 @@ contains
         whole = allocated(result%error)
         if (whole) return
         acted = applied(scene, loads%course, units)
-        call place_loads(scene, units, loads)
       end associate
+      call place_loads(scene, loads)
     end if
     call follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
     if (monitor%stop_requested()) return

@@ -324,7 +324,7 @@ contains
     pressed = force*before%struck
     if (present(loads)) then
       allocate (nothing(before%count, 0))
-      call find_drive(given, before, loads%place, loads%turns, loads%accelerated, monitor, drive, no_points, nothing)
+      call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
       if (monitor%stop_requested()) return
       pressed = pressed + matmul(drive(:, loads%kind), load(:, 1))
     end if

@@ -105,10 +105,10 @@ contains
     associate (segments => motion%timeline%segments(these(1):these(2)))
       associate (configuration => motion%modes%configuration(segments(1)%configuration))
         given = beam_of(scene, motion, segments(1)%configuration)
-        acting = placed_loads([course_of(segments)], [scene%impact%position], [.false.], kind=[1])
+        acting = placed_loads([course_of(segments)], [scene%impact%position], kind=[1])
         if (present(loads)) then
           acting = placed_loads([acting%course, scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))], &
-                                [acting%place, loads%place], [acting%turns, loads%turns], loads%accelerated, [1, loads%kind + 1])
+                                [acting%place, loads%place], loads%accelerated, [1, loads%kind + 1])
         end if
         now%summed = taking_part(motion, segments(1)%configuration, summed)
         now%number = segments(1)%configuration

@@ -67,8 +67,8 @@ contains
     drive = modes%some_shapes(1, modes%count, [place])
     weights = 0.0_dp
     weights(:, 1, hub_turn) = turns
-    call find_residuals(given, modes, modes%count, [place], [.false.], .false., drive, weights, [place], residual, terms, &
-                        flexibility, from_line=[.true.])
+    call find_residuals(given, modes, modes%count, [place], .false., drive, weights, [place], residual, terms, flexibility, &
+                        from_line=[.true.])
     turn = -(sum(turns(2:)*drive(2:, 1)/(modes%modal_mass(2:)*modes%beta_squared(2:)%hi)) + residual(1, 1, hub_turn))/turns(1)
   end function turn_back
 

@@ -21,13 +21,11 @@ module bw_load_columns
   integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3, 4], order_of(quantities) = [0, 1, 2, 0, 0, 0]
 
   type, public :: placed_loads
-    !! Loads, and where they act. Last come the forces and moments with which springs hold on to the position in which they came.
+    !! Loads, and where they act.
     type(load_course), allocatable :: course(:)
-    real(dp), allocatable :: place(:)                !! ξ of forces and moments, each a kind of load
-    logical, allocatable :: turns(:)                 !! a moment acts there
+    real(dp), allocatable :: place(:)                !! ξ of forces, each a kind of load
     logical :: accelerated = .false.                 !! the acceleration of the frame is the last kind
     integer, allocatable :: kind(:)                  !! of each course
-    integer, allocatable :: spring_of(:)             !! the body to which a spring belongs that makes it; 0: none, (courses)
   end type placed_loads
 
 contains
@@ -76,8 +74,7 @@ contains
     integer :: c, l, sheared
     sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points whose shear forces are asked for
     weights = 0.0_dp
-    call find_drive(given, modes, loads%place, loads%turns, loads%accelerated, monitor, drive, points(:sheared), &
-                    weights(:, :sheared, 3))
+    call find_drive(given, modes, loads%place, loads%accelerated, monitor, drive, points(:sheared), weights(:, :sheared, 3))
     if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
@@ -85,8 +82,8 @@ contains
     allocate (residual(size(drive, 2), size(points), size(weights, 3)), soft(size(points) + size(loads%place)))
     allocate (terms, mold=residual)
     view%summed = min(summed, modes%count)
-    call find_residuals(given, modes, view%summed, loads%place, loads%turns, loads%accelerated, drive, weights, points, residual, &
-                        terms, soft)
+    call find_residuals(given, modes, view%summed, loads%place, loads%accelerated, drive, weights, points, residual, terms, &
+                        soft)
     associate (kind => loads%kind)
       flexibility = [soft(:size(points)), spread(0.0_dp, 1, size(kind))]
       allocate (view%drive(modes%count, size(kind)), view%weight(modes%count, size(quantity)), &
@@ -110,12 +107,11 @@ contains
     end associate
   end subroutine make_view
 
-  subroutine find_drive(given, modes, places, turned, accelerated, monitor, drive, points, shear)
-    !! How each kind of load drives the modes: forces and moments at their places, and the acceleration of the frame by −1 behind them.
+  subroutine find_drive(given, modes, places, accelerated, monitor, drive, points, shear)
+    !! How each kind of load drives the modes: forces at their places, and the acceleration of the frame by −1 behind them.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: places(:)                    !! of forces and moments
-    logical, intent(in) :: turned(:)                     !! a moment acts there
+    real(dp), intent(in) :: places(:)                    !! of forces
     logical, intent(in) :: accelerated                   !! the frame is
     class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
@@ -127,7 +123,7 @@ contains
     allocate (drive(modes%count, size(places) + merge(1, 0, accelerated)))
     do i = 1, size(places)
       motion = modes%motion_at(places(i))
-      drive(:, i) = motion(:, merge(2, 1, turned(i)))
+      drive(:, i) = motion(:, 1)
     end do
     if (accelerated) drive(:, size(places) + 1) = participation
   end subroutine find_drive
@@ -153,8 +149,8 @@ contains
     weights(:, 1, turning) = motion(:, 2)
     weights(:, 1, hub_turn) = modes%hub_turns()
     weights(:, 1, deflection) = motion(:, 1) - arm*weights(:, 1, hub_turn)
-    call find_residuals(given, modes, n, acting%place, acting%turns, acting%accelerated, drive, weights, [place], &
-                        beyond, terms, flexibility)
+    call find_residuals(given, modes, n, acting%place, acting%accelerated, drive, weights, [place], beyond, terms, &
+                        flexibility)
     beyond(:, 1, deflection) = beyond(:, 1, deflection) + arm*beyond(:, 1, hub_turn)
     residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
     soft = 1.0_dp/(modes%modal_mass(n + 1:summed)*modes%beta_squared(n + 1:summed)%hi)

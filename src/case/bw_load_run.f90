@@ -11,8 +11,8 @@ module bw_load_run
   use bw_kinds, only: dp
   use bw_lack_error, only: lack_error
   use bw_load_columns, only: factor_of_quantity, find_drive, list_columns, make_view, placed_loads, quantities, residual_at
-  use bw_load_course, only: lag_bound, load_course, loads_before, steady_course
-  use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes, tail_error
+  use bw_load_course, only: lag_bound, load_course, loads_before
+  use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes, tail_errors
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set
   use bw_monitor, only: monitor_type
@@ -54,10 +54,14 @@ contains
     type(time_grid) :: grid
     type(step_type), allocatable :: steps(:)
     type(carried_type), allocatable :: configurations(:)
-    type(placed_loads) :: acting
+    type(configuration_type), allocatable :: wide(:)   ! with modes that hand on the motion
     type(varying_beam) :: given
     type(body_type), allocatable :: bodies(:)
-    real(dp), allocatable :: q(:), v(:), doubt(:, :), flexibility(:)
+    type(beam_state) :: state
+    real(dp), allocatable :: doubt(:, :), flexibility(:)
+    real(dp), allocatable :: shown(:), held(:)       ! by all modes at the last change, and by the shape in which the beam rests,
+    real(dp), allocatable :: held_error(:)           ! which holds what modes lacked as it was found
+    real(dp), dimension(size(loads%course), 2) :: load, since   ! at a change, and at that from which on the beam rests in a shape
     real(dp) :: ends, factor, metre
     real(dp) :: of_states(size(scene%response%points), 3)   ! errors of displacement, velocity and curvature
     type(dd) :: start, until, whole
@@ -73,7 +77,11 @@ contains
     steps = steps_of(scene)
     configurations = configurations_of(scene)
     bodies = bodies_of(scene, units)
-    acting = loads
+    where (.not. is_missing(bodies%velocity)) bodies%velocity = 0.0_dp   ! what they bring moves the beam without loads
+    bodies%pull = 0.0_dp                             ! energies are told there, too
+    allocate (state%shape(0))
+    since = 0.0_dp
+    held_error = 0.0_dp*run%error
     of_states = 0.0_dp
     configuration = modes%moving
     run%count = summed(merge(1, 2, configuration == 1))
@@ -98,21 +106,35 @@ contains
           until = to_dd(ends)
         end if
         given = beam_of(scene, units, configurations(configuration))
-        call make_view(given, set, summed(merge(1, 2, configuration == 1)), acting, scene%response%points, &
+        call make_view(given, set, summed(merge(1, 2, configuration == 1)), loads, scene%response%points, &
                        run%quantity, run%point, monitor, view, flexibility)
         if (monitor%stop_requested()) return
-        if (.not. allocated(q)) q = spread(0.0_dp, 1, set%count)
-        if (.not. allocated(v)) v = q
+        if (.not. allocated(state%q)) state%q = spread(0.0_dp, 1, set%count)
+        if (.not. allocated(state%rate)) state%rate = state%q
+        held = 0.0_dp*run%error
+        if (size(state%shape) > 0) then
+          held = shown - shown_by(set, view, state%q, since(:, 1))
+          run%history(samples(1):samples(2), :) = spread(held, 1, samples(2) - samples(1) + 1)
+        end if
         if (allocated(tail%amplitude)) deallocate (tail%amplitude, tail%lag, tail%load, tail%largest, tail%squares)
-        call sum_loaded_modes(set, view, grid, samples, start, until, monitor, q, v, run%history, tail)
+        call sum_loaded_modes(set, view, grid, samples, start, until, monitor, state%q, state%rate, run%history, tail)
         if (monitor%stop_requested()) return
         call add_errors()
         if (run%samples < grid%samples .or. next == 0) exit
-        run%before_event = [run%before_event, about_rest(set, view, acting, q, v, units)]
-        call take_change(given, modes%configuration(configuration), presence(scene, configurations(configuration)), &
-                         modes%configuration(next)%set, presence(scene, steps(i)%carried), bodies, until, monitor, acting, q, v, &
-                         doubt)
+        associate (speed => units%time%hi/units%mass)  ! as bw_change_of_bodies has it, V l²/h and V for V = 1 m/s
+          run%before_event = [run%before_event, beam_state(set%count, speed*state%q, speed*state%rate)]
+        end associate
+        load = loads_before(loads%course, until%hi)
+        shown = held + shown_by(set, view, state%q, load(:, 1))
+        if (.not. allocated(wide)) allocate (wide(size(modes%configuration)))
+        call take_change(given, modes%configuration, configuration, presence(scene, configurations(configuration)), next, &
+                         presence(scene, steps(i)%carried), loads, load, since, monitor, bodies, wide, state, doubt)
         if (monitor%stop_requested()) return
+        since = load
+        if (size(state%shape) == 0) then
+          since = 0.0_dp
+          deallocate (wide)                          ! no shape is one of their modes
+        end if
         configuration = next
         start = until
         call add_doubt(modes%configuration(next)%set)
@@ -145,48 +167,41 @@ contains
     subroutine add_errors()
       !! What is missing of infinitely many modes, the most of all segments, and rounding. A motion is bounded while the beam stays the
       !! same.
-      real(dp) :: bound(size(run%bound)), missed(size(run%error)), rounding(size(run%error))
+      real(dp) :: bound(size(run%bound))
+      real(dp) :: missed(size(run%error), 2), rounding(size(run%error))
       integer, allocatable :: columns(:)
       integer :: o
       if (samples(2) < samples(1)) return
       do o = 1, quantities
         columns = pack([(c, c=1, size(run%quantity))], run%quantity == o)
         if (size(columns) == 0) cycle
-        missed(columns) = tail_error(view, tail, columns)
+        missed(columns, :) = tail_errors(view, tail, columns)
       end do
       associate (set => modes%configuration(configuration)%set)
         bound = huge(bound)
         if (start%hi <= 0.0_dp) bound = bound_of(set, view, flexibility, loads%course, until%hi)
-        missed(:size(bound)) = min(missed(:size(bound)), bound)
+        missed(:size(bound), 1) = min(missed(:size(bound), 1), bound)
         rounding = rounding_of(set, view, tail, until%hi)
         run%bound = max(run%bound, bound)
         where (run%bound < huge(bound)) run%bound = run%bound + rounding(:size(bound))
-        run%error = max(run%error, missed) + rounding
+        held_error = merge(held_error + missed(:, 2), 0.0_dp, size(state%shape) > 0 .and. view%order == 0)
+        run%error = max(run%error, missed(:, 1) + held_error) + rounding
       end associate
     end subroutine add_errors
   end subroutine follow_loads
 
-  pure type(beam_state) function about_rest(modes, view, acting, q, v, units) result(state)
-    !! The motion as bw_change_of_bodies has it, V l²/h and V for V = 1 m/s: about the position in which springs are at rest.
+  pure function shown_by(modes, view, q, load) result(shown)
+    !! What all modes that are known show under loads, with those beyond at once, and rates nothing, (columns).
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
-    type(placed_loads), intent(in) :: acting
-    real(dp), intent(in) :: q(:), v(:)
-    type(beam_units), intent(in) :: units
-    real(dp), allocatable :: moved(:)
-    integer :: l
+    real(dp), intent(in) :: q(:), load(:)
+    real(dp) :: shown(size(view%order)), moved(size(q))
     moved = q
-    do l = 1, size(acting%course)
-      if (acting%spring_of(l) == 0) cycle
-      where (modes%beta_squared%hi /= 0.0_dp) &
-        moved = moved - view%drive(:, l)*acting%course(l)%power(0, 1)/modes%beta_squared%hi
-    end do
-    associate (speed => units%time%hi/units%mass)
-      state%count = size(q)
-      state%q = speed*moved
-      state%rate = speed*v
+    associate (n => view%summed)
+      moved(n + 1:) = q(n + 1:) - matmul(view%drive(n + 1:, :), load)/modes%beta_squared(n + 1:)%hi
     end associate
-  end function about_rest
+    shown = merge(matmul(moved, view%weight) + matmul(load, view%residual), 0.0_dp, view%order == 0)
+  end function shown_by
 
   pure function bound_of(modes, view, flexibility, courses, until) result(bound)
     !! A bound of what the displacements of infinitely many modes differ by: how much the missing ones lag behind each load, times their
@@ -219,73 +234,57 @@ contains
     given = varying_of(scene, units, pieces_of(scene, units, carried%captured, carried%body))
   end function beam_of
 
-  subroutine take_change(given, configuration, was, after, is, bodies, time, monitor, acting, q, v, doubt)
+  subroutine take_change(given, configuration, from, was, onto, is, loads, load, since, monitor, bodies, wide, state, doubt)
     !! Bodies come and leave: the motion goes over to other modes, with that of modes that were not summed, which follow the loads at
-    !! once. Springs that come are at rest in the position in which they meet the beam, and so make a force that stays the same.
+    !! once.
     type(varying_beam), intent(in) :: given          !! before the change
-    type(configuration_type), intent(in) :: configuration
+    type(configuration_type), intent(in) :: configuration(:)
+    integer, intent(in) :: from, onto
     logical, intent(in) :: was(:), is(:)             !! which bodies are there before and after, (bodies)
-    class(mode_set), intent(in) :: after
-    type(body_type), intent(in) :: bodies(:)
-    type(dd), intent(in) :: time
+    type(placed_loads), intent(in) :: loads
+    real(dp), intent(in) :: load(:, :)               !! then, and rates, (loads, 2)
+    real(dp), intent(in) :: since(:, :)              !! the same as the beam came to rest in a shape; 0: it is straight
     class(monitor_type), intent(inout) :: monitor    !! nothing that is found means anything where it asks to stop
-    type(placed_loads), intent(inout) :: acting
-    real(dp), allocatable, intent(inout) :: q(:), v(:)
+    type(body_type), intent(inout) :: bodies(:)
+    type(configuration_type), intent(inout) :: wide(:)
+    type(beam_state), intent(inout) :: state
     real(dp), allocatable, intent(out) :: doubt(:, :)   !! what modes beyond may add to both, (modes after, 2)
     integer, parameter :: times_as_many = 4          ! modes are handed on as are summed
-    type(configuration_type) :: pair(2)
-    type(beam_state) :: state, later
-    type(body_type) :: inert(size(bodies))
+    type(beam_state) :: later
     type(event_type) :: ignored
-    real(dp), allocatable :: drive(:, :), nothing(:, :)
-    real(dp) :: beyond(size(bodies), 2, 2), load(size(acting%course), 2), no_points(0)
-    integer :: b, l, n
-    n = configuration%set%count
-    call configuration%source%find(first_numbers(min(configuration%source%highest, times_as_many*n)), pair(1)%set, monitor=monitor)
-    if (monitor%stop_requested()) return
-    allocate (nothing(pair(1)%set%count, 0))
-    call find_drive(given, pair(1)%set, acting%place, acting%turns, acting%accelerated, monitor, drive, no_points, nothing)
-    if (monitor%stop_requested()) return
-    load = loads_before(acting%course, time%hi)
-    associate (before => pair(1)%set)
-      state = beam_state(before%count, spread(0.0_dp, 1, before%count), spread(0.0_dp, 1, before%count))
-      do l = 1, size(acting%course)
-        where (before%beta_squared%hi > 1.0_dp)
-          state%q = state%q + drive(:, acting%kind(l))*load(l, 1)/(before%modal_mass*before%beta_squared%hi)
-          state%rate = state%rate + drive(:, acting%kind(l))*load(l, 2)/(before%modal_mass*before%beta_squared%hi)
-        end where
-      end do
-      doubt = unhanded_motion(configuration%set, q - state%q(:n), v - state%rate(:n), after, bodies, was, is)
-      state%q(:n) = q
-      state%rate(:n) = v
+    real(dp), allocatable :: drive(:, :), follows(:, :), soft(:), nothing(:, :)
+    real(dp) :: beyond(size(bodies), 2, 2), no_points(0)
+    integer :: b, n
+    n = configuration(from)%set%count
+    associate (source => configuration(from)%source)
+      call source%find(first_numbers(min(source%highest, times_as_many*n)), wide(from)%set, monitor=monitor)
     end associate
-    allocate (state%shape(0))
-    allocate (pair(2)%set, source=after)
-    inert = bodies                                   ! their springs are loads, and what they bring moves the beam without loads
-    inert%stiffness = 0.0_dp
-    inert%turning_stiffness = 0.0_dp
-    inert%pull = 0.0_dp
-    where (.not. is_missing(inert%velocity)) inert%velocity = 0.0_dp
-    beyond = 0.0_dp
-    do b = 1, size(bodies)
-      if (was(b) .or. .not. is(b)) cycle
-      beyond(b, :, :) = matmul(residual_at(given, pair(1)%set, pair(1)%set%count, acting, drive, bodies(b)%position), load)
-    end do
-    call hand_over(pair, 1, state, was, 2, after%count, is, inert, 0.0_dp, later, ignored, monitor, beyond)
     if (monitor%stop_requested()) return
-    do l = 1, size(acting%course)
-      b = acting%spring_of(l)
-      if (b == 0) cycle
-      if (was(b) .and. .not. is(b)) acting%course(l) = steady_course(0.0_dp, time%hi)
-      if (was(b) .or. .not. is(b)) cycle
-      if (acting%turns(acting%kind(l))) then
-        acting%course(l) = steady_course(bodies(b)%turning_stiffness*inert(b)%unstressed(2), time%hi)
-      else
-        acting%course(l) = steady_course(bodies(b)%stiffness*inert(b)%unstressed(1), time%hi)
-      end if
-    end do
-    q = later%q
-    v = later%rate
+    if (.not. allocated(wide(onto)%set)) allocate (wide(onto)%set, source=configuration(onto)%set)
+    associate (before => wide(from)%set, after => configuration(onto)%set)
+      allocate (nothing(before%count, 0))
+      call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
+      if (monitor%stop_requested()) return
+      beyond = 0.0_dp
+      do b = 1, size(bodies)
+        if (was(b) .or. .not. is(b)) cycle
+        beyond(b, :, :) = matmul(residual_at(given, before, before%count, loads, drive, bodies(b)%position), load)
+      end do
+      soft = 0.0_dp*before%modal_mass
+      where (before%beta_squared%hi > 1.0_dp) soft = 1.0_dp/(before%modal_mass*before%beta_squared%hi)
+      follows = spread(soft, 2, 2)*matmul(drive(:, loads%kind), load)
+      doubt = unhanded_motion(configuration(from)%set, state%q - follows(:n, 1), state%rate - follows(:n, 2), after, bodies, was, &
+                              is)
+      follows(:, 1) = soft*matmul(drive(:, loads%kind), load(:, 1) - since(:, 1))
+      state%count = before%count
+      state%q = [state%q, follows(n + 1:, 1)]
+      state%rate = [state%rate, follows(n + 1:, 2)]
+      call hand_over(wide, from, state, was, onto, after%count, is, bodies, 0.0_dp, later, ignored, monitor, beyond)
+      if (monitor%stop_requested()) return
+      later%q = later%q(:after%count)
+      later%rate = later%rate(:after%count)
+    end associate
+    state = later
   end subroutine take_change
 
   pure real(dp) function largest_of(run, quantity) result(peak)

@@ -68,14 +68,14 @@ contains
     associate (set => motion%modes%configuration(configuration)%set, place => scene%impact%position)
       allocate (nothing(set%count, 0), ignored(1 + size(loads%place)), acting%residual(size(loads%course)), &
                 acting%drive(set%count + 1, size(loads%course)))
-      call find_drive(given, set, loads%place, loads%turns, loads%accelerated, monitor, drive, no_points, nothing)
+      call find_drive(given, set, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
       if (monitor%stop_requested()) return
       allocate (residual(size(drive, 2), 1, hub_turn), terms(size(drive, 2), 1, hub_turn))
       allocate (weights(set%count, 1, hub_turn), source=0.0_dp)
       weights(:, :, deflection) = set%some_shapes(1, set%count, [place])
       weights(:, 1, hub_turn) = set%hub_turns()
-      call find_residuals(given, set, summed, loads%place, loads%turns, loads%accelerated, drive, weights, [place], residual, &
-                          terms, ignored)
+      call find_residuals(given, set, summed, loads%place, loads%accelerated, drive, weights, [place], residual, terms, &
+                          ignored)
       acting%course = scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))
       do l = 1, size(loads%course)
         associate (kind => loads%kind(l))

@@ -98,13 +98,12 @@ contains
     n = size(points)
     allocate (weights(modes%count, n, hub_turn), residual(n + 1, n, hub_turn))
     allocate (terms, mold=residual)
-    call find_drive(given, modes, points, spread(.false., 1, n), .true., monitor, drive, points, weights(:, :, 3))
+    call find_drive(given, modes, points, .true., monitor, drive, points, weights(:, :, 3))
     if (monitor%stop_requested()) return
     weights(:, :, 1) = values_at(modes, deflections, 1, modes%count, points)
     weights(:, :, 2) = values_at(modes, curvatures, 1, modes%count, points)
     weights(:, :, hub_turn) = values_at(modes, turns, 1, modes%count, points)
-    call find_residuals(given, modes, kept, points, spread(.false., 1, n), .true., drive, weights, points, residual, terms, &
-                        flexibility)
+    call find_residuals(given, modes, kept, points, .true., drive, weights, points, residual, terms, flexibility)
     factor = [1.0_dp, scale_of_moments(scene), scale_of_moments(scene)/units%length]
     model%participation = drive(:, n + 1)*units%mass
     model%shape = transpose(weights(:, :, 1))

@@ -123,7 +123,7 @@ contains
     self%shift = max(0.25_dp*abs(node_at(self, modes%count, highest)), 2.0_dp*given%beam%spin_squared%hi + 0.25_dp)
     allocate (self%grown(size(points), nodes))
     do i = 1, nodes
-      shapes = static_shapes(given, [position], [.false.], .false., i*self%shift, points)
+      shapes = static_shapes(given, [position], .false., i*self%shift, points)
       self%grown(:, i) = shapes(:, deflection, 1)
     end do
     allocate (self%rounding(modes%count, 2))

@@ -91,18 +91,17 @@ contains
     real(dp) :: shape(size(xi), columns), shapes(size(xi), columns, 1)
     type(dd) :: place
     place = joint_position(given%beam, struck)
-    shapes = static_shapes(given, [place%hi], [.false.], .false., shift, xi)
+    shapes = static_shapes(given, [place%hi], .false., shift, xi)
     shape = shapes(:, :, 1)
   end function static_shape
 
-  function static_shapes(given, place, turned, accelerated, shift, xi, from_line) result(shape)
-    !! The same under a force or a moment of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked
-    !! for, which loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly,
+  function static_shapes(given, place, accelerated, shift, xi, from_line) result(shape)
+    !! The same under a force of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked for,
+    !! which loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly,
     !! and nothing but what holds the beam to it feels that: the deflection is that of displaced ends and springs, less c.
     !! (points, 5, places)
     type(varying_beam), intent(in) :: given
-    real(dp), intent(in) :: place(:)              !! ξ of forces and moments
-    logical, intent(in) :: turned(:)              !! a moment acts there
+    real(dp), intent(in) :: place(:)              !! ξ of forces
     logical, intent(in) :: accelerated            !! the last column is that of the acceleration
     real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest; λ is not 0 where accelerated
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
@@ -121,8 +120,8 @@ contains
     right = 0.0_dp
     do f = 1, size(place)
       associate (e => end_of(size(xi) + f), root => given%beam%root)
-        right(row_of_force(size(parts), e) - merge(1, 0, turned(f)), f) = merge(1.0_dp, -1.0_dp, e == size(parts))
-        if (e == 0 .and. merge(root%holds_turning, root%holds_deflection, turned(f))) right(:, f) = 0.0_dp
+        right(row_of_force(size(parts), e), f) = merge(1.0_dp, -1.0_dp, e == size(parts))
+        if (e == 0 .and. root%holds_deflection) right(:, f) = 0.0_dp
       end associate
     end do
     if (accelerated) call displace_ends(given, parts, 1.0_dp/lambda, right(:, size(shape, 3)))
@@ -131,7 +130,7 @@ contains
     lever = 0.0_dp
     if (accelerated) lever(size(lever)) = pull_at(given, 1, 0.0_dp)/lambda   ! as the root is that much less far from the axis's line
     do f = 1, size(place)
-      if (end_of(size(xi) + f) == 0) lever(f) = merge(1.0_dp, given%beam%root%hub_radius%hi, turned(f))
+      if (end_of(size(xi) + f) == 0) lever(f) = given%beam%root%hub_radius%hi
       if (present(from_line)) lever(f) = lever(f) - merge(arm_of(given%beam, place(f)), 0.0_dp, from_line(f))
     end do
     turn = 0.0_dp

@@ -9,7 +9,7 @@ module bw_load_course
   implicit none (type, external)
   private
   public :: course_of_samples, course_of_shape, degree_of, end_jump, impulse_of, interval_at, is_over, lag_bound, largest_load
-  public :: loads_before, next_knot, part_of_course, rates_of, scaled_course, steady_course
+  public :: loads_before, next_knot, part_of_course, rates_of, scaled_course
 
   type, public :: load_course
     real(dp), allocatable :: knot(:)               !! ascending, (intervals + 1)
@@ -53,13 +53,6 @@ contains
     course%power(0, 1) = constant
     call begin_at_rest(course)
   end function course_of_shape
-
-  pure type(load_course) function steady_course(amplitude, start) result(course)
-    !! A load that stays the same from a time on.
-    real(dp), intent(in) :: amplitude, start
-    real(dp), parameter :: beyond_all_times = 1.0e100_dp
-    course = course_of_shape('rectangle', amplitude, start, beyond_all_times, 0.0_dp)
-  end function steady_course
 
   pure type(load_course) function course_of_samples(times, values) result(course)
     !! Straight lines between samples. What lies before t = 0 is left out.

@@ -12,7 +12,7 @@ module bw_load_modes
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: arm_of, holds_tip, joint_position
-  use bw_static_shape, only: deflection, hub_turn, static_shapes, turning
+  use bw_static_shape, only: deflection, hub_turn, static_shapes
   use bw_varying_beam, only: pull_at, value_of, varying_beam
   implicit none (type, external)
   private
@@ -193,10 +193,9 @@ contains
     slope(0) = -sum(slope(1:))
   end function end_slopes
 
-  subroutine find_residuals(given, modes, summed, place, turned, accelerated, drive, weights, xi, residual, terms, flexibility, &
-                            from_line)
+  subroutine find_residuals(given, modes, summed, place, accelerated, drive, weights, xi, residual, terms, flexibility, from_line)
     !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
-    !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²), or under a moment.
+    !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²).
     !!
     !! Modes that grow, or that nothing holds, are taken out of both: β² is raised by s², 2s², 3s² and 4s², and what holds without that
     !! is extrapolated, with an error of 24(s/β)⁸ of what each missing mode adds. The larger s is, the smaller are the terms whose
@@ -204,10 +203,9 @@ contains
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed                  !! how many of them are
-    real(dp), intent(in) :: place(:)               !! ξ of forces and moments
-    logical, intent(in) :: turned(:)               !! a moment acts there
+    real(dp), intent(in) :: place(:)               !! ξ of forces
     logical, intent(in) :: accelerated             !! the last load is an acceleration of the frame by −1
-    real(dp), intent(in) :: drive(:, :)            !! Φ_k or Ψ_k at these places, and the participation, (modes, loads)
+    real(dp), intent(in) :: drive(:, :)            !! Φ_k at these places, and the participation, (modes, loads)
     real(dp), intent(in) :: weights(:, :, :)
       !! deflection, curvature, shear force, turn of the hub, turning of sections by modes at points, or the first of these,
       !! (modes, points, quantities)
@@ -235,8 +233,7 @@ contains
     terms = 0.0_dp
     flexibility = 0.0_dp
     do i = 1, size(signs)
-      whole = static_shapes(given, [place, xi], [turned, spread(.false., 1, size(xi))], accelerated, i*shift, [xi, place], &
-                            [on_line, spread(.true., 1, size(xi))])
+      whole = static_shapes(given, [place, xi], accelerated, i*shift, [xi, place], [on_line, spread(.true., 1, size(xi))])
       soft = 1.0_dp/(modes%modal_mass(:summed)*(modes%beta_squared(:summed)%hi + i*shift))
       do l = 1, size(drive, 2)
         f = l                                      ! its column
@@ -253,10 +250,7 @@ contains
         f = size(place) + p
         if (p > size(xi)) f = p - size(xi)
         gives = whole(p, deflection, f)
-        if (p > size(xi)) then
-          gives = gives + arms(p)*whole(p, hub_turn, f)
-          if (turned(p - size(xi))) gives = whole(p, turning, f)
-        end if
+        if (p > size(xi)) gives = gives + arms(p)*whole(p, hub_turn, f)
         flexibility(p) = flexibility(p) + signs(i)*(gives - sum(soft*own(:, p)**2))
       end do
     end do

@@ -14,7 +14,7 @@ module bw_load_sum
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: rounding_of, sum_loaded_modes, tail_error
+  public :: rounding_of, sum_loaded_modes, tail_errors
 
   integer, parameter :: at_once = 64                !! samples
   integer, parameter :: orders = 2                  !! derivatives in time, the most
@@ -254,15 +254,15 @@ contains
     sees_beyond = 2*count >= 3*summed
   end function sees_beyond
 
-  pure function tail_error(view, tail, columns) result(error)
-    !! An estimate of what is missing of infinitely many modes in columns of one quantity. With ρ the ratio of two octaves the octave that
-    !! is missing is the first term of a geometric series; where it is not known, it is ρ times that before it. As waves that have
-    !! not reached a point yet may do so in modes beyond, it is taken to be as large a part of the root sum of squares
-    !! of its modes' amplitudes at every point as it is where that part is largest.
+  pure function tail_errors(view, tail, columns) result(errors)
+    !! An estimate of what is missing of infinitely many modes in columns of one quantity, and of what lies beyond those that are known,
+    !! (columns, 2). With ρ the ratio of two octaves the octave that is missing is the first term of a geometric series; where it is not
+    !! known, it is ρ times that before it. As waves that have not reached a point yet may do so in modes beyond, it is taken to be as
+    !! large a part of the root sum of squares of its modes' amplitudes at every point as it is where that part is largest.
     type(load_view), intent(in) :: view
     type(load_tail), intent(in) :: tail
     integer, intent(in) :: columns(:)
-    real(dp) :: error(size(columns))
+    real(dp) :: errors(size(columns), 2), error(size(columns))
     real(dp), parameter :: least = 0.02_dp, most = 0.9_dp, margin = 2.0_dp   ! tuned
     real(dp) :: part, ratio, scale(size(columns), 2)
     integer :: b, ends(3), i
@@ -281,7 +281,8 @@ contains
     part = maxval(tail%largest(columns, :)/max(scale, tiny(1.0_dp)))
     error = margin/(1.0_dp - ratio)*part*max(scale(:, 2), ratio*scale(:, 1))
     if (.not. sees_beyond(view%summed, size(view%drive, 1))) error = 2.0_dp*max(ratio, 0.1_dp)*error
-  end function tail_error
+    errors = reshape([error, ratio*error], shape(errors))
+  end function tail_errors
 
   pure function rounding_of(modes, view, tail, duration) result(error)
     !! What rounding of steps, of the modes' frequencies and of their masses leaves, and of what is added at once, (columns).
