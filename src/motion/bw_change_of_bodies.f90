@@ -129,9 +129,13 @@ contains
       end if
       event%energy_after = known_energy(energy_of(after, later) + leaving(1) + leaving(2))
       call find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
+      event%momentum_before = missing
+      event%momentum_after = missing
       associate (k => first_struck(after))
-        event%momentum_before = (momenta(1) + momenta(2))/after%struck(k)
-        event%momentum_after = (after%modal_mass(k)*later%rate(k) + momenta(2))/after%struck(k)
+        if (abs(after%struck(k)) > epsilon(1.0_dp)) then   ! else the place is held: shapes are of size 1
+          event%momentum_before = (momenta(1) + momenta(2))/after%struck(k)
+          event%momentum_after = (after%modal_mass(k)*later%rate(k) + momenta(2))/after%struck(k)
+        end if
       end associate
       event%hub_rate_change = mean_rate(after, later%rate) - mean_rate(before, state%rate)
     end associate

@@ -274,6 +274,7 @@ def test_a_rigid_spring_comes_to_a_beam_under_a_force_and_leaves(here):
     off, peak = np.abs(ds["displacement"].values - np.transpose(expected)).max(axis=1), np.abs(expected).max()
     told = ds["displacement_error"].values
     assert (off <= told).all() and (told <= 0.01 * peak).all(), (off / peak, told / peak)
+    assert ds["momentum_after"].isnull().values.tolist() == [True, False]  # per unit of the tip's displacement, which is held first
 
 
 def test_loads_add_to_a_beam_that_is_let_go_and_meets_bodies(here):
