@@ -18,6 +18,7 @@ module bw_blow_moves
   integer, parameter :: most_blows = 32
   integer, parameter :: renewed = 100            !! part of its samples, by which G may have grown
   integer, parameter :: fewest = 16              !! samples between blows
+  integer, parameter :: near = 64                !! samples by which a blow may be missed where a prediction errs
   real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, which poles beside each other need
   real(dp), parameter :: most_carried = 30       !! logarithm of that factor
   real(dp), parameter :: worth = 1               !! fall of −2 ln L for which a blow is moved
@@ -169,11 +170,12 @@ contains
 
   pure integer function best_shift(white, motion, at) result(shift)
     !! By how many samples a blow is best moved, the motion that it brings going on as it is. It is not put off over rows that tell
-    !! nothing, which may be crests that were cut off.
+    !! nothing, which may be crests that were cut off, nor over a motion that was there in another phase, as that of a beat is: if it
+    !! was not, just its own squares fall.
     real(dp), intent(in) :: white(:, :)          !! what is left with this motion from sample `at` on
     real(dp), intent(in) :: motion(:, :)
     integer, intent(in) :: at
-    real(dp) :: gain, best
+    real(dp) :: gain, best, taken
     integer :: n
     shift = 0
     best = worth
@@ -186,10 +188,12 @@ contains
       shift = n - at
     end do
     gain = 0
+    taken = 0
     do n = at, size(white, 1) - fewest
       if (all(abs(white(n, :)) <= 0)) exit
       gain = gain + sum(white(n, :)**2 - (white(n, :) + motion(n, :))**2)
-      if (gain <= best) cycle
+      taken = taken + sum(motion(n, :)**2)
+      if (gain <= best .or. (n - at >= near .and. abs(gain - taken) > taken/2)) cycle
       best = gain
       shift = n + 1 - at
     end do

@@ -7,7 +7,7 @@ module bw_line_moves
   use bw_cost, only: order_price, penalty_of_course, penalty_of_line, penalty_of_tone
   use bw_decay_bank, only: decay_candidate, edge, find_candidates
   use bw_kinds, only: dp
-  use bw_line, only: course_type, line_type
+  use bw_line, only: course_type, line_type, pole_at
   use bw_line_drops, only: energy_of
   use bw_model, only: colour_at, model_type, renew
   use bw_monitor, only: monitor_type, stops
@@ -25,6 +25,8 @@ module bw_line_moves
   integer, parameter :: first_steps = 8           !! of a new line's fit
   real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of what its drift leaves
   integer, parameter :: first_window = 64         !! part of the longest stretch in which a drifting line is looked at first
+  real(dp), parameter :: faint = 1.0e-3_dp        !! tuned: part of the strongest candidate's gain; what that line leaves may be more
+  real(dp), parameter :: most_growth = 0.5_dp     !! logarithm over the longest stretch, of a line that drifts
   real(dp), parameter :: promised = 0.5_dp        !! tuned: part of what a candidate seems to gain, that it gains beside those before
 
 contains
@@ -73,6 +75,7 @@ contains
         if (accepted > 0) return
       end if
       if (accepted > 0 .and. found%gain < promised*candidates(i)%gain) cycle  ! it was the skirt of another
+      if (candidates(i)%gain < faint*candidates(1)%gain .and. has_left(candidates(i), found, span_of_model(model))) cycle
       gain = 0
       if (found%gain > penalty) call accept(found, penalty, model, gain)
       if (.not. gain > 0) cycle
@@ -81,6 +84,16 @@ contains
       moved = [moved, candidates(i)%pole, model%lines(size(model%lines))%pole]
     end do
   end subroutine add_round
+
+  pure logical function has_left(candidate, found, span)
+    !! Whether the fit of a new line has left the place where the bank of decays shows it, for what a stronger line has left.
+    type(decay_candidate), intent(in) :: candidate
+    type(refit_type), intent(in) :: found
+    real(dp), intent(in) :: span                 !! samples
+    associate (place => candidate%pole)
+      has_left = abs(found%lines(size(found%lines))%pole - place) > 4*max(-place%re, 2/span)
+    end associate
+  end function has_left
 
   subroutine propose(need, need_of_course, candidate, model, found, penalty)
     !! Fit a line at a candidate's place, or a course of the line beside it, whichever J prefers.
@@ -102,6 +115,7 @@ contains
     host = minloc(abs(model%lines%pole%im - line%pole%im), dim=1, mask=own)
     if (.not. beside(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
     call add_course(model, own, pack(model%lines, own), count(own(:host)), bent)
+    if (.not. allocated(bent%lines)) return
     if (.not. bent%gain - need_of_course > found%gain - need) return
     found = bent
     penalty = need_of_course
@@ -160,23 +174,32 @@ contains
       lines = found%lines
       lines(host)%courses(c)%held = .false.
       call refit(model, own, lines, all_steps, found)
-      if (found%gain > best%gain) best = found
+      if (found%gain > best%gain .and. decays(found%lines(host))) best = found
     end subroutine try
+
+    pure logical function decays(line)
+      !! Whether a line never grows much, as the beat of two lines does.
+      type(line_type), intent(in) :: line
+      decays = max(line%pole%re, real(pole_at(line, span), dp))*span < most_growth
+    end function decays
 
   end subroutine add_course
 
   subroutine add_drifts(false_alarm, model, added)
-    !! Let frequency and decay of lines change evenly where that pays; what a faster change leaves, the bank of decays shows.
+    !! Let frequency and decay of lines change evenly where that pays; what a faster change leaves, the bank of decays shows. Two lines
+    !! that do not beat once tell no drift.
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
     logical :: done(size(model%lines)), own(size(model%lines))
     type(line_type), allocatable :: start(:)
     type(refit_type) :: found
-    real(dp) :: gain
+    real(dp) :: gain, apart
     integer :: k, host
     added = 0
-    done = [(model%lines(k)%steady .or. size(model%lines(k)%courses) > 0, k=1, size(done))]
+    apart = 2*pi/span_of_model(model)
+    done = [(model%lines(k)%steady .or. size(model%lines(k)%courses) > 0 &
+      & .or. count(abs(model%lines%pole%im - model%lines(k)%pole%im) < apart) > 1, k=1, size(done))]
     do while (.not. all(done))
       k = findloc(done, .false., dim=1)
       done(k) = .true.
@@ -254,6 +277,7 @@ contains
       own(k) = .true.
       start = pack(model%lines, kept)
       call add_course(model, own, start, count(kept(:host)), found)
+      if (.not. allocated(found%lines)) cycle
       call accept(found, penalty_of_course(false_alarm) - penalty, model, gain)
       if (abs(gain) > 0) then
         merged = merged + 1

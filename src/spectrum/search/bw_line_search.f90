@@ -138,10 +138,9 @@ contains
       if (present(monitor)) call monitor%advance(first_lines*round/(round + 2))
       call renew(samples, order_price(samples), .true., model)
       call add_round(samples, false_alarm, model, added)
-      if (added == 0) exit
       if (stops(monitor)) exit
-      call refit_all(trial_steps, at_rest, model)
-      call renew(samples, order_price(samples), .true., model)
+      if (added > 0) call refit_all(trial_steps, at_rest, model)
+      if (added > 0) call renew(samples, order_price(samples), .true., model)
       call judge_steady(samples, false_alarm, model, steady)
       if (steady > 0) call refit_all(trial_steps, at_rest, model)
       moved = 0
@@ -150,6 +149,7 @@ contains
         call renew(samples, order_price(samples), .true., model)
         call refit_all(trial_steps, at_rest, model)
       end if
+      if (added + moved == 0) exit
       if (size(model%lines) < many_lines) cycle
       call try_tones(samples, false_alarm, model, moved)
       call renew(samples, order_price(samples), .false., model)
