@@ -126,7 +126,7 @@ contains
         end associate
         load = loads_before(loads%course, until%hi)
         shown = held + shown_by(set, view, state%q, load(:, 1))
-        if (.not. allocated(wide)) allocate (wide(size(modes%configuration)))
+        if (.not. allocated(wide)) allocate (wide(size(modes%configuration) + 1))
         call take_change(given, modes%configuration, configuration, presence(scene, configurations(configuration)), next, &
                          presence(scene, steps(i)%carried), loads, load, since, monitor, bodies, wide, state, doubt)
         if (monitor%stop_requested()) return
@@ -246,7 +246,7 @@ contains
     real(dp), intent(in) :: since(:, :)              !! the same as the beam came to rest in a shape; 0: it is straight
     class(monitor_type), intent(inout) :: monitor    !! nothing that is found means anything where it asks to stop
     type(body_type), intent(inout) :: bodies(:)
-    type(configuration_type), intent(inout) :: wide(:)
+    type(configuration_type), intent(inout) :: wide(:)   !! one more than there are configurations
     type(beam_state), intent(inout) :: state
     real(dp), allocatable, intent(out) :: doubt(:, :)   !! what modes beyond may add to both, (modes after, 2)
     integer, parameter :: times_as_many = 4          ! modes are handed on as are summed
@@ -254,13 +254,15 @@ contains
     type(event_type) :: ignored
     real(dp), allocatable :: drive(:, :), follows(:, :), soft(:), nothing(:, :)
     real(dp) :: beyond(size(bodies), 2, 2), no_points(0)
-    integer :: b, n
+    integer :: aside, b, n
+    aside = size(wide)
     n = configuration(from)%set%count
     associate (source => configuration(from)%source)
       call source%find(first_numbers(min(source%highest, times_as_many*n)), wide(from)%set, monitor=monitor)
     end associate
     if (monitor%stop_requested()) return
-    if (.not. allocated(wide(onto)%set)) allocate (wide(onto)%set, source=configuration(onto)%set)
+    if (allocated(wide(aside)%set)) deallocate (wide(aside)%set)
+    allocate (wide(aside)%set, source=configuration(onto)%set)   ! fewer than hand on the motion later
     associate (before => wide(from)%set, after => configuration(onto)%set)
       allocate (nothing(before%count, 0))
       call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
@@ -279,12 +281,13 @@ contains
       state%count = before%count
       state%q = [state%q, follows(n + 1:, 1)]
       state%rate = [state%rate, follows(n + 1:, 2)]
-      call hand_over(wide, from, state, was, onto, after%count, is, bodies, 0.0_dp, later, ignored, monitor, beyond)
+      call hand_over(wide, from, state, was, aside, after%count, is, bodies, 0.0_dp, later, ignored, monitor, beyond)
       if (monitor%stop_requested()) return
       later%q = later%q(:after%count)
       later%rate = later%rate(:after%count)
     end associate
     state = later
+    where (state%shape%configuration == aside) state%shape%configuration = onto
   end subroutine take_change
 
   pure real(dp) function largest_of(run, quantity) result(peak)
