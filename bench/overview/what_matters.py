@@ -145,7 +145,7 @@ def lines(data: dict[str, Any]) -> str:
     worst = max(max(row["over_bound"]) for row in found)
     inside = [part for row in found for part in row["inside"]]
     return (
-        f"- **Lines of records** (by the search of 0.1). In {len(found)} of [{len(own)} kinds of noisy records](#lines-in-noise) the mean square errors of "
+        f"- **Lines of records.** In {len(found)} of [{len(own)} kinds of noisy records](#lines-in-noise) the mean square errors of "
         f"frequency and decay are at most {worst:.3g} times the Cramér–Rao bound, and {100 * min(inside):.3g} to "
         f"{100 * max(inside):.3g} % of the intervals of 95 % hold the truth. "
         + ("Lines are missed: " + ", ".join(missed) + "." if missed else "No more than a hundredth of the lines is missed in any.")
