@@ -5,12 +5,11 @@ module bw_netcdf_source
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_kinds, only: dp, i8
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: missing
   use bw_netcdf_path, only: has_backslash
   use bw_netcdf_reading, only: all_is_well, end_reading => close_netcdf, open_to_read => open_netcdf, read_numbers, status_text
   use bw_netcdf_survey, only: netcdf_column, survey
   use bw_record_source, only: record_source
-  use bw_sample_times, only: first_fall
   use bw_text, only: text_of
   implicit none (type, external)
   private
@@ -26,7 +25,6 @@ module bw_netcdf_source
     procedure :: place_of_row
     procedure :: close => close_netcdf
     procedure, private :: take_rows
-    procedure, private :: refuse_number
   end type netcdf_source
 
   type :: row_block
@@ -52,7 +50,7 @@ contains
   end subroutine open_netcdf
 
   subroutine read_times(self, column, rows, times, steps, error)
-    !! All digits of the times are there: those of double or of single precision. What is behind a time that falls is not read.
+    !! All digits of the times are there: those of double or of single precision.
     class(netcdf_source), intent(inout) :: self
     integer, intent(in) :: column
     integer(i8), intent(out) :: rows
@@ -63,9 +61,7 @@ contains
     allocate (times(merge(rows, 0_i8, column > 0)), steps(merge(rows, 0_i8, column > 0)), stat=refused)
     if (refused /= 0) call fail(error, status_bad_file, self%path//': memory for '//text_of(rows)//' times was refused')
     if (column == 0 .or. allocated(error)) return
-    call self%take_rows([column], 1_i8, rows, times, error, rising=.true.)
-    if (rows < size(times, kind=i8)) times = times(:rows)
-    if (rows < size(steps, kind=i8)) steps = steps(:rows)
+    call self%take_rows([column], 1_i8, rows, times, error)
     steps = 0.0_dp
     if (self%where(column)%is_single) steps = 4*real(spacing(real(times)), dp)
   end subroutine read_times
@@ -82,15 +78,14 @@ contains
     call self%take_rows(columns, first, rows, values, error)
   end subroutine read_values
 
-  subroutine take_rows(self, columns, first, rows, values, error, rising)
+  subroutine take_rows(self, columns, first, rows, values, error)
     !! Read numbers, block by block.
     class(netcdf_source), intent(in) :: self
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first                 !! row
-    integer(i8), intent(inout) :: rows               !! how many are asked for, and then how many there are
+    integer(i8), intent(in) :: rows
     real(dp), intent(inout) :: values(rows, *)       !! (rows, columns)
     type(error_type), allocatable, intent(inout) :: error
-    logical, intent(in), optional :: rising          !! stop behind a fall
     type(row_block), allocatable :: blocks(:)
     real(dp), allocatable :: found(:, :)
     integer :: file, status, b, s
@@ -101,16 +96,10 @@ contains
         call read_block(self%where(columns(block%first_column:block%last_column)), file, first + block%first_row - 1, &
                         block%last_row - block%first_row + 1, found, status)
         if (status /= all_is_well) call fail(error, status_bad_file, 'cannot be read: '//status_text(status))
-        do s = block%first_column, block%last_column
-          associate (column => found(:, s - block%first_column + 1))
-            if (.not. allocated(error)) call self%refuse_number(columns(s), first + block%first_row - 1, column, error)
-            values(block%first_row:block%last_row, s) = column
-          end associate
-        end do
         if (allocated(error)) exit
-        if (.not. present(rising)) cycle
-        if (first_fall(found(:, 1)) > 0) rows = block%last_row
-        if (rows == block%last_row) exit
+        do s = block%first_column, block%last_column
+          values(block%first_row:block%last_row, s) = found(:, s - block%first_column + 1)
+        end do
       end associate
     end do
     call end_reading(file)
@@ -178,27 +167,12 @@ contains
         end do
       end if
       if (status /= all_is_well) return
+      where (.not. ieee_is_finite(values)) values = missing
       where (values == here%fills(1) .or. values == here%fills(2)) values = missing
       if (here%factor == 1.0_dp .and. here%offset == 0.0_dp) return
       where (values /= missing) values = here%factor*values + here%offset
     end associate
   end subroutine read_block
-
-  subroutine refuse_number(self, column, first, values, error)
-    !! Say where a number is missing, or is none. **Errors**: `status_bad_file`.
-    class(netcdf_source), intent(in) :: self
-    integer, intent(in) :: column
-    integer(i8), intent(in) :: first
-    real(dp), intent(in) :: values(:)
-    type(error_type), allocatable, intent(inout) :: error
-    integer(i8) :: j
-    do j = 1, size(values, kind=i8)
-      if (ieee_is_finite(values(j)) .and. .not. is_missing(values(j))) cycle
-      call fail(error, status_bad_file, self%columns(column)%name//': sample '//text_of(first + j - 1)// &
-                ' is missing or no finite number; accepted: a record without gaps; cut such samples off by start and end')
-      return
-    end do
-  end subroutine refuse_number
 
   function place_of_row(self, row) result(place)
     !! The number of a sample, for a message.

@@ -5,7 +5,7 @@ module bw_read_record
   use bw_files, only: cannot_be_read, path_beside
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, i1, i8
-  use bw_missing, only: is_missing
+  use bw_missing, only: is_missing, missing
   use bw_netcdf_source, only: netcdf_source
   use bw_process, only: free_memory
   use bw_record, only: record_type
@@ -46,7 +46,8 @@ contains
     class(record_source), allocatable :: source
     integer, allocatable :: columns(:)
     real(dp), allocatable :: times(:), steps(:)
-    integer(i8) :: part(2)                             ! first and last sample that is used
+    logical, allocatable :: told(:)                    ! rows that have a time of their own; in the end, of the part that is used
+    integer(i8) :: part(2)                             ! first and last row that is used
     integer :: time, force
     record%path = record_path(scene, number)
     call choose_source(record%path, source, error)
@@ -54,9 +55,11 @@ contains
     if (.not. allocated(error)) call choose_columns(scene, source, time, columns, force, error)
     if (.not. allocated(error)) call check_memory(record%path, source%rows, 3, error)
     if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
-    if (.not. allocated(error)) call take_times(scene, source, time, times, steps, record, part, error)
+    if (.not. allocated(error)) call take_times(scene, source, time, times, steps, record, told, part, error)
     if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
     if (.not. allocated(error) .and. force > 0) call read_force(source, force, part, record, error)
+    if (.not. allocated(error)) call leave_out(told, record, error)
+    if (.not. allocated(error)) call convert(record, error)
     if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
     if (allocated(source)) call source%close()
   end subroutine read_record
@@ -99,28 +102,35 @@ contains
               ' numbers each')
   end subroutine check_memory
 
-  subroutine take_times(scene, source, time, times, steps, record, part, error)
-    !! Times since the first sample that is used, and which samples those are.
+  subroutine take_times(scene, source, time, times, steps, record, told, part, error)
+    !! Times since the first sample that is used, and which rows those are.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     integer, intent(in) :: time                        !! the column of the times; 0: the sampling rate tells them
     real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; used up
     type(record_type), intent(inout) :: record
+    logical, allocatable, intent(out) :: told(:)       !! which rows of that part have a time of their own
     integer(i8), intent(out) :: part(2)
     type(error_type), allocatable, intent(inout) :: error
     real(dp) :: scale                                  ! s over the file's unit
     integer(i8) :: j
     integer, parameter :: many = 16                    ! times, of which not all end in zeros that were left out
     part = [1_i8, 0_i8]
+    allocate (told(record%samples_there), source=.true.)
     associate (par => scene%record, first => part(1), last => part(2))
       if (time > 0) then
+        call mark_own_times(times, told)
+        if (.not. all(told)) then
+          times = pack(times, told)
+          steps = pack(steps, told)
+        end if
         scale = par%time_scale
         if (is_missing(scale)) scale = factor_of(source%columns(time)%unit, 'time')
         if (abs(scale - 1.0_dp) > 0 .and. scale > 0.0_dp) then
           times = scale*times
           steps = scale*steps
         end if
-        call check_times(source, times, error)
+        call check_times(source, times, told, error)
         if (allocated(error)) return
       else
         times = [(real(j, dp)/par%sample_rate, j=0, record%samples_there - 1)]
@@ -146,21 +156,49 @@ contains
         record%times = times(first:last) - times(first)
       end if
     end associate
+    part = [row_of(part(1), told), row_of(part(2), told)]
+    told = told(part(1):part(2))
   end subroutine take_times
 
-  subroutine check_times(source, times, error)
+  pure subroutine mark_own_times(times, told)
+    !! Mark rows without a time, or with that of the row before.
+    real(dp), intent(in) :: times(:)
+    logical, intent(inout) :: told(:)                  !! false for these
+    real(dp) :: last
+    integer(i8) :: j
+    last = missing
+    do j = 1, size(times, kind=i8)
+      told(j) = .not. is_missing(times(j)) .and. abs(times(j) - last) > 0
+      if (told(j)) last = times(j)
+    end do
+  end subroutine mark_own_times
+
+  pure integer(i8) function row_of(time, told) result(row)
+    !! The row of the file that a time is of.
+    integer(i8), intent(in) :: time                    !! its number
+    logical, intent(in) :: told(:)
+    integer(i8) :: n
+    n = 0
+    do row = 1, size(told, kind=i8)
+      if (told(row)) n = n + 1
+      if (n == time) return
+    end do
+  end function row_of
+
+  subroutine check_times(source, times, told, error)
     !! Times rise, and are those of a clock. **Errors**: `status_bad_file`, with the place.
     class(record_source), intent(inout) :: source
     real(dp), intent(in) :: times(:)
+    logical, intent(in) :: told(:)                     !! rows of the file that they are of
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: row
     row = first_fall(times)
     if (row > 0) then
-      call fail(error, status_bad_file, source%place_of_row(row)//': the time '//text_of(times(row))// &
+      call fail(error, status_bad_file, source%place_of_row(row_of(row, told))//': the time '//text_of(times(row))// &
                 ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
     else if (any(abs(times) > latest)) then
       row = findloc(abs(times) > latest, .true., dim=1, kind=i8)
-      call fail(error, status_bad_file, source%place_of_row(row)//': the time '//text_of(times(row))// &
+      call fail(error, status_bad_file, source%place_of_row(row_of(row, told))//': the time '//text_of(times(row))// &
                 ' is far from that of any clock; accepted: up to '//text_of(latest)//' s; or time_scale, where they are in '// &
                 'ms or the like')
     end if
@@ -205,38 +243,83 @@ contains
     integer(i8), intent(in) :: part(2)
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
-    real(dp) :: values(size(record%times), 1)
+    real(dp) :: values(size(record%values, 1), 1)
     call source%read_values([column], part(1), values, error)
-    record%force = force_factor(source%columns(column)%unit)*values(:, 1)
+    if (.not. allocated(error) .and. any(is_missing(values))) call fail(error, status_bad_file, source%place_of_row(part(1) - 1 + &
+      findloc(is_missing(values(:, 1)), .true., dim=1))//': the force is missing; accepted: a force without gaps')
+    if (.not. allocated(error)) record%force = force_factor(source%columns(column)%unit)*values(:, 1)
   end subroutine read_force
 
   subroutine read_sensors(scene, source, columns, part, record, error)
-    !! The samples that are used, in SI, or in the file's unit where that is not known.
+    !! All samples between the first and the last that are used.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     integer, intent(in) :: columns(:)
-    integer(i8), intent(in) :: part(2)                 !! first and last sample that is used
+    integer(i8), intent(in) :: part(2)                 !! first and last row that is used
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
-    integer :: s, status
-    real(dp) :: factor
+    integer :: status
     record%sensors = sensors_of(scene%record, source, columns)
     call check_memory(record%path, part(2) - part(1) + 1, size(columns), error)
     if (allocated(error)) return
     allocate (record%values(part(2) - part(1) + 1, size(columns)), stat=status)
     if (status /= 0) call fail(error, status_bad_file, record%path//': memory was refused')
     if (.not. allocated(error)) call source%read_values(columns, part(1), record%values, error)
+  end subroutine read_sensors
+
+  subroutine leave_out(told, record, error)
+    !! Leave out rows that lack a number or a time of their own. **Errors**: `status_bad_file` where too few are left.
+    logical, intent(in) :: told(:)                     !! the rows that the times are of
+    type(record_type), intent(inout) :: record
+    type(error_type), allocatable, intent(inout) :: error
+    logical :: whole(size(told))
+    logical, allocatable :: stays(:)                   ! of the times
+    real(dp), allocatable :: values(:, :)
+    integer(i8) :: lacking(size(record%sensors)), j
+    integer :: s, first, last
+    whole = told
+    do s = 1, size(lacking)
+      whole = whole .and. .not. is_missing(record%values(:, s))
+      lacking(s) = count(is_missing(record%values(:, s)))
+    end do
+    record%left_out = count(.not. whole)
+    if (record%left_out == 0) return
+    s = maxloc(lacking, dim=1)
+    if (count(whole) < least_samples) call fail(error, status_bad_file, record%path//': has '//text_of(count(whole))// &
+      ' samples without a gap, and column '//record%sensors(s)%name//' lacks '//text_of(lacking(s))//' of '// &
+      text_of(size(told))//' numbers; accepted: '//text_of(least_samples)//' or more')
     if (allocated(error)) return
-    do s = 1, size(columns)
-      factor = record%sensors(s)%scale
-      if (maxval(abs(record%values(:, s))) <= largest/max(1.0_dp, abs(factor))) then
-        if (abs(factor - 1.0_dp) > 0) record%values(:, s) = factor*record%values(:, s)
-        cycle
-      end if
+    allocate (values(count(whole), size(lacking)))
+    do s = 1, size(lacking)
+      values(:, s) = pack(record%values(:, s), whole)
+    end do
+    call move_alloc(values, record%values)
+    if (allocated(record%force)) record%force = pack(record%force, whole)
+    stays = pack(whole, told)
+    first = findloc(stays, .true., dim=1)
+    last = findloc(stays, .true., dim=1, back=.true.)
+    if (.not. all(stays(first:last))) record%interval = 0.0_dp
+    record%origin = record%origin + record%times(first)
+    record%times = pack(record%times, stays) - record%times(first)
+    if (record%interval > 0.0_dp) record%times = [(j*record%interval, j=0, size(record%times, kind=i8) - 1)]
+  end subroutine leave_out
+
+  subroutine convert(record, error)
+    !! Samples in SI, or in the file's unit where that is not known. **Errors**: `status_bad_file` where they are too large.
+    type(record_type), intent(inout) :: record
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: s
+    do s = 1, size(record%sensors)
+      associate (factor => record%sensors(s)%scale)
+        if (maxval(abs(record%values(:, s))) <= largest/max(1.0_dp, abs(factor))) then
+          if (abs(factor - 1.0_dp) > 0) record%values(:, s) = factor*record%values(:, s)
+          cycle
+        end if
+      end associate
       call fail(error, status_bad_file, record%path//': '//record%sensors(s)%name//' has numbers that are too large; '// &
                 'accepted: up to '//text_of(largest)//' in SI')
       return
     end do
-  end subroutine read_sensors
+  end subroutine convert
 
 end module bw_read_record

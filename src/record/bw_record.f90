@@ -30,6 +30,7 @@ module bw_record
   type, public :: record_type
     character(:), allocatable :: path            !! of the file
     integer(i8) :: samples_there = 0             !! in the file, before it is cut
+    integer(i8) :: left_out = 0                  !! of the part that is used, since they lack a number, or a time of their own
     real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
     real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
     real(dp) :: resolution = 0.0_dp              !! what the last digit of a late time stands for [s]; 0: all digits are there

@@ -33,6 +33,8 @@ contains
     end do
     if (time > 0) call note_time_unit(source%columns(time)%unit, scene%record%time_scale, record%notes)
     call note_uneven(record)
+    if (record%left_out > 0) call append(record%notes, 'rows: left out '//text_of(record%left_out)//' of '// &
+      text_of(record%samples_there)//': a number is missing, or the time, or it is that of the row before')
     do s = 1, size(columns)
       call note_unit(scene, source, columns, s, record)
       call note_flaws(find_flaws(record%values(:, s)), s, record)

@@ -119,13 +119,12 @@ HOSTILE = {  # what makes the file, status, what is said of it
     "a factor in strings": (lambda path: netcdf(path, scale_factor=["2", "3"]), 3, "scale_factor is not one number"),
     "a factor that is none": (lambda path: netcdf(path, scale_factor=np.nan), 3, "no finite number"),
     "many missing values": (lambda path: netcdf(path, missing_value=np.arange(50.0)), 3, "missing_value is not one number"),
-    "a missing value": (lambda path: netcdf(path, missing_value=RING[7]), 3, "acceleration: sample 8 is missing"),
     "numbers too large": (lambda path: netcdf(path, scale_factor=1e307), 3, "numbers that are too large"),
     "2^33 samples": (lambda path: unwritten(path, {"time": 2**33}), 3, "memory was refused"),
     "2^62 samples": (lambda path: unwritten(path, {"time": 2**62}), 3, "memory was refused"),
     "2^40 columns": (lambda path: unwritten(path, {"time": N, "point": 2**40}), 3, "columns and more; accepted"),
     "a million columns": (lambda path: unwritten(path, {"time": N, "point": 10**6 - 1}), 2, "columns of numbers beside the time"),
-    "samples that are not there": (lambda path: unwritten(path, {"time": 10**7}), 3, "time: sample 1 is missing"),
+    "samples that are not there": (lambda path: unwritten(path, {"time": 10**7}), 3, "has 0 samples"),
     "a classic file that says too much": (lambda path: changed(path, longer), 3, "cannot be read: "),
     "a classic file cut off": (lambda path: changed(path, lambda content: content[:-500]), 3, "is cut off: it has"),
     "a head cut off": (lambda path: changed(path, lambda content: content[:90]), 3, "cannot be read: "),
@@ -181,6 +180,13 @@ def test_a_hostile_record_is_refused_in_one_line(here, case):
     assert (ended, text.count("\n")) == (status, 1), text
     assert said in text and text.startswith(("data/ring", "ring.nml")), text
     assert here.left(".") == ["data", "data/ring", "ring.nml"]
+
+
+def test_a_missing_value_is_left_out(here):
+    (here.directory / "data").mkdir()
+    netcdf(here.directory / "data/ring", missing_value=RING[7])
+    ended, text = check(here)
+    assert ended == 0 and f"rows: left out 1 of {N}: a number is missing" in text
 
 
 def test_damaged_bytes_are_read_or_told_in_one_line(here):

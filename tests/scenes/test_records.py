@@ -40,8 +40,22 @@ def test_layouts_are_told_by_their_content(here, form):
     assert "200 samples, 2 sensors" in ended.stdout, ended.stderr
 
 
+@pytest.mark.parametrize("word", ["nan", "", "NA", "inf"])
+def test_rows_without_a_number_or_a_time_of_their_own_are_left_out(here, word):
+    lines = table().splitlines()
+    cells = [line.split(",") for line in lines]
+    whole = check(here, "\n".join(line for i, line in enumerate(lines) if i not in (20, 21, 90, 130)) + "\n")
+    cells[20][1] = cells[21][2] = cells[90][0] = word
+    cells[130][0] = cells[129][0]
+    ended = check(here, "\n".join(map(",".join, cells)) + "\n")
+    assert "196 samples of 200" in ended.stdout, ended.stderr
+    said, whole = (text.stdout.split("warning")[0] for text in (ended, whole))
+    assert said.replace("196 samples of 200", "196 samples") == whole
+    assert "rows: left out 4 of 200: a number is missing, or the time, or it is that of the row before" in ended.stderr
+
+
 BAD = {  # text, names, status, what standard error begins with
-    "nan": (table() + "9.0,1.0,nan\n9.1,1.0,1.0\n", {}, 3, "data/ring.csv:202: column 3 (acc2): 'nan' is no finite number"),
+    "few numbers": (table(form="{:.3f},{:.6f},nan") + table(ROWS[:9]).split("\n", 1)[1], {}, 3, "data/ring.csv"),
     "a short row": (table() + "9.0,1.0\n", {}, 3, "data/ring.csv:202: has 2 of 3 columns"),
     "a word": (table() + "9.0,1.0,off\n", {}, 3, "data/ring.csv:202: column 3 (acc2): 'off' is no finite number"),
     "a time that falls": (table() + "0.1,1.0,2.0\n", {}, 3, "data/ring.csv:202: the time 0.1 does not rise"),

@@ -28,12 +28,13 @@ contains
   end function prepared
 
   pure function row_problem(layout, columns, line) result(problem)
-    !! What is wrong with a row that could not be read.
+    !! What is wrong with a row that could not be read; '' where nothing is but that a number is missing.
     type(text_layout), intent(in) :: layout
     integer, intent(in) :: columns(:)          !! that are read
     character(*), intent(in) :: line
     character(:), allocatable :: problem
     type(string), allocatable :: fields(:)
+    logical :: is_lacking                      ! a number is missing
     integer :: n, c
     fields = fields_of(line, layout%separator)
     n = size(fields)
@@ -45,18 +46,17 @@ contains
       problem = problem//'; accepted: rows of one length'
       return
     end if
-    problem = 'is no row of numbers; accepted: finite numbers'
+    is_lacking = .false.
     do c = 1, size(columns)
       associate (field => fields(columns(c))%text)
-        if (is_number_here(field, layout%mark)) cycle
-        problem = named(layout, columns(c))//": '"//shortened(field)//"' is no finite number"
-        if (field == '') problem = named(layout, columns(c))//': the number is missing'
-        if (is_missing_word(field)) problem = problem//'; accepted: a record without gaps; leave such rows out, or cut them '// &
-          'off by start and end'
-        if (.not. is_missing_word(field)) problem = problem//'; accepted: as in 2.5, -1e-3, 1.0D+03'
+        is_lacking = is_lacking .or. is_missing_word(field)
+        if (is_number_here(field, layout%mark) .or. is_missing_word(field)) cycle
+        problem = named(layout, columns(c))//": '"//shortened(field)//"' is no finite number; accepted: as in 2.5, -1e-3, 1.0D+03"
         return
       end associate
     end do
+    problem = 'is no row of numbers; accepted: finite numbers'
+    if (is_lacking) problem = ''
   end function row_problem
 
   pure logical function is_number_here(field, mark)

@@ -4,6 +4,7 @@ module bw_text_source
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: dp, i1, i8
   use bw_line_reader, only: line_reader, text_between
+  use bw_missing, only: missing
   use bw_record_source, only: record_source
   use bw_table_row, only: row_form, says_nothing, scan_row
   use bw_text, only: append, string, text_of
@@ -26,7 +27,7 @@ module bw_text_source
     procedure :: close => close_text
     procedure, private :: rewind => rewind_text
     procedure, private :: next_row
-    procedure, private :: refuse_row
+    procedure, private :: judge_row
   end type text_source
 
 contains
@@ -134,7 +135,7 @@ contains
       rows = rows + 1
       if (column == 0) cycle
       call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, number, decade, good)
-      if (.not. good) call self%refuse_row([column], error)
+      if (.not. good) call self%judge_row([column], number, error)
       if (rows > size(times)) call grow(times)
       if (rows > size(steps)) call grow(steps)
       times(rows) = number(1)
@@ -174,20 +175,23 @@ contains
       if (.not. there) call fail(error, status_bad_file, self%path//': became shorter while it was read')
       if (row < first .or. .not. there) cycle
       call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, numbers, decades, good)
-      if (.not. good) call self%refuse_row(columns, error)
+      if (.not. good) call self%judge_row(columns, numbers, error)
       i = row - first + 1
       values(i, :) = numbers
     end do
   end subroutine read_values
 
-  subroutine refuse_row(self, columns, error)
-    !! Say what is wrong with the row at hand. **Errors**: `status_bad_file`.
+  subroutine judge_row(self, columns, numbers, error)
+    !! A row that could not be read lacks a number, or is wrong. **Errors**: `status_bad_file` where it is wrong.
     class(text_source), intent(in) :: self
     integer, intent(in) :: columns(:)                      !! that are read
+    real(dp), intent(out) :: numbers(:)                    !! missing
     type(error_type), allocatable, intent(inout) :: error
-    call fail(error, status_bad_file, self%path//':'//text_of(self%reader%line)//': '// &
-              row_problem(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last)))
-  end subroutine refuse_row
+    character(:), allocatable :: problem
+    numbers = missing
+    problem = row_problem(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last))
+    if (problem /= '') call fail(error, status_bad_file, self%path//':'//text_of(self%reader%line)//': '//problem)
+  end subroutine judge_row
 
   function place_of_row(self, row) result(place)
     !! The line of a row, for a message: found by one more pass.
