@@ -51,7 +51,7 @@ contains
     end do
     call check(status, error)
     samples = dimension_of_samples(dimensions)
-    if (samples == 0) call refuse('has no samples', error)
+    if (samples == 0) call refuse('has no samples; what lies in groups is not read', error)
     allocate (widths(size(variables)), source=0_i8)
     do v = 1, size(variables)
       if (allocated(error)) exit

@@ -390,7 +390,7 @@ static const struct { const char *message; int status; } endings[] = {
   {"stopped within a step that could not be left in order; finished cases are saved\n", 5},
   {": cannot be read: the library that reads it crashed or found no end: the file is damaged, or memory was refused\n", 3}};
 
-static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
+static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1, SIGXCPU, SIGHUP};
 static volatile sig_atomic_t received, time_is_up, is_unseen;
 static const char *file_of_library;                          /* that a library is reading; NULL: there is none */
 static const char *stack_top;
@@ -509,7 +509,11 @@ void bw_watch(void)
   const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
   struct sigaction action = {.sa_handler = on_stop, .sa_flags = SA_RESTART};
   on_exit(on_end, NULL);
-  for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) sigaction(stops[i], &action, NULL);
+  for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) {
+    struct sigaction before;
+    sigaction(stops[i], NULL, &before);
+    if (stops[i] != SIGHUP || before.sa_handler != SIG_IGN) sigaction(stops[i], &action, NULL);       /* `nohup` has it ignored */
+  }
   action.sa_handler = on_time;
   sigaction(SIGALRM, &action, NULL);
   action.sa_handler = on_missed_stop;
