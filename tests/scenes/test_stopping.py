@@ -64,7 +64,7 @@ def send(here, number, seconds, *words):
     return running.returncode, out, err
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP, signal.SIGXCPU])
 def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupted, number):
     whole, seconds = uninterrupted
     here.scene("a", LONG, SPEEDS)
