@@ -124,11 +124,13 @@ contains
     real(dp), intent(in) :: left(:, :)
     integer, intent(in) :: b, first
     real(dp), allocatable :: white(:, :)
-    integer :: s, last
+    real(dp) :: place(first:model%stretches(2, b))
+    integer :: s, last, n
     last = model%stretches(2, b)
     white = left(first:last, :)
-    do s = 1, size(white, 2)
-      white(:, s) = white(:, s) - sum(white(:, s))/size(white, 1)
+    place = [(n - 0.5_dp*(first + last), n=first, last)]
+    do s = 1, size(white, 2)                     ! an offset and a slope
+      white(:, s) = white(:, s) - sum(white(:, s))/size(white, 1) - sum(place*white(:, s))/max(1.0_dp, sum(place**2))*place
     end do
     if (allocated(samples%valid)) then
       do s = 1, size(white, 2)
