@@ -25,7 +25,7 @@ module bw_sweep_table
   integer, parameter :: displacement = 1, stress = 2, force = 3
   integer, parameter :: ordered(*) = [-1, -1, 0, 0, displacement, displacement, stress, force, -1, -1]
     !! what each reason orders the cases by: 0: their frequencies; below: nothing
-  integer, parameter :: sign(*) = [0, 0, -1, 1, -1, 1, 1, 1, 0, 0]      !! 1: the largest is shown, −1: the smallest
+  integer, parameter :: direction(*) = [0, 0, -1, 1, -1, 1, 1, 1, 0, 0]      !! 1: the largest is shown, −1: the smallest
 
   type :: case_row
     !! What there is to say of a case that may be shown.
@@ -139,13 +139,13 @@ contains
     logical :: is_first
     is_first = than%case == 0 .or. row%case < than%case
     if (ordered(reason) >= 0) then
-      value = sign(reason)*merge(row%frequency, row%outcome(max(1, ordered(reason))), ordered(reason) == 0)
-      other = sign(reason)*merge(than%frequency, than%outcome(max(1, ordered(reason))), ordered(reason) == 0)
+      value = direction(reason)*merge(row%frequency, row%outcome(max(1, ordered(reason))), ordered(reason) == 0)
+      other = direction(reason)*merge(than%frequency, than%outcome(max(1, ordered(reason))), ordered(reason) == 0)
       alike = same*abs(other)
       is_better = than%case == 0 .or. value > other + alike .or. (.not. value < other - alike .and. is_first)
       is_better = is_better .and. .not. is_missing(abs(value))
     else
-      select case (reason)
+      select case (reason)                    ! first, last, first without frequency, first not trusted
       case (1); is_better = row%case == 1
       case (2); is_better = row%case == cases
       case (9); is_better = is_missing(row%frequency) .and. row%status == case_done .and. is_first

@@ -1,8 +1,9 @@
 program fuzz_records
   !! fuzz_records COUNT [FIRST LAST]
   !!
-  !! Reads COUNT odd tables of text, as many sound ones with damaged bytes, and so many odd NetCDF files, as `beamwave check` does. Each is a record or refused with one line and a status that says so, in ten seconds of processor time
-  !! and one gigabyte. Ends with 1 at the first that is not, leaves it behind, and says how to make it again. FIRST and LAST, 1 to
+  !! Reads COUNT odd tables of text, as many sound ones with damaged bytes, and so many odd NetCDF files, as `beamwave check`
+  !! does. Each is a record or refused with one line and a status that says so, in ten seconds of processor time and one gigabyte.
+  !! Ends with 1 at the first that is not, leaves it behind, and says how to make it again. FIRST and LAST, 1 to
   !! 3, are kinds of records. BEAMWAVE_SEED sets the seed.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, ieee_set_status, ieee_status_type

@@ -7,7 +7,7 @@ module bw_text_rows
   use bw_text_layout, only: text_layout
   implicit none (type, external)
   private
-  public :: prepared, row_problem
+  public :: judge_row, prepared
 
 contains
 
@@ -27,15 +27,16 @@ contains
     end do
   end function prepared
 
-  pure function row_problem(layout, columns, line) result(problem)
-    !! What is wrong with a row that could not be read; '' where nothing is but that a number is missing.
+  pure subroutine judge_row(layout, columns, line, lacks, problem)
+    !! What is wrong with a row that could not be read.
     type(text_layout), intent(in) :: layout
     integer, intent(in) :: columns(:)          !! that are read
     character(*), intent(in) :: line
-    character(:), allocatable :: problem
+    logical, intent(out) :: lacks(:)           !! where a number is missing, (columns)
+    character(:), allocatable, intent(out) :: problem    !! '' where nothing else is wrong
     type(string), allocatable :: fields(:)
-    logical :: is_lacking                      ! a number is missing
     integer :: n, c
+    lacks = .false.
     fields = fields_of(line, layout%separator)
     n = size(fields)
     if (layout%closed .and. n == size(layout%columns) + 1) n = n - 1
@@ -46,18 +47,17 @@ contains
       problem = problem//'; accepted: rows of one length'
       return
     end if
-    is_lacking = .false.
     do c = 1, size(columns)
       associate (field => fields(columns(c))%text)
-        is_lacking = is_lacking .or. is_missing_word(field)
-        if (is_number_here(field, layout%mark) .or. is_missing_word(field)) cycle
+        lacks(c) = is_missing_word(field)
+        if (is_number_here(field, layout%mark) .or. lacks(c)) cycle
         problem = named(layout, columns(c))//": '"//shortened(field)//"' is no finite number; accepted: as in 2.5, -1e-3, 1.0D+03"
         return
       end associate
     end do
     problem = 'is no row of numbers; accepted: finite numbers'
-    if (is_lacking) problem = ''
-  end function row_problem
+    if (any(lacks)) problem = ''
+  end subroutine judge_row
 
   pure logical function is_number_here(field, mark)
     !! The form of a number, for a message; its size is not looked at.

@@ -10,7 +10,7 @@ module bw_text_source
   use bw_text, only: append, string, text_of
   use bw_text_header, only: is_comment
   use bw_text_layout, only: find_layout, most_probed, text_layout
-  use bw_text_rows, only: prepared, row_problem
+  use bw_text_rows, only: judge_row, prepared
   implicit none (type, external)
   private
 
@@ -27,7 +27,7 @@ module bw_text_source
     procedure :: close => close_text
     procedure, private :: rewind => rewind_text
     procedure, private :: next_row
-    procedure, private :: judge_row
+    procedure, private :: take_gaps
   end type text_source
 
 contains
@@ -135,7 +135,7 @@ contains
       rows = rows + 1
       if (column == 0) cycle
       call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, number, decade, good)
-      if (.not. good) call self%judge_row([column], number, error)
+      if (.not. good) call self%take_gaps([column], number, error)
       if (rows > size(times)) call grow(times)
       if (rows > size(steps)) call grow(steps)
       times(rows) = number(1)
@@ -175,23 +175,24 @@ contains
       if (.not. there) call fail(error, status_bad_file, self%path//': became shorter while it was read')
       if (row < first .or. .not. there) cycle
       call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, numbers, decades, good)
-      if (.not. good) call self%judge_row(columns, numbers, error)
+      if (.not. good) call self%take_gaps(columns, numbers, error)
       i = row - first + 1
       values(i, :) = numbers
     end do
   end subroutine read_values
 
-  subroutine judge_row(self, columns, numbers, error)
-    !! A row that could not be read lacks a number, or is wrong. **Errors**: `status_bad_file` where it is wrong.
+  subroutine take_gaps(self, columns, numbers, error)
+    !! A row that could not be read lacks numbers, or is wrong. **Errors**: `status_bad_file` where it is wrong.
     class(text_source), intent(in) :: self
     integer, intent(in) :: columns(:)                      !! that are read
-    real(dp), intent(out) :: numbers(:)                    !! missing
+    real(dp), intent(out) :: numbers(:)                    !! missing where they are; others mean nothing
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
-    numbers = missing
-    problem = row_problem(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last))
+    logical :: lacks(size(columns))
+    call judge_row(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last), lacks, problem)
+    numbers = merge(missing, 0.0_dp, lacks)
     if (problem /= '') call fail(error, status_bad_file, self%path//':'//text_of(self%reader%line)//': '//problem)
-  end subroutine judge_row
+  end subroutine take_gaps
 
   function place_of_row(self, row) result(place)
     !! The line of a row, for a message: found by one more pass.
