@@ -296,21 +296,23 @@ def test_a_changed_file_takes_unfinished_work_away(here):
     assert "taken over" not in ended.stdout
 
 
-def test_an_offset_and_a_slope_change_no_line(here):
+@pytest.mark.parametrize("gaps", [0, 40])
+def test_an_offset_and_a_slope_change_no_line(here, gaps):
     random = np.random.default_rng(1)
     times = np.arange(2000) / 1000
     since = np.maximum(times - 0.3, 0.0)
     quiet = 1e-3 * random.normal(size=len(times))
     ring = quiet + sum(a * np.exp(-d * since) * np.sin(2 * np.pi * f * since) for f, d, a in [(12, 0.6, 1), (75, 3, 0.6), (210, 7, 0.4)])
+    kept = np.setdiff1d(np.arange(len(times)), random.integers(1, len(times) - 1, gaps))
     found = []
-    for name, slope in {"level": 0.0, "sloping": 2.5}.items():
-        rows = np.column_stack([times, ring + 3.0 * (slope > 0) + slope * times])
+    for name, slope in {"level": 0.0, "sloping": 3.0}.items():
+        rows = np.column_stack([times, ring + 7.0 * (slope > 0) + slope * times])[kept]
         here.write(f"{name}.csv", "time,a\n" + "".join(f"{t:.3f},{y:.12g}\n" for t, y in rows))
         here.scene(name, {"record": {"file": f"{name}.csv"}, "spectrum": {}})
         result = here.run(name)
         assert result["peak_count"] == 3
         found.append(result["measured_angular_frequency"][:3])
-    assert found[1] == pytest.approx(found[0], rel=1e-9)
+    assert found[1] == pytest.approx(found[0], rel=1e-9 if gaps == 0 else 1e-7)  # the fit's own steps end at other digits
 
 
 def test_a_simulated_result_is_a_record(here):

@@ -124,19 +124,18 @@ contains
     real(dp), intent(in) :: left(:, :)
     integer, intent(in) :: b, first
     real(dp), allocatable :: white(:, :)
-    real(dp) :: place(first:model%stretches(2, b))
+    real(dp), dimension(first:model%stretches(2, b)) :: place, weight
     integer :: s, last, n
     last = model%stretches(2, b)
     white = left(first:last, :)
-    place = [(n - 0.5_dp*(first + last), n=first, last)]
+    weight = 1
+    if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid(first:last))
+    place = [(n, n=first, last)]
+    place = place - sum(weight*place)/max(1.0_dp, sum(weight))
     do s = 1, size(white, 2)                     ! an offset and a slope
-      white(:, s) = white(:, s) - sum(white(:, s))/size(white, 1) - sum(place*white(:, s))/max(1.0_dp, sum(place**2))*place
+      white(:, s) = weight*(white(:, s) - sum(weight*white(:, s))/max(1.0_dp, sum(weight)) &
+                            - sum(weight*place*white(:, s))/max(1.0_dp, sum(weight*place**2))*place)
     end do
-    if (allocated(samples%valid)) then
-      do s = 1, size(white, 2)
-        where (.not. samples%valid(first:last)) white(:, s) = 0
-      end do
-    end if
     white = mixed(model%noise, white)
     do s = 1, size(white, 2)
       call whiten(model%noise%filter(:model%noise%order(s), s), white(:, s))
