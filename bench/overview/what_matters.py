@@ -63,7 +63,6 @@ def speed(data: dict[str, Any]) -> str:
 
 def contact(data: dict[str, Any]) -> str:
     """The smallest errors of the program and of the others, and what they take."""
-    names = peers(data)
     known = [row for row in data["rows"] if row.get("error") is not None]
     own = min((row for row in known if row["peer"] == "beamwave, whole process"), key=lambda row: row["error"])
     other = min((row for row in known if not row["peer"].startswith("beamwave")), key=lambda row: row["error"])

@@ -162,6 +162,12 @@ def test_a_record_past_midnight_goes_on_by_seconds(tmp_path, first, last, order)
     np.testing.assert_allclose(channel.times, np.arange(COUNT))
 
 
+def test_clocks_by_milliseconds_are_even_to_the_last_bit_past_midnight(tmp_path):
+    clocks = "t,acc\n" + rows(lambda n, y: (f"23:59:59.{990 + n}" if n < 10 else f"00:00:00.{n - 10:03d}") + f",{y}")
+    (channel,) = read(tmp_path / "record.csv", clocks)
+    np.testing.assert_array_equal(channel.times, np.round(np.arange(COUNT) / 1000, 3))
+
+
 def test_dates_that_may_be_read_either_way_are_refused(tmp_path):
     with pytest.raises(NotARecord, match="02/02/2024, whose day or month may be first; accepted: --date-order day or"):
         read(tmp_path / "record.csv", dated("01/02/2024", "02/02/2024"))

@@ -73,7 +73,7 @@ contains
       call refuse(scene, 'time', 'is missing, and '//problem//'; accepted: '//listed(source)//'; or sample_rate', error)
     else if (.not. source%columns(time)%is_numeric) then
       call refuse(scene, 'time', shown(source, time)//' of '//source%path//' holds no numbers, but dates, clocks or words; '// &
-                  'accepted: a column of seconds, or sample_rate', error)
+                  'accepted: a column of seconds (beamwave-record makes it of dates and clocks), or sample_rate', error)
     end if
   end subroutine check_time
 

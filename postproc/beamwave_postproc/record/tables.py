@@ -280,7 +280,7 @@ def _times(table: Table, clock: int, numbers: np.ndarray | None, wanted: Wanted)
     seconds = (stamps - stamps.iloc[0]).dt.total_seconds().to_numpy(dtype=float, copy=True)
     if ":" in cells[0] and not re.search(r"\d[-/]\d", cells[0]):
         seconds += 86400.0 * np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43200.0)
-    return seconds
+    return np.round(seconds, 9)  # clocks have no more digits; sums across midnight do
 
 
 def _year_first(cells: list[str], dates: list[re.Match[str]], column: str, order: str | None) -> list[str]:
