@@ -229,9 +229,10 @@ contains
       call note_blows(result%record, result%notes)
       if (lines%driven) then
         result%status = case_no_free_decay
-        call append(result%notes, 'no free decay: the motion comes and goes as that of a beam that is driven all the time, '// &
-          'and noise of that colour explains it better than lines do. Where a part of the record is a decay after a blow, '// &
-          'start and end choose it; modes of a driven motion are for operational modal analysis, which this program does not do')
+        call append(result%notes, 'no free decay: the motion comes and goes as that of a beam that is driven all the time: '// &
+          'noise of that colour explains it better than lines do, or lines that cancel each other. Where a part of the record '// &
+          'is a decay after a blow, start and end choose it; modes of a driven motion are for operational modal analysis, '// &
+          'which this program does not do')
       else if (size(lines%angular_frequency) == 0) then
         call append(result%notes, 'no line: nothing stands out of the noise by more than it does by chance in one of '// &
           shortest(1/scene%spectrum%false_alarm, 3)//' records')

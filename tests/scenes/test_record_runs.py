@@ -64,6 +64,26 @@ def test_a_driven_resonance_is_no_free_decay(here):
     assert results.is_fill(result["measured_angular_frequency"]).all()
 
 
+def test_a_sweep_of_a_shaker_is_no_free_decay(here):
+    """Three modes that a sinus drives from below the first to above the last: lines would explain it by cancelling each other."""
+    rate, count = 990.0, 500
+    time = np.arange(count) / rate
+    push = np.sin(2 * np.pi * (7.2 * time + 276.6 * time**2 / (2 * count / rate)))
+    motion = np.zeros(count)
+    for frequency, damping in [(14.4, 0.0145), (91.3, 0.0146), (258.0, 0.008)]:
+        state, step = 0j, np.exp((-damping + 1j) * 2 * np.pi * frequency / rate)
+        for sample in range(count):
+            motion[sample] += state.imag
+            state = step * state + push[sample]
+    motion = motion / abs(motion).max() + 0.005 * np.random.default_rng(1).standard_normal(count)
+    here.write("sweep.csv", "time,a [m/s]\n" + "".join(f"{t:.6f},{value:.6f}\n" for t, value in zip(time, motion)))
+    here.scene("sweep", {"record": {"file": "sweep.csv"}, "spectrum": {}})
+    ended = here.beamwave("run", "sweep.nml")
+    assert ended.returncode == 4
+    assert "or lines that cancel each other" in ended.stderr
+    assert here.result("sweep")["peak_count"] == 0
+
+
 def test_a_result_holds_what_its_pictures_show(ringing):
     _, result = ringing
     time, values = ring_down(1)

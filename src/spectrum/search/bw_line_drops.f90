@@ -2,15 +2,15 @@ module bw_line_drops
   !! Lines that do not pay are dropped, the noise renewed on both sides of the comparison.
   use bw_cost, only: cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
-  use bw_line, only: life_of, line_type
-  use bw_model, only: highest_order, model_type, renew
+  use bw_line, only: life_of, limited, line_type
+  use bw_model, only: highest_order, model_type, renew, steps_between
   use bw_noise, only: white_amplitude
   use bw_order, only: ascending
   use bw_refit, only: all_steps, at_rest, near, refit, refit_all, refit_type, trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: drop_lines, drop_weakest, energy_of, keep_or_clear
+  public :: clear_if_cancelling, drop_lines, drop_weakest, energy_of, keep_or_clear
 
   real(dp), parameter :: sure = 2                !! penalties of a line, below which a bound of its worth has to be looked at closely
 
@@ -31,15 +31,58 @@ contains
     real(dp), intent(in) :: alone                !! J of noise alone
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
-    integer :: k
     if (size(model%lines) == 0) return
-    if (cost_of_all(samples, false_alarm, model) < alone) return
+    if (cost_of_all(samples, false_alarm, model) >= alone) call clear(samples, model, outcome)
+  end subroutine keep_or_clear
+
+  subroutine clear_if_cancelling(samples, model, outcome)
+    !! Drop all lines where they explain the record only by cancelling each other: a free decay has the energy of its modes, while what
+    !! grows out of small motions, as under a shaker's sweep, takes large lines that add up to little. Lines that drift are not judged.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(inout) :: model
+    type(line_outcome), intent(inout) :: outcome
+    real(dp), parameter :: most = 10             ! times the energy of the sum; two lines half a bin apart have 2.8 at most
+    complex(dp) :: share
+    real(dp) :: own, whole
+    integer :: b, k, l
+    own = 0
+    whole = 0
+    do b = 1, ubound(model%stretches, 2)
+      do k = 1, size(model%lines)
+        do l = 1, size(model%lines)
+          associate (one => model%lines(k), other => model%lines(l))
+            if (size(one%courses) + size(other%courses) > 0) cycle
+            share = sum_of_powers(conjg(one%pole) + other%pole, steps_between(model, model%stretches(1, b), model%stretches(2, b)))
+            share = share*dot_product(one%amplitude(:, b + 1), other%amplitude(:, b + 1))
+            if (k == l) own = own + share%re
+            whole = whole + share%re
+          end associate
+        end do
+      end do
+    end do
+    if (own > most*whole) call clear(samples, model, outcome)
+  end subroutine clear_if_cancelling
+
+  elemental complex(dp) function sum_of_powers(exponent, steps)
+    !! e^0 + e^x + … of so many steps.
+    complex(dp), intent(in) :: exponent
+    real(dp), intent(in) :: steps
+    sum_of_powers = steps
+    if (abs(exponent)*steps > sqrt(epsilon(steps))) sum_of_powers = (limited(exponent*steps) - 1)/(exp(exponent) - 1)
+  end function sum_of_powers
+
+  subroutine clear(samples, model, outcome)
+    !! Drop all lines: the motion is driven.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(inout) :: model
+    type(line_outcome), intent(inout) :: outcome
+    integer :: k
     outcome%driven = .true.
     outcome%poles = [outcome%poles, model%lines%pole]
     outcome%gains = [outcome%gains, [(energy_of(model, model%lines(k)), k=1, size(model%lines))]]
     model%lines = model%lines(:0)
     call renew(samples, order_price(samples), .false., model)
-  end subroutine keep_or_clear
+  end subroutine clear
 
   subroutine drop_lines(samples, false_alarm, model, dropped, outcome)
     !! Drop lines that do not pay against the best coloured noise, one after the other.

@@ -12,7 +12,7 @@ module bw_line_search
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
   use bw_line, only: line_type
-  use bw_line_drops, only: drop_lines, drop_weakest, keep_or_clear, line_outcome
+  use bw_line_drops, only: clear_if_cancelling, drop_lines, drop_weakest, keep_or_clear, line_outcome
   use bw_line_moves, only: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, &
     & most_additions, most_lines
   use bw_model, only: model_type, renew
@@ -108,6 +108,7 @@ contains
     call refit_all(all_steps, 0.0_dp, model)
     call renew(samples, order_price(samples), .false., model)
     call keep_or_clear(samples, false_alarm, alone, model, outcome)
+    call clear_if_cancelling(samples, model, outcome)
     outcome%converged = round <= most_rounds .and. size(model%lines) < most_lines
   end subroutine find_lines_behind
 
