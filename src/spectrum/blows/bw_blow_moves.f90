@@ -4,10 +4,11 @@ module bw_blow_moves
   !! New motion of known poles that begins at sample n takes T(n) = cᵀG⁻¹c off the squares of what is left, c being its scalar
   !! products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those of n + 1, so that all n cost no
   !! more than a few transforms.
+  use bw_blows, only: enough
   use bw_kinds, only: dp
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
-  use bw_model, only: find_left, model_type
-  use bw_noise, only: mixed, white_amplitude, whiten
+  use bw_model, only: add_lines, at_sensors, clear_invalid, model_type
+  use bw_noise, only: mix, mixed_amplitude, white_amplitude, whiten
   use bw_penalty, only: chi_squared
   use bw_samples, only: samples_type
   implicit none (type, external)
@@ -32,18 +33,21 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! moves
     real(dp), allocatable :: left(:, :), white(:, :)
+    integer, allocatable :: those(:)
     integer :: b, best, first
     changed = 0
     if (allocated(samples%place)) return         ! uneven times have no prediction from sample to sample
     call drop_blows(samples, false_alarm, model, changed)
     if (all(model%lines%steady)) return
-    allocate (left(samples%count, size(samples%value, 2)), white(0, 0))
+    those = telling(samples, model)
+    allocate (left(samples%count, size(those)), white(0, 0))
     do b = 1, ubound(model%stretches, 2)
-      call find_left(samples, model, left)
+      call find_left(samples, model, those, left)
       first = model%stretches(1, b - 1)
       if (model%stretches(2, b - 1) < first) first = model%stretches(1, b)
-      white = white_values(samples, model, left, b, first)
-      best = best_shift(white, brought(model, b, first - model%stretches(1, b), size(white, 1)), model%stretches(1, b) - first + 1)
+      white = white_values(samples, model, those, left, b, first)
+      best = best_shift(white, brought(model, those, b, first - model%stretches(1, b), size(white, 1)), &
+        & model%stretches(1, b) - first + 1)
       if (best == 0) cycle
       call shift_blow(model, b, model%stretches(1, b) + best)
       changed = changed + 1
@@ -57,32 +61,35 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
     real(dp), allocatable :: left(:, :), white(:, :), gain(:)
+    integer, allocatable :: those(:)
     integer :: b
     dropped = 0
-    if (all(model%lines%steady)) return
-    allocate (left(samples%count, size(samples%value, 2)), white(0, 0), gain(0))
-    call find_left(samples, model, left)
+    if (all(model%lines%steady) .or. ubound(model%stretches, 2) == 1) return
+    those = telling(samples, model)
+    allocate (left(samples%count, size(those)), white(0, 0), gain(0))
+    call find_left(samples, model, those, left)
     b = 1
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
       if (model%stretches(2, b) >= model%stretches(1, b)) then   ! else the next blow was moved to the same sample
-        white = white_values(samples, model, left, b, model%stretches(1, b))
-        gain = gains_of(strongest(model, b), white + brought(model, b, 0, size(white, 1)))
+        white = white_values(samples, model, those, left, b, model%stretches(1, b))
+        gain = gains_of(strongest(model, b), white + brought(model, those, b, 0, size(white, 1)))
         b = b + 1
-        if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model)) cycle
+        if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(those))) cycle
         b = b - 1
       end if
       call drop_blow(model, b)
-      call find_left(samples, model, left)
+      call find_left(samples, model, those, left)
       dropped = dropped + 1
     end do
   end subroutine drop_blows
 
-  pure real(dp) function penalty_of_blow(samples, false_alarm, model) result(penalty)
+  pure real(dp) function penalty_of_blow(samples, false_alarm, model, components) result(penalty)
     !! Of a blow's amplitudes of the lines that tell where it is.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
-    penalty = chi_squared(false_alarm/samples%count, 2*size(samples%value, 2)*min(most_lines, count(.not. model%lines%steady)))
+    integer, intent(in) :: components            !! that are looked at
+    penalty = chi_squared(false_alarm/samples%count, 2*components*min(most_lines, count(.not. model%lines%steady)))
   end function penalty_of_blow
 
   subroutine add_missing_blows(samples, false_alarm, rival, from, model, added)
@@ -93,13 +100,15 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
     real(dp), allocatable :: left(:, :), gain(:)
+    integer, allocatable :: those(:)
     real(dp) :: need
     integer :: b, best, first
     added = 0
     if (all(model%lines%steady) .or. allocated(samples%place)) return
-    allocate (left(samples%count, size(samples%value, 2)), gain(0))
-    call find_left(samples, model, left)
-    need = max(rival, penalty_of_blow(samples, false_alarm, model))
+    those = telling(samples, model)
+    allocate (left(samples%count, size(those)), gain(0))
+    call find_left(samples, model, those, left)
+    need = max(rival, penalty_of_blow(samples, false_alarm, model, size(those)))
     b = from
     do while (b <= min(most_blows, ubound(model%stretches, 2)))
       first = model%stretches(1, b)
@@ -107,20 +116,55 @@ contains
         b = b + 1
         cycle
       end if
-      gain = gains_of(strongest(model, b), white_values(samples, model, left, b, first))
+      gain = gains_of(strongest(model, b), white_values(samples, model, those, left, b, first))
       best = maxloc(gain, dim=1)
       b = b + 1
       if (gain(best) < need .or. (best < fewest .and. b > 1)) cycle
       call add_blow(model, b - 1, first + best - 1)
-      call find_left(samples, model, left)
+      call find_left(samples, model, those, left)
       added = added + 1
     end do
   end subroutine add_missing_blows
 
-  function white_values(samples, model, left, b, first) result(white)
-    !! What the lines leave from a sample to the end of a stretch, as prediction errors, (samples, S).
+  pure function telling(samples, model) result(those)
+    !! The components of the noise in which the lines are strongest, as many as tell where the blows are.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
+    integer, allocatable :: those(:)
+    real(dp) :: energy(size(samples%value, 2))
+    integer :: c, k
+    energy = 0
+    do k = 1, size(model%lines)
+      associate (line => model%lines(k))
+        if (.not. line%steady) energy = energy + sum(abs(white_amplitude(model%noise, line))**2, dim=2) &
+          & *life_of(line, 1.0_dp, 1.0_dp*samples%count)
+      end associate
+    end do
+    those = pack([(c, c=1, size(energy))], [(count(energy > energy(c)) < max(1, enough/samples%count), c=1, size(energy))])
+  end function telling
+
+  subroutine find_left(samples, model, those, left)
+    !! What the lines leave of some components, offset and slope not taken off; 0 where a sample is not valid.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: those(:)
+    real(dp), intent(out) :: left(:, :)
+    type(line_type) :: lines(size(model%lines))
+    integer :: k
+    lines = model%lines
+    do k = 1, size(lines)
+      lines(k)%amplitude = mixed_amplitude(model%noise, lines(k)%amplitude)
+    end do
+    call mix(model%noise, samples%value, those, left)
+    call add_lines(model%stretches, at_sensors(lines, those), -1.0_dp, left, model%place)
+    call clear_invalid(samples, left)
+  end subroutine find_left
+
+  function white_values(samples, model, those, left, b, first) result(white)
+    !! What the lines leave from a sample to the end of a stretch, as prediction errors, (samples, components).
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: those(:)              !! components
     real(dp), intent(in) :: left(:, :)
     integer, intent(in) :: b, first
     real(dp), allocatable :: white(:, :)
@@ -136,18 +180,18 @@ contains
       white(:, s) = weight*(white(:, s) - sum(weight*white(:, s))/max(1.0_dp, sum(weight)) &
                             - sum(weight*place*white(:, s))/max(1.0_dp, sum(weight*place**2))*place)
     end do
-    white = mixed(model%noise, white)
     do s = 1, size(white, 2)
-      call whiten(model%noise%filter(:model%noise%order(s), s), white(:, s))
+      call whiten(model%noise%filter(:model%noise%order(those(s)), those(s)), white(:, s))
     end do
     white(pack(model%gaps, model%gaps >= first .and. model%gaps <= last) - first + 1, :) = 0
   end function white_values
 
-  pure function brought(model, b, from, count) result(motion)
+  pure function brought(model, those, b, from, count) result(motion)
     !! What blow b has brought, `from`, `from` + 1, … samples after it: white motion less what that before it would have become.
     type(model_type), intent(in) :: model
+    integer, intent(in) :: those(:)              !! components
     integer, intent(in) :: b, from, count
-    real(dp) :: motion(count, size(model%white, 2))
+    real(dp) :: motion(count, size(those))
     complex(dp) :: wave(count)
     type(line_type) :: line
     integer :: k, s, later
@@ -162,7 +206,7 @@ contains
       line%courses = [course_type ::]
       call find_wave(line, real(from, dp), wave=wave(:later - 1))
       do s = 1, size(motion, 2)
-        associate (a => line%amplitude(s, b + 1))
+        associate (a => line%amplitude(those(s), b + 1))
           motion(:, s) = motion(:, s) + a%re*wave%re - a%im*wave%im
         end associate
       end do

@@ -14,7 +14,7 @@ module bw_blows
 
   integer, parameter :: order = 64               !! tuned: of the prediction, more than two for each mode
   integer, parameter :: samples_per_order = 10
-  integer, parameter :: enough = 2**22           !! numbers that tell where the blows are
+  integer, parameter, public :: enough = 2**22   !! numbers that tell where the blows are
   real(dp), parameter :: clearly = 4             !! tuned: times what noise reaches
   real(dp), parameter :: chi_median = 0.4549_dp  !! of χ² of one degree of freedom
   integer, parameter :: fewest = 640             !! sums in which bursts are looked for

@@ -12,7 +12,7 @@ module bw_band
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, enough_for, fill_rows, holds, line_columns, trend_columns, tapered_band
+  public :: band_around, enough_for, fill_rows, holds, line_columns, put_back, trend_columns, tapered_band
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 1024         !! tuned: sums that tell enough of a broad line
@@ -238,6 +238,26 @@ contains
       end associate
     end do
   end subroutine fill_rows
+
+  pure subroutine put_back(lines, band)
+    !! Add lines to the rows of a band, with their amplitudes.
+    type(line_type), intent(in) :: lines(:)
+    type(band_type), intent(inout) :: band
+    real(dp), allocatable :: columns(:, :, :)
+    integer :: p, k, s
+    do p = 1, size(band%part)
+      associate (part => band%part(p))
+        do k = 1, size(lines)
+          columns = line_columns(band, part, lines(k), 0)
+          do s = 1, size(part%rows, 2)
+            associate (a => lines(k)%amplitude(s, part%stretch + 1))
+              part%rows(:, s) = part%rows(:, s) + a%re*columns(:, 1, 1) + a%im*columns(:, 2, 1)
+            end associate
+          end do
+        end do
+      end associate
+    end do
+  end subroutine put_back
 
   pure function line_columns(band, part, line, slopes) result(columns)
     !! The rows of a line of amplitude 1 and of one of amplitude i, and their slopes by the pole, and by κ and κ·rate of each course,

@@ -70,14 +70,14 @@ contains
     !! The standard deviation of each sensor's residual.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
-    real(dp) :: deviation(size(samples%value, 2)), left(samples%count, size(samples%value, 2))
+    real(dp) :: deviation(size(samples%value, 2)), left(samples%count, 1)
     logical :: valid(samples%count)
     integer :: s
     valid = .true.
     if (allocated(samples%valid)) valid = samples%valid
-    call find_misfit(samples, model, left)
-    do s = 1, size(left, 2)
-      deviation(s) = sqrt(sum(left(:, s)**2, mask=valid)/max(1, count(valid)))
+    do s = 1, size(deviation)                      ! one sensor at a time: a record may fill the memory
+      call find_misfit(samples, model, [s], left)
+      deviation(s) = sqrt(sum(left(:, 1)**2, mask=valid)/max(1, count(valid)))
     end do
   end function deviations_of
 

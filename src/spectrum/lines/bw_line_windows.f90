@@ -1,12 +1,12 @@
 module bw_line_windows
   !! Lines in halves and quarters of the longest stretch after a blow: what each part says by itself of their frequencies and decays.
-  use bw_band, only: band_around, band_type, fill_rows
+  use bw_band, only: band_around, band_type, fill_rows, put_back
   use bw_band_fit, only: fit_band, reduced_type
   use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: line_type, pole_at
+  use bw_line, only: later, line_type, pole_at
   use bw_line_errors, only: amplitude_noise, line_errors, line_errors_of, pole_deviation
-  use bw_model, only: add_lines, model_type, rows_of_stretches, white_lines
+  use bw_model, only: model_type, rows_of_stretches, steps_between, white_lines
   use bw_penalty, only: line_penalty
   implicit none (type, external)
   private
@@ -26,24 +26,19 @@ contains
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: false_alarm          !! that noise alone is taken for a line in a window
     real(dp) :: windows(4, size(window_start), size(lines))
-    integer :: rows(2, 0:ubound(model%stretches, 2)), whole(2, 0:1), own(2, 0:1), b, i, k, n
-    real(dp), allocatable :: white(:, :), place(:)
+    integer :: rows(2, 0:ubound(model%stretches, 2)), own(2, 0:1), b, i, k, n
     type(line_type) :: of_white(size(lines))
     windows = spread(spread(untold, 2, size(windows, 2)), 3, size(lines))
     rows = rows_of_stretches(model)
     b = maxloc(rows(2, 1:) - rows(1, 1:), dim=1)
     n = rows(2, b) - rows(1, b) + 1
-    whole = reshape([1, 0, 1, n], [2, 2])
-    white = model%white(rows(1, b):rows(2, b), :)
-    if (allocated(model%place)) place = model%place(rows(1, b):rows(2, b))
     of_white = white_lines(model, lines)
     do k = 1, size(lines)
       of_white(k)%amplitude = of_white(k)%amplitude(:, [b, b + 1])
     end do
-    call add_lines(whole, of_white, 1.0_dp, white, place)
     do i = 1, size(window_start)
-      own = whole
-      own(:, 1) = [1 + int(window_start(i)*n), int(window_end(i)*n)]
+      own(:, 0) = [1, 0]
+      own(:, 1) = rows(1, b) + [int(window_start(i)*n), int(window_end(i)*n) - 1]
       if (own(2, 1) - own(1, 1) < 6*size(lines) + 16) cycle
       windows(:, i, :) = in_window(own)
     end do
@@ -58,20 +53,18 @@ contains
       type(band_type) :: band
       type(reduced_type), allocatable :: reduced(:)
       type(line_errors) :: errors
-      integer, allocatable :: gaps(:)
       real(dp) :: since, least
       integer :: j
-      least = line_penalty(false_alarm, own(2, 1) - own(1, 1) + 1, 2*size(white, 2))
+      least = line_penalty(false_alarm, own(2, 1) - own(1, 1) + 1, 2*size(model%white, 2))
+      since = steps_between(model, rows(1, b), own(1, 1)) - 1
       do j = 1, size(lines)
-        since = own(1, 1) - 1
-        if (allocated(place)) since = place(own(1, 1)) - place(1)
         moved(j)%pole = pole_at(of_white(j), since + (own(2, 1) - own(1, 1))/2)
         moved(j)%steady = lines(j)%steady
         allocate (moved(j)%courses(0))
       end do
-      gaps = pack(model%gaps, model%gaps >= rows(1, b)) - rows(1, b) + 1
-      band = band_around(moved, own, gaps, place)
-      call fill_rows(white, band)
+      band = band_around(moved, own, model%gaps, model%place)
+      call fill_rows(model%white, band)
+      call put_back([(later(of_white(j), since), j=1, size(lines))], band)
       call fit_band(band, .false., most_steps, moved, reduced)
       errors = line_errors_of(moved, reduced)
       window = spread(untold, 2, size(lines))

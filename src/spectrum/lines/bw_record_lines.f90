@@ -7,7 +7,7 @@ module bw_record_lines
   use bw_kinds, only: dp
   use bw_line_windows, only: window_start
   use bw_missing, only: missing
-  use bw_model, only: add_lines
+  use bw_model, only: add_lines, at_sensors
   use bw_noise, only: gain_of
   use bw_polar_intervals, only: length_error, phase_error
   use bw_quantile, only: normal_quantile
@@ -180,17 +180,17 @@ contains
     allocate (history(samples%count), source=found%distinct%constant(s))
     own = found%distinct%place(s)
     if (own == 0) return
-    allocate (motion(samples%count, size(found%distinct%kept)), source=0.0_dp)
+    allocate (motion(samples%count, 1), source=0.0_dp)
     associate (model => found%model)
-      call add_lines(model%stretches, model%lines, 1.0_dp, motion, model%place)
+      call add_lines(model%stretches, at_sensors(model%lines, [own]), 1.0_dp, motion, model%place)
       do b = 0, ubound(model%stretches, 2)
         do n = model%stretches(1, b), model%stretches(2, b)
-          motion(n, own) = motion(n, own) + model%trend(1, own, b) &
+          motion(n, 1) = motion(n, 1) + model%trend(1, own, b) &
             & + model%trend(2, own, b)*(place_of(samples, n) - place_of(samples, model%stretches(1, b)))
         end do
       end do
     end associate
-    history = found%distinct%factor(s)*motion(:, own)
+    history = found%distinct%factor(s)*motion(:, 1)
   end function fitted_history
 
   pure real(dp) function noise_level(samples, found, frequency, s) result(level)

@@ -9,7 +9,7 @@ module bw_noise
   use bw_line, only: line_type
   implicit none (type, external)
   private
-  public :: amplitude_of, gain_of, mixed, whiten, white_amplitude
+  public :: amplitude_of, gain_of, mix, mixed_amplitude, whiten, white_amplitude
 
   type, public :: noise_type
     real(dp), allocatable :: filter(:, :)    !! h of each component, over the deviation of its prediction error, (0:p, S)
@@ -22,21 +22,33 @@ module bw_noise
 
 contains
 
-  function mixed(noise, residual) result(components)
-    !! The components of residuals, (N, S).
+  pure subroutine mix(noise, values, those, components)
+    !! Find some components of the sensors' values.
     type(noise_type), intent(in) :: noise
-    real(dp), intent(in) :: residual(:, :)
-    real(dp), allocatable :: components(:, :)
-    integer :: n, sensors
-    if (.not. allocated(noise%mixing)) then
-      components = residual
-      return
-    end if
-    n = size(residual, 1)
-    sensors = size(residual, 2)
-    allocate (components(n, sensors))
-    call dgemm('N', 'N', n, sensors, sensors, 1.0_dp, residual, n, noise%mixing, sensors, 0.0_dp, components, n)
-  end function mixed
+    real(dp), intent(in), contiguous :: values(:, :)      !! (N or more, S)
+    integer, intent(in) :: those(:)
+    real(dp), intent(out), contiguous :: components(:, :) !! (N, those)
+    integer :: c
+    associate (n => size(components, 1), sensors => size(values, 2))
+      if (allocated(noise%mixing)) then
+        call dgemm('N', 'N', n, size(those), sensors, 1.0_dp, values, size(values, 1), noise%mixing(:, those), sensors, &
+          & 0.0_dp, components, n)
+      else
+        do c = 1, size(those)
+          components(:, c) = values(:n, those(c))
+        end do
+      end if
+    end associate
+  end subroutine mix
+
+  pure function mixed_amplitude(noise, amplitude) result(mixed)
+    !! What a line's amplitudes are in the components, (S, stretches).
+    type(noise_type), intent(in) :: noise
+    complex(dp), intent(in) :: amplitude(:, :)
+    complex(dp) :: mixed(size(amplitude, 1), size(amplitude, 2))
+    mixed = amplitude
+    if (allocated(noise%mixing)) mixed = matmul(transpose(noise%mixing), amplitude)
+  end function mixed_amplitude
 
   pure subroutine whiten(filter, values)
     !! Turn the values of one component into prediction errors in their memory; the last ones are 0.
@@ -77,8 +89,7 @@ contains
     type(line_type), intent(in) :: line
     complex(dp) :: amplitude(size(line%amplitude, 1), size(line%amplitude, 2))
     integer :: c
-    amplitude = line%amplitude
-    if (allocated(noise%mixing)) amplitude = matmul(transpose(noise%mixing), amplitude)
+    amplitude = mixed_amplitude(noise, line%amplitude)
     do c = 1, size(amplitude, 1)
       amplitude(c, :) = gain_of(noise%filter(:noise%order(c), c), line%pole)*amplitude(c, :)
     end do

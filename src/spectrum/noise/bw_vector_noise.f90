@@ -11,24 +11,25 @@ module bw_vector_noise
 
   integer, parameter :: patience = 8             !! tuned: orders without a gain after which the lattice ends
   real(dp), parameter :: least_part = 1.0e-13_dp !! of the variances, that an error keeps
+  integer, parameter :: chunk = 2048             !! rows that are handled at once
 
 contains
 
-  function vector_noise_cost(x, highest, penalty) result(least)
+  function vector_noise_cost(ahead, highest, penalty) result(least)
     !! The least −2 ln L + penalty of all coefficients over all orders; huge where there is none.
-    real(dp), intent(in) :: x(:, :)              !! (N, S), without mean
+    real(dp), allocatable, intent(inout) :: ahead(:, :)  !! (N, S), without mean; is used up
+      !! errors of samples p + 1 … N from the p before each, from row p + 1 on
     integer, intent(in) :: highest               !! order
     real(dp), intent(in) :: penalty              !! of a coefficient
     real(dp) :: least
-    real(dp), allocatable :: ahead(:, :), behind(:, :), next(:, :)
-    real(dp), dimension(size(x, 2), size(x, 2)) :: of_ahead, of_behind, across, step, root
+    real(dp), allocatable :: behind(:, :)        ! errors of samples 1 … N − p from the p behind each
+    real(dp), dimension(size(ahead, 2), size(ahead, 2)) :: of_ahead, of_behind, across, forth, back, root
     real(dp) :: logarithms, total, cost
     integer :: n, s, p, best, rows, info
-    n = size(x, 1)
-    s = size(x, 2)
+    n = size(ahead, 1)
+    s = size(ahead, 2)
     least = huge(1.0_dp)
-    ahead = x                                    ! errors of samples p + 1 … N from the p before each, from row p + 1 on
-    behind = x                                   ! errors of samples 1 … N − p from the p behind each, at the row of the last of these
+    behind = ahead
     logarithms = 0
     total = 0
     best = 0
@@ -48,18 +49,31 @@ contains
       total = total + length_in(root, ahead(p + 1, :))
       rows = rows - 1
       call squares_of(ahead, ahead, p + 2, p + 2, rows, of_ahead)
-      call squares_of(behind, behind, p + 1, p + 1, rows, of_behind)
-      call squares_of(ahead, behind, p + 2, p + 1, rows, across)
-      next = ahead
-      if (.not. solved(of_behind, transpose(across), step)) exit
-      call dgemm('N', 'N', rows, s, s, -1.0_dp, behind(p + 1, 1), n, step, s, 1.0_dp, next(p + 2, 1), n)
-      if (.not. solved(of_ahead, across, step)) exit
-      call dgemm('N', 'N', rows, s, s, -1.0_dp, ahead(p + 2, 1), n, step, s, 1.0_dp, behind(p + 1, 1), n)
-      behind(p + 2:n, :) = behind(p + 1:n - 1, :)
-      call move_alloc(next, ahead)
+      call squares_of(behind, behind, 1, 1, rows, of_behind)
+      call squares_of(ahead, behind, p + 2, 1, rows, across)
+      if (.not. solved(of_behind, transpose(across), forth)) exit
+      if (.not. solved(of_ahead, across, back)) exit
+      call add_stage(p + 1, rows, forth, back, ahead, behind)
     end do
     least = least - n*s                          ! as of single sensors, without the squares of the errors
   end function vector_noise_cost
+
+  subroutine add_stage(order, rows, forth, back, ahead, behind)
+    !! Predict from one sample more.
+    integer, intent(in) :: order, rows
+    real(dp), intent(in) :: forth(:, :), back(:, :)
+    real(dp), allocatable, intent(inout) :: ahead(:, :), behind(:, :)
+    real(dp) :: part(chunk, size(forth, 1))
+    integer :: first, k, n, s
+    n = size(ahead, 1)
+    s = size(forth, 1)
+    do first = 1, rows, chunk
+      k = min(chunk, rows - first + 1)
+      part(:k, :) = ahead(order + first:order + first + k - 1, :)
+      call dgemm('N', 'N', k, s, s, -1.0_dp, behind(first, 1), n, forth, s, 1.0_dp, ahead(order + first, 1), n)
+      call dgemm('N', 'N', k, s, s, -1.0_dp, part, chunk, back, s, 1.0_dp, behind(first, 1), n)
+    end do
+  end subroutine add_stage
 
   subroutine squares_of(one, other, first, first_other, rows, products)
     !! Scalar products of columns over so many rows.

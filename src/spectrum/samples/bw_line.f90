@@ -8,7 +8,7 @@ module bw_line
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: bend_of, find_wave, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
+  public :: bend_of, find_wave, later, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
 
   integer, parameter :: table = 64            !! samples between two exponentials that are computed anew
   real(dp), parameter, public :: highest = 250        !! logarithm of a factor, whose square with powers of time is a number
@@ -95,6 +95,16 @@ contains
       pole_at = pole_at + line%courses(c)%bend*psi_slope(line%courses(c)%rate, m)
     end do
   end function pole_at
+
+  pure type(line_type) function later(line, m)
+    !! The same motion counted from m steps later: ψ(m + n) = ψ(m) + ψ'(m)n + e^(−gm)ψ(n).
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: m
+    later = line
+    later%pole = pole_at(line, m)
+    later%courses%bend = line%courses%bend*exp(-line%courses%rate*m)
+    later%amplitude = line%amplitude*limited(line%pole*m + bend_of(line, m))
+  end function later
 
   pure real(dp) function life_of(line, folds, longest)
     !! Steps within which a line falls by so many e-folds, at most `longest`.

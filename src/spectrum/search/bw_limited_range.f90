@@ -26,15 +26,16 @@ contains
     type(model_type), intent(inout) :: model
     real(dp) :: limits(2, size(samples%value, 2))
     real(dp), allocatable :: recorded(:, :), left(:, :)
-    integer :: round
+    integer :: round, s
     if (.not. allocated(samples%valid) .or. size(model%lines) == 0) return
     limits = limits_of(samples)
     if (all(abs(limits) >= far)) return
     allocate (recorded, source=samples%value)
     allocate (left(samples%count, size(limits, 2)))
     do round = 1, rounds
-      call find_misfit(samples, model, left)
+      call find_misfit(samples, model, [(s, s=1, size(left, 2))], left)
       call correct(limits, recorded, left, samples)
+      if (allocated(model%last)) deallocate (model%last)
       call renew(samples, order_price(samples), .false., model)
       call refit_all(all_steps, 0.0_dp, model)
     end do

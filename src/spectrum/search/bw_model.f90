@@ -11,13 +11,22 @@ module bw_model
   use bw_uneven_noise, only: find_levels
   implicit none (type, external)
   private
-  public :: add_lines, colour_at, exchange_lines, find_left, find_misfit, renew, rows_of_stretches, steps_between, white_lines
+  public :: add_lines, at_sensors, clear_invalid, colour_at, exchange_lines, find_misfit, renew, rows_of_stretches, steps_between, &
+    & white_lines
 
   real(dp), parameter :: gone = 40               !! e-folds after which a line is not computed any more
   integer, parameter, public :: highest_order = 64       !! tuned: of a noise's autoregression
   integer, parameter :: samples_per_order = 10   !! tuned: fewer do not tell of so high an order
   real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own: a copy that was rounded tells no more
   integer, parameter :: chunk = 2048             !! rows that are handled at once
+
+  type :: renewal_type
+    !! What the noise was judged by.
+    type(line_type), allocatable :: lines(:)
+    integer, allocatable :: stretches(:, :)      !! (2, 0:B)
+    logical :: robust = .false.
+    integer :: order = 0                         !! the highest
+  end type renewal_type
 
   type, public :: model_type
     integer, allocatable :: stretches(:, :)      !! first and last sample: before any blow, and after each, (2, 0:B)
@@ -29,6 +38,7 @@ module bw_model
     integer, allocatable :: gaps(:)              !! rows without a prediction error: a sample from there to `lost` later is not valid
     real(dp), allocatable :: white(:, :)         !! prediction errors of what is left, over their deviation; 0 where there is none, (N, S)
     type(real_fourier) :: fourier
+    type(renewal_type), allocatable :: last      !! renewal
   end type model_type
 
 contains
@@ -170,29 +180,43 @@ contains
 
   end subroutine add_part
 
-  pure subroutine find_left(samples, model, left)
-    !! What the lines leave of the samples, offset and slope not taken off; 0 where a sample is not valid.
+  pure function at_sensors(lines, sensors) result(those)
+    !! The lines with their amplitudes at some sensors alone.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: sensors(:)
+    type(line_type) :: those(size(lines))
+    integer :: k
+    those = lines
+    do k = 1, size(lines)
+      those(k)%amplitude = lines(k)%amplitude(sensors, :)
+    end do
+  end function at_sensors
+
+  pure subroutine find_left(samples, model, sensors, left)
+    !! What the lines leave of the samples of some sensors, offset and slope not taken off; 0 where a sample is not valid.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
+    integer, intent(in) :: sensors(:)
     real(dp), intent(out) :: left(:, :)
     integer :: s
     do s = 1, size(left, 2)
-      left(:, s) = samples%value(:samples%count, s)
+      left(:, s) = samples%value(:samples%count, sensors(s))
     end do
-    call add_lines(model%stretches, model%lines, -1.0_dp, left, model%place)
+    call add_lines(model%stretches, at_sensors(model%lines, sensors), -1.0_dp, left, model%place)
     call clear_invalid(samples, left)
   end subroutine find_left
 
-  pure subroutine find_misfit(samples, model, left)
+  pure subroutine find_misfit(samples, model, sensors, left)
     !! What the lines, and offset and slope of each stretch, leave of the samples; of one that is not valid it means nothing.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
+    integer, intent(in) :: sensors(:)
     real(dp), intent(out) :: left(:, :)
     integer :: s, b, n
-    call find_left(samples, model, left)
+    call find_left(samples, model, sensors, left)
     do s = 1, size(left, 2)
       do b = 0, ubound(model%stretches, 2)
-        associate (first => model%stretches(1, b), trend => model%trend(:, s, b))
+        associate (first => model%stretches(1, b), trend => model%trend(:, sensors(s), b))
           do n = first, model%stretches(2, b)
             left(n, s) = left(n, s) - trend(1) - trend(2)*(place_of(samples, n) - place_of(samples, first))
           end do
@@ -212,13 +236,22 @@ contains
     type(autoregression) :: noise(size(samples%value, 2))
     integer :: s, c, order
     real(dp) :: scale
-    if (.not. allocated(model%white)) allocate (model%white(samples%count, size(samples%value, 2)))
-    call find_left(samples, model, model%white)
-    call take_still(samples, model)
-    call clear_invalid(samples, model%white)
     order = highest_order
     if (present(highest)) order = highest
     order = min(order, samples%count/samples_per_order)
+    if (allocated(model%last)) then
+      if (is_last(model, robust, order)) return  ! nothing has changed since
+      deallocate (model%last)
+    end if
+    if (.not. allocated(model%white)) allocate (model%white(samples%count, size(samples%value, 2)))
+    call find_left(samples, model, [(s, s=1, size(noise))], model%white)
+    call take_still(samples, model)
+    call clear_invalid(samples, model%white)
+    allocate (model%last)
+    model%last%robust = robust
+    model%last%order = order
+    allocate (model%last%lines, source=model%lines)
+    allocate (model%last%stretches, source=model%stretches)
     if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! as if even, colour alone is told well enough
     if (allocated(samples%place) .and. .not. allocated(model%place)) model%place = samples%place
     if (allocated(samples%place)) call find_levels(samples%place, model%white, model%fourier, model%level)
@@ -264,6 +297,28 @@ contains
     end function judged
 
   end subroutine renew
+
+  pure logical function is_last(model, robust, order)
+    !! Whether the noise was judged like this, and by these lines and stretches, last.
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: robust
+    integer, intent(in) :: order
+    integer :: k
+    associate (last => model%last)
+      is_last = (last%robust .eqv. robust) .and. last%order == order .and. size(last%lines) == size(model%lines) &
+        & .and. size(last%stretches) == size(model%stretches)
+      if (is_last) is_last = all(last%stretches == model%stretches)
+      if (is_last) is_last = all([(are_same(last%lines(k), model%lines(k)), k=1, size(model%lines))])
+    end associate
+  end function is_last
+
+  pure logical function are_same(line, other)
+    !! Whether two lines are one.
+    type(line_type), intent(in) :: line, other
+    are_same = line%pole == other%pole .and. (line%steady .eqv. other%steady) .and. size(line%courses) == size(other%courses)
+    if (are_same) are_same = all(line%courses%rate == other%courses%rate .and. line%courses%bend == other%courses%bend) &
+      & .and. all(line%amplitude == other%amplitude)
+  end function are_same
 
   pure subroutine clear_invalid(samples, values)
     !! Put 0 where a sample is not valid.
@@ -353,29 +408,37 @@ contains
     real(dp), dimension(size(noise), size(noise)) :: correlation, vectors
     real(dp) :: values(size(noise)), work(64*size(noise)), cost
     real(dp), allocatable :: error(:, :)
-    integer, allocatable :: runs(:, :)
-    integer :: s, sensors, info, b, n, told
+    integer, allocatable :: runs(:, :), gaps(:)
+    integer :: s, sensors, info, b, n, told, first, gap, lost
     sensors = size(noise)
-    n = samples%count
     runs = all_runs(samples, model)
     told = sum(runs(2, :) - runs(1, :) + 1)      ! samples that tell something
-    allocate (error(n, sensors))
-    do s = 1, sensors
-      error(:, s) = model%white(:, s)
-      do b = 0, ubound(model%stretches, 2)
-        associate (first => model%stretches(1, b), last => model%stretches(2, b))
-          if (last >= first) call whiten(noise(s)%predictor, error(first:last, s))
-        end associate
+    lost = maxval([(ubound(noise(s)%predictor, 1), s=1, sensors)])
+    gaps = gaps_of(samples, lost)
+    gap = 1
+    correlation = 0
+    allocate (error(0, 0))
+    do b = 0, ubound(model%stretches, 2)
+      do first = model%stretches(1, b), model%stretches(2, b), chunk
+        n = min(chunk, model%stretches(2, b) - first + 1)
+        error = model%white(first:min(first + n + lost - 1, model%stretches(2, b)), :)
+        do s = 1, sensors
+          call whiten(noise(s)%predictor, error(:, s))
+        end do
+        do gap = gap, size(gaps)
+          if (gaps(gap) >= first + n) exit
+          error(gaps(gap) - first + 1, :) = 0
+        end do
+        call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, size(error, 1), error, size(error, 1), 1.0_dp, correlation, &
+          & sensors)
       end do
-      error(gaps_of(samples, maxval([(ubound(noise(b)%predictor, 1), b=1, sensors)])), s) = 0
-      error(:, s) = error(:, s)/norm2(error(:, s))
     end do
-    call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, n, error, n, 0.0_dp, correlation, sensors)
+    values = 1/sqrt([(max(correlation(s, s), tiny(1.0_dp)), s=1, sensors)])
+    correlation = correlation*spread(values, 1, sensors)*spread(values, 2, sensors)
     vectors = correlation
     call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
     cost = 0.5_dp*sensors*(sensors - 1)*penalty
     if (told*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
-    deallocate (error)
     model%noise%mixing = spread(1/sqrt(noise%variance), 2, sensors)*vectors
     model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
     call mix(model%noise%mixing, model%white)

@@ -2,6 +2,7 @@ module bw_noise_alone
   !! What a record costs without lines, as noise of any colour: the motion of a driven beam is that.
   use bw_cost, only: order_price
   use bw_kinds, only: dp
+  use bw_lapack, only: dgemm, dsyev
   use bw_samples, only: samples_type
   use bw_vector_noise, only: vector_noise_cost
   implicit none (type, external)
@@ -9,22 +10,50 @@ module bw_noise_alone
   public :: cost_of_shared_motion, most_orders
 
   integer, parameter :: least_colour = 8          !! order in a record that is large
+  integer, parameter :: most_numbers = 2**24      !! of principal components, whose motion is looked at: twice 134 MB
 
 contains
 
   real(dp) function cost_of_shared_motion(samples) result(cost)
-    !! J of noise alone that is one motion of all sensors; huge where samples are missing.
+    !! J of noise alone that is one motion of all sensors, or of as many of their principal components as the memory shall hold; huge
+    !! where samples are missing.
     type(samples_type), intent(in) :: samples
-    real(dp), allocatable :: x(:, :)
-    integer :: s, n
+    real(dp), allocatable :: x(:, :), vectors(:, :)
+    real(dp), dimension(size(samples%value, 2)) :: mean, deviation, values
+    real(dp) :: work(64*size(mean)), penalty
+    integer :: s, n, sensors, most, info
     cost = huge(1.0_dp)
     n = samples%count
-    if (allocated(samples%valid) .or. size(samples%value, 2) == 1) return
-    allocate (x(n, size(samples%value, 2)))
-    do s = 1, size(x, 2)
-      x(:, s) = samples%value(:n, s) - sum(samples%value(:n, s))/n
-    end do
-    cost = vector_noise_cost(x, most_orders(samples, n/(10*size(x, 2)), size(x, 2)), order_price(samples))
+    sensors = size(mean)
+    if (allocated(samples%valid) .or. sensors == 1) return
+    most = min(sensors, max(1, most_numbers/n))
+    penalty = order_price(samples)
+    mean = [(sum(samples%value(:n, s))/n, s=1, sensors)]
+    allocate (x(n, most))
+    if (most == sensors) then
+      do s = 1, sensors
+        x(:, s) = samples%value(:n, s) - mean(s)
+      end do
+      cost = 0
+    else                                          ! of the others what noise of their power costs
+      allocate (vectors(sensors, sensors))
+      call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, samples%value, size(samples%value, 1), samples%value, &
+        & size(samples%value, 1), 0.0_dp, vectors, sensors)
+      vectors = vectors/n - spread(mean, 1, sensors)*spread(mean, 2, sensors)
+      deviation = sqrt([(vectors(s, s), s=1, sensors)])
+      vectors = vectors/(spread(deviation, 1, sensors)*spread(deviation, 2, sensors))
+      call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
+      vectors = vectors/spread(deviation, 2, sensors)
+      associate (own => vectors(:, sensors - most + 1:))
+        call dgemm('N', 'N', n, most, sensors, 1.0_dp, samples%value, size(samples%value, 1), own, sensors, 0.0_dp, x, n)
+        do s = 1, most
+          x(:, s) = x(:, s) - dot_product(mean, own(:, s))
+        end do
+      end associate
+      cost = n*(sum(2*log(deviation)) + sum(log(max(values(:sensors - most), tiny(1.0_dp))))) &
+        & + 0.5_dp*penalty*(sensors*(sensors - 1) - most*(most - 1))
+    end if
+    cost = cost + vector_noise_cost(x, most_orders(samples, n/(10*most), most), penalty)
   end function cost_of_shared_motion
 
   pure integer function most_orders(samples, highest, sensors) result(order)

@@ -1,6 +1,6 @@
 module bw_refit
   !! Some lines of a model fitted again, others beside them kept; and taken up if that lowers the cost of the whole record.
-  use bw_band, only: band_around, band_type, fill_rows, line_columns, trend_columns
+  use bw_band, only: band_around, band_type, fill_rows, put_back
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -82,10 +82,9 @@ contains
     integer, intent(in), optional :: window      !! samples after each blow that are looked at; all if absent
     type(line_type), allocatable :: white(:)
     type(band_type) :: band
-    real(dp), allocatable :: columns(:, :, :)
     real(dp) :: before
     logical :: with_trend
-    integer :: p, k, s, rows(2, 0:ubound(model%stretches, 2)), stretches
+    integer :: p, k, rows(2, 0:ubound(model%stretches, 2)), stretches
     rows = rows_of_stretches(model)
     if (present(window)) rows(2, :) = min(rows(2, :), rows(1, :) + window - 1)
     stretches = ubound(rows, 2) + 1
@@ -94,20 +93,8 @@ contains
     white = white_lines(model, pack(model%lines, old))
     band = band_around([white, start], rows, model%gaps, model%place)
     call fill_rows(model%white, band)
-    before = 0
-    do p = 1, size(band%part)
-      associate (part => band%part(p))
-        before = before + sum(part%rows**2)
-        do k = 1, size(white)
-          columns = line_columns(band, part, white(k), 0)
-          do s = 1, size(part%rows, 2)
-            associate (a => white(k)%amplitude(s, part%stretch + 1))
-              part%rows(:, s) = part%rows(:, s) + a%re*columns(:, 1, 1) + a%im*columns(:, 2, 1)
-            end associate
-          end do
-        end do
-      end associate
-    end do
+    before = sum([(sum(band%part(p)%rows**2), p=1, size(band%part))])
+    call put_back(white, band)
     with_trend = minval(start%pole%im)*span_of_model(model) < 2*pi*low
     call fit_band(band, with_trend, most_steps, found%lines, found%reduced)
     found%gain = before - squares_left(found%reduced)
