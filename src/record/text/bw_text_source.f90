@@ -136,8 +136,9 @@ contains
       if (column == 0) cycle
       call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, number, decade, good)
       if (.not. good) call self%take_gaps([column], number, error)
-      if (rows > size(times)) call grow(times)
-      if (rows > size(steps)) call grow(steps)
+      if (rows > size(times)) call grow(self%path, times, error)
+      if (rows > size(steps)) call grow(self%path, steps, error)
+      if (allocated(error)) return
       times(rows) = number(1)
       steps(rows) = 10.0_dp**max(-300, min(300, decade(1)))
     end do
@@ -146,11 +147,16 @@ contains
     steps = steps(:rows)
   end subroutine read_times
 
-  pure subroutine grow(numbers)
-    !! Twice as much room.
+  pure subroutine grow(path, numbers, error)
+    !! Twice as much room. **Errors**: `status_bad_file` where that is refused.
+    character(*), intent(in) :: path
     real(dp), allocatable, intent(inout) :: numbers(:)
+    type(error_type), allocatable, intent(inout) :: error
     real(dp), allocatable :: more(:)
-    allocate (more(2*size(numbers)))
+    integer :: status
+    allocate (more(2*size(numbers)), stat=status)
+    if (status /= 0) call fail(error, status_bad_file, path//': memory was refused')
+    if (allocated(error)) return
     more(:size(numbers)) = numbers
     call move_alloc(more, numbers)
   end subroutine grow
