@@ -180,28 +180,31 @@ contains
     type(block_type), intent(out) :: block
     type(sampling_type) :: own
     type(segment_type) :: moved
+    real(dp) :: unit                                     ! m of displacements in V l²/h
     integer :: ends(3)
     own = sampling
     own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
     call start_histories(own, part)
+    unit = unit_velocity(scene)*motion%units%time%hi
     if (allocated(segment%load)) then
-      associate (unit => unit_velocity(scene)*motion%units%time%hi)
-        select case (own%quantity)
-        case (turns)
-          part%displacement = spread(unit*segment%load%hub_turn, 2, size(own%points))
-        case (curvatures)
-          part%displacement = unit*segment%load%curvature
-        case default
-          part%displacement = unit*segment%load%displacement
-          if (own%velocity) part%velocity = unit*segment%load%velocity
-        end select
-        if (allocated(segment%shape)) call add_shape(motion, segment, own, unit, part)
-      end associate
+      select case (own%quantity)
+      case (turns)
+        part%displacement = spread(unit*segment%load%hub_turn, 2, size(own%points))
+      case (curvatures)
+        part%displacement = unit*segment%load%curvature
+      case default
+        part%displacement = unit*segment%load%displacement
+        if (own%velocity) part%velocity = unit*segment%load%velocity
+      end select
+      if (allocated(segment%shape)) call add_shape(motion, segment, own, unit, part)
       call finish_histories(part)
       return
     end if
     call move_to_sample(segment, configuration, sampling%grid, samples(1), moved, part)
     if (part%failing_mode > 0) return
+    moved%force = moved%force*unit
+    if (allocated(moved%rate)) moved%rate = moved%rate*unit
+    if (allocated(moved%rate)) moved%q = moved%q*unit
     allocate (block%value(size(own%points), 2), block%rate(size(own%points), 2), source=0.0_dp)
     ends = block_ends(segment%count)
     if (segment%count < fewest .or. (allocated(segment%rate) .and. .not. allocated(segment%lack))) ends = segment%count
@@ -213,10 +216,9 @@ contains
       call add_octaves(time_grid(looked_at, own%grid%step), workspace(2))
       call add_octaves(every_nth(own%grid), workspace(3))
     end if
-    if (allocated(segment%rest)) part%displacement = part%displacement + spread(unit_velocity(scene) &
-      *motion%units%time%hi*matmul(segment%rest, values_at(configuration%set, own%quantity, 1, segment%count, own%points)), &
-      1, own%grid%samples)
-    if (allocated(segment%shape)) call add_shape(motion, segment, own, unit_velocity(scene)*motion%units%time%hi, part)
+    if (allocated(segment%rest)) part%displacement = part%displacement + spread(unit*matmul(segment%rest, &
+      values_at(configuration%set, own%quantity, 1, segment%count, own%points)), 1, own%grid%samples)
+    if (allocated(segment%shape)) call add_shape(motion, segment, own, unit, part)
     call finish_histories(part)
     block%rate = block%rate/own%unit_time
   contains
@@ -246,17 +248,14 @@ contains
       type(nonuniform_sum), intent(inout) :: workspace
       type(response_type), intent(inout) :: response
       type(part_monitor) :: share
-      real(dp) :: unit                                   ! m of displacements in V l²/h
       if (first > last) return
       share = part_monitor(monitor, 1.0_dp, 0.0_dp)      ! of few samples
       if (response%sampling%grid%samples == own%grid%samples) &
         share = part_monitor(monitor, (first - 1.0_dp)/segment%count, (last - first + 1.0_dp)/segment%count)
-      unit = unit_velocity(scene)*motion%units%time%hi
       if (allocated(moved%rate)) then
-        call add_motion(configuration%set, moved%rate*unit, share, response, displaced=moved%q*unit, workspace=workspace, &
-                        range=[first, last])
+        call add_motion(configuration%set, moved%rate, share, response, displaced=moved%q, workspace=workspace, range=[first, last])
       else
-        call add_modes_of_source(configuration%source, moved%force*unit, first, last, sum_tolerance, share, response, workspace)
+        call add_modes_of_source(configuration%source, moved%force, first, last, sum_tolerance, share, response, workspace)
       end if
     end subroutine add_modes
   end subroutine sum_segment
@@ -288,7 +287,6 @@ contains
     integer, intent(in) :: sample                        !! from 1
     type(segment_type), intent(out) :: moved
     type(response_type), intent(inout) :: part
-    real(dp), allocatable :: none(:)
     moved%force = segment%force
     if (.not. allocated(segment%rate)) return
     associate (elapsed => grid%step*real(sample - 1, dp) - segment%start)
@@ -298,8 +296,7 @@ contains
         return
       end if
       moved%rate = segment%rate
-      none = 0.0_dp*moved%rate
-      moved%q = none
+      moved%q = 0.0_dp*moved%rate
       if (allocated(segment%q)) moved%q = segment%q
       call move(configuration%set, elapsed, moved%q, moved%rate)
     end associate
