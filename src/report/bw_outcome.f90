@@ -13,7 +13,7 @@ module bw_outcome
   implicit none (type, external)
   private
 
-  character(*), parameter, public :: work_taken_away = 'unfinished work of another scene or version lay there and was taken away'
+  character(*), parameter, public :: work_taken_away = 'unfinished work, damaged or of another scene or version, was taken away'
 
   type, public :: outcome_type
     integer :: status = status_done           !! an exit status

@@ -179,7 +179,7 @@ contains
   end subroutine put_statuses
 
   subroutine get_statuses(self, statuses)
-    !! How all cases ended; `not_done` of those that have not.
+    !! How all cases ended; `not_done` of those that have not, or whose status is none.
     class(result_draft), intent(inout) :: self
     integer(i1), allocatable, intent(out) :: statuses(:)
     real(dp) :: values(at_once)
@@ -188,7 +188,8 @@ contains
     do first = 1, size(statuses), at_once
       n = min(at_once, size(statuses) - first + 1)
       call self%get_column(self%status, 1, int(first, i8), values(:n))
-      statuses(first:first + n - 1) = int(nint(values(:n)), i1)
+      where (values(:n) >= size(case_words)) values(:n) = not_done
+      statuses(first:first + n - 1) = int(max(not_done, nint(values(:n))), i1)
     end do
   end subroutine get_statuses
 

@@ -128,9 +128,12 @@ contains
     integer(i8) :: process, beginning
     self%is_refused = .true.
     call read_holder(descriptor, host, process, beginning, self%other_is_brief)
-    if (host == '') host = 'somewhere'
-    call fail(error, status_bad_file, path//': another run is at work on this scene: process '//text_of(process)// &
-              ' on host '//host//advice)
+    if (host == '') then
+      call fail(error, status_bad_file, path//': is a lock that names no run; once no run is at work on this scene, remove it')
+    else
+      call fail(error, status_bad_file, path//': another run is at work on this scene: process '//text_of(process)// &
+                ' on host '//host//advice)
+    end if
   end subroutine refuse
 
   subroutine refuse_if_held(self, path, error)

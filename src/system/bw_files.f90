@@ -92,8 +92,9 @@ contains
       end if
       problem = on_path(to_make_directory, path(:last))
       if (problem == 0) problem = flush_directory(directory_of(path(:last)))
+      if (directory_is_there(path(:last))) problem = 0
+      if (problem /= 0) return
     end do
-    if (directory_is_there(path)) problem = 0
   end function make_directory
 
   integer function may_write(directory) result(problem)

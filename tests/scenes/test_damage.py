@@ -6,6 +6,7 @@ import random
 import shutil
 import struct
 
+import netCDF4
 import pytest
 import results
 from drafts import cases_in, drafts_in
@@ -16,7 +17,7 @@ DRAWS = int(os.environ.get("BEAMWAVE_DRAWS", "6"))
 CASES = 40
 SCENE = captured_beam(modes={"before": 10, "after": 10}, response={"duration": 0.5, "samples": 1024})
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": CASES}
-TAKEN_AWAY = "unfinished work of another scene or version lay there and was taken away"
+TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was taken away"
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +80,18 @@ def test_a_damaged_draft_is_taken_away(here, half, damage):
         assert TAKEN_AWAY in ended.stderr or damage not in (cut_the_end, cut_some_bytes_out), draw
         assert results.differences(here.result("a"), whole) == []
         assert here.left() == ["a.nc"]
+
+
+def test_a_case_with_a_status_that_is_none_is_run_again(here, half):
+    directory, whole = half
+    shutil.copytree(directory, here.directory, dirs_exist_ok=True)
+    (draft,) = drafts_in(here.directory / "output/a.partial")
+    with netCDF4.Dataset(draft, "r+") as file:
+        file["case_status"][:4] = [77, -5, 100_000, 6]
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 0
+    assert f"{CASES // 2 - 2} cases were taken over from an earlier run" in ended.stdout  # half has each second case
+    assert results.differences(here.result("a"), whole) == []
 
 
 def leave_nothing(path):

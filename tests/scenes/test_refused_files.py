@@ -204,3 +204,12 @@ def test_quiet_needs_no_standard_output(here):
     with FULL.open("w") as full:
         assert here.beamwave("run", "a.nml", "--quiet", stdout=full).returncode == 0
     assert here.left() == ["a.nc"]
+
+
+@pytest.mark.skipif(not Path("/sys").is_dir(), reason="there is no /sys, in which nobody makes a directory")
+def test_a_directory_that_cannot_be_made_is_told_with_the_reason_of_the_first_that_is_refused(here):
+    here.scene("a", captured_beam())
+    ended = here.beamwave("run", "a.nml", "--output", "/sys/none/deeper")
+    assert ended.returncode == 3
+    assert "/sys/none/deeper" in ended.stderr
+    assert "No such file" not in ended.stderr

@@ -73,6 +73,15 @@ def test_a_lock_of_another_host_is_told_where_there_is_no_way_to_ask(here, injec
     assert here.beamwave("run", "a.nml").returncode == 0
 
 
+def test_a_lock_that_names_no_run_is_called_that(here, injector):
+    here.scene("a", SCENE)
+    here.write("output/a.partial/lock", "rubbish\n")
+    here.environment = injector.environment(here, NO_LOCKS)
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 3
+    assert "output/a.partial/lock: is a lock that names no run; once no run is at work on this scene, remove it" in ended.stderr
+
+
 @pytest.mark.parametrize("overwrite", [True, False], ids=["with --overwrite", "without"])
 def test_a_result_that_was_put_there_meanwhile_is_replaced_only_if_asked(here, overwrite):
     slow = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
