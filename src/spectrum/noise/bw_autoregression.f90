@@ -7,6 +7,7 @@ module bw_autoregression
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
+  use bw_lag_products, only: lag_products
   use bw_order, only: quantile_of
   implicit none (type, external)
   private
@@ -15,6 +16,7 @@ module bw_autoregression
   real(dp), parameter :: least_part = 1.0e-14_dp  !! of the variance, that a predictor leaves
   integer, parameter :: patience = 24             !! tuned: orders without a gain after which Burg's recursion ends
   integer, parameter :: robust_order = 24         !! tuned: of the first guess, which smooth levels need
+  integer, parameter :: work_of_form = 4          !! tuned: of a product of samples in a form, in those of a prediction error
 
   type, public :: autoregression
     !! Noise of one sensor.
@@ -25,7 +27,7 @@ module bw_autoregression
 
 contains
 
-  pure subroutine burg(x, valid, highest, penalty, noise)
+  subroutine burg(x, valid, highest, penalty, noise)
     !! Fit the autoregression whose order makes −2 ln L + order·penalty least. L is exact: the last samples of a run are predicted from
     !! fewer, with the variance that this leaves, and all variances together are scaled to fit best. So a motion that begins loudly and
     !! dies is no noise, however well it can be predicted.
@@ -35,19 +37,20 @@ contains
     real(dp), intent(in) :: penalty               !! of a coefficient
     type(autoregression), intent(out) :: noise
     real(dp), allocatable :: ahead(:), behind(:)  !! prediction errors of x_n from what follows, and of x_(n+p) from what is before
-    real(dp) :: reflection(highest), variance, cost, logarithms, total, level
+    real(dp) :: reflection(highest), h(0:highest), variance, cost, logarithms, total, level
     real(dp) :: sums(3)                           !! Σ a², Σ ab and Σ b² of errors ahead and behind that the next order pairs
     integer, allocatable :: runs(:, :)            !! that are longer than the order
+    type(lag_products) :: products
+    logical :: by_products                        !! the sums follow without errors: from here on these are not known
     integer :: p, r, count, best, rows
     runs = valid
     count = max(1, sum(runs(2, :) - runs(1, :) + 1))
     rows = count
-    ahead = x
-    behind = x
-    sums = 0
-    do r = 1, size(runs, 2)
-      call add_stage(0.0_dp, ahead(runs(1, r):runs(2, r)), behind(runs(1, r):runs(2, r)), sums)
-    end do
+    h = 0
+    h(0) = 1
+    by_products = size(runs, 2) == 1
+    if (by_products) call products%start(x(runs(1, 1):runs(2, 1)))
+    call find_sums(0)
     variance = max((sums(1) + sum(x(runs(2, :))**2))/count, tiny(1.0_dp))
     noise%variance = variance
     noise%cost = count*log(variance)
@@ -59,20 +62,14 @@ contains
       runs = runs(:, pack([(r, r=1, size(runs, 2))], runs(2, :) - runs(1, :) + 1 >= p))  ! as many have a sample number p
       if (size(runs, 2) == 0) exit
       logarithms = logarithms + size(runs, 2)*log(variance)
-      total = total + sum(ahead(runs(2, :) - p + 1)**2)/variance
+      total = total + sum(last_errors(p - 1)**2)/variance
       rows = rows - size(runs, 2)
       if (.not. sums(1) + sums(3) > 0) exit
       reflection(p) = -2*sums(2)/(sums(1) + sums(3))
-      sums = 0
-      do r = 1, size(runs, 2)                     ! behind(n) is then that of x_(n+p)
-        call add_stage(reflection(p), ahead(runs(1, r):runs(2, r) - p), behind(runs(1, r):runs(2, r) - p + 1), sums)
-      end do
+      h(:p) = h(:p) + reflection(p)*h(p:0:-1)
+      call find_sums(p)
       variance = variance*max(1 - reflection(p)**2, least_part)
-      level = sums(1)
-      do r = 1, size(runs, 2)
-        if (runs(2, r) - p >= runs(1, r)) level = level + ahead(runs(2, r) - p)**2
-      end do
-      level = (total + level/variance)/count
+      level = (total + (sums(1) + sum(last_errors(p)**2, mask=runs(2, :) - p >= runs(1, :)))/variance)/count
       cost = logarithms + rows*log(variance) + count*log(level) + p*penalty
       if (cost >= noise%cost) cycle
       best = p
@@ -80,6 +77,45 @@ contains
       noise%variance = variance*level
     end do
     allocate (noise%predictor(0:best), source=predictor_of(reflection(:best)))
+
+  contains
+
+    subroutine find_sums(order)
+      !! By products, or from errors where that is less work or loses too many digits.
+      integer, intent(in) :: order
+      integer :: q
+      if (by_products) then
+        call products%grow(x(runs(1, 1):runs(2, 1)))
+        call products%find_sums(h(:order), sums, by_products)
+        by_products = by_products .and. (order + 1)**2 < count/work_of_form
+        if (by_products) return
+      end if
+      do q = merge(order, 0, allocated(ahead)), order
+        sums = 0
+        if (q == 0) ahead = x
+        if (q == 0) behind = x
+        do r = 1, size(runs, 2)                   ! behind(n) is then that of x_(n+q)
+          if (q == 0) call add_stage(0.0_dp, ahead(runs(1, r):runs(2, r)), behind(runs(1, r):runs(2, r)), sums)
+          if (q > 0) call add_stage(reflection(q), ahead(runs(1, r):runs(2, r) - q), behind(runs(1, r):runs(2, r) - q + 1), sums)
+        end do
+      end do
+    end subroutine find_sums
+
+    pure function last_errors(order) result(errors)
+      !! The error of the last sample of each run that has one of this order.
+      integer, intent(in) :: order
+      real(dp) :: errors(size(runs, 2))
+      integer :: k
+      do k = 1, size(runs, 2)
+        associate (n => runs(2, k) - order)
+          errors(k) = 0
+          if (n < runs(1, k)) cycle
+          if (by_products) errors(k) = dot_product(h(:order), x(n:n + order))
+          if (.not. by_products) errors(k) = ahead(n)
+        end associate
+      end do
+    end function last_errors
+
   end subroutine burg
 
   pure subroutine add_stage(reflection, ahead, behind, sums)
