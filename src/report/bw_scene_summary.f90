@@ -4,9 +4,11 @@ module bw_scene_summary
   use bw_kinds, only: dp, i8
   use bw_beam_par, only: beam_text, has_fibre
   use bw_beam_units, only: beam_units, units_of
+  use bw_blows, only: enough
   use bw_case_cost, only: case_bytes
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
+  use bw_noise_alone, only: most_numbers
   use bw_record_case, only: few_numbers
   use bw_result_draft, only: result_draft
   use bw_result_layout, only: result_layout
@@ -262,14 +264,15 @@ contains
   end function working_bytes
 
   pure integer(i8) function record_bytes(samples, sensors) result(bytes)
-    !! Memory of a record while its lines are searched for: itself, once more where it stays for the next case, transforms of one
-    !! sensor, bands of all; measured.
+    !! Memory of a record while its lines are searched for: itself, what the lines leave of it, and once more where it stays for the next
+    !! case; what is looked at for shared noise and for blows; transforms of one sensor, bands of all; measured.
     integer, intent(in) :: samples, sensors
     integer, parameter :: of_sample = 240, of_sensor = 700000, of_libraries = 10000000
     integer(i8) :: numbers
     numbers = int(samples, i8)*sensors
-    bytes = of_libraries + 8*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors
+    bytes = of_libraries + 16*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors
     if (numbers <= few_numbers) bytes = bytes + 8*numbers
+    bytes = bytes + max(16*min(numbers, int(most_numbers, i8)), 32*min(numbers, int(enough, i8)))
   end function record_bytes
 
   pure function bytes_text(bytes) result(text)

@@ -30,6 +30,18 @@ FORETOLD = {
 }
 
 
+RECORD = (2**16, 32)  # samples and sensors: of a few lines in noise
+
+
+@pytest.fixture
+def large_record(tmp_path):
+    """A scene of a record that takes more memory than the program, and than what does not grow with it."""
+    from large_records.records import write
+
+    write(tmp_path / "record.nc", *RECORD)
+    return "&record\n  file = 'record.nc'\n/\n&spectrum /\n"
+
+
 def peak_memory(program, directory, scene, *words):
     """Bytes that `beamwave run` took."""
     from growth.measure import LAUNCH
@@ -63,7 +75,15 @@ def test_memory_hardly_grows_with_the_number_of_cases(program, tmp_path):
 
 @pytest.mark.parametrize("groups", FORETOLD.values(), ids=FORETOLD.keys())
 def test_a_check_foretells_memory(program, tmp_path, groups):
-    used = peak_memory(program, tmp_path, namelist(groups))
+    foretells(program, tmp_path, namelist(groups))
+
+
+def test_a_check_foretells_the_memory_of_a_record(program, tmp_path, large_record):
+    foretells(program, tmp_path, large_record)
+
+
+def foretells(program, tmp_path, scene):
+    used = peak_memory(program, tmp_path, scene)
     ended = subprocess.run([program, "check", "large.nml"], cwd=tmp_path, capture_output=True, text=True, check=True)
     number, unit = re.search(r"memory +([\d.]+) ([MG])B", ended.stdout).groups()
     assert used <= float(number) * {"M": 1e6, "G": 1e9}[unit] <= 5 * used

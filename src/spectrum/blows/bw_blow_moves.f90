@@ -148,7 +148,7 @@ contains
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     integer, intent(in) :: those(:)
-    real(dp), intent(out) :: left(:, :)
+    real(dp), intent(out), contiguous :: left(:, :)
     type(line_type) :: lines(size(model%lines))
     integer :: k
     lines = model%lines

@@ -133,7 +133,12 @@ contains
         wave(n) = limited(line%pole*(from + n) + bend_of(line, from + n))
       end do
     else
-      fine = [(exp(line%pole*n), n=0, table - 1)]
+      fine(0) = 1
+      n = 1
+      do while (n < table)                       ! as many again, each time
+        fine(n:2*n - 1) = exp(line%pole*n)*fine(:n - 1)
+        n = 2*n
+      end do
       do n = 0, size(wave) - 1, table
         last = min(size(wave), n + table) - 1
         coarse = limited(line%pole*(from + n))

@@ -70,9 +70,10 @@ contains
     real(dp) :: last                             !! J of the round before
     integer :: round, changed, dropped, moved
     allocate (outcome%poles(0), outcome%gains(0))
+    alone = cost_of_shared_motion(samples)       ! before there is anything else in memory
     call start_model(samples, blows, model)
     call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
-    alone = min(model%noise%cost, cost_of_shared_motion(samples))
+    alone = min(alone, model%noise%cost)
     call add_first_lines(samples, false_alarm, alone, model, outcome, monitor)
     if (outcome%driven) return
     last = huge(1.0_dp)

@@ -197,7 +197,7 @@ contains
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     integer, intent(in) :: sensors(:)
-    real(dp), intent(out) :: left(:, :)
+    real(dp), intent(out), contiguous :: left(:, :)
     integer :: s
     do s = 1, size(left, 2)
       left(:, s) = samples%value(:samples%count, sensors(s))
@@ -211,7 +211,7 @@ contains
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     integer, intent(in) :: sensors(:)
-    real(dp), intent(out) :: left(:, :)
+    real(dp), intent(out), contiguous :: left(:, :)
     integer :: s, b, n
     call find_left(samples, model, sensors, left)
     do s = 1, size(left, 2)

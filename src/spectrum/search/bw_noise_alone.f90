@@ -10,7 +10,7 @@ module bw_noise_alone
   public :: cost_of_shared_motion, most_orders
 
   integer, parameter :: least_colour = 8          !! order in a record that is large
-  integer, parameter :: most_numbers = 2**24      !! of principal components, whose motion is looked at: twice 134 MB
+  integer, parameter, public :: most_numbers = 2**24  !! of principal components, whose motion is looked at: twice 134 MB
 
 contains
 

@@ -69,10 +69,10 @@ contains
 
   pure real(dp) function record_seconds(scene, layout) result(seconds)
     !! Of the lines of all cases of a record on one core, and of a fit of unknowns that explains them. Measured of 48 records of 1 to
-    !! 8 lines in 600 to 300 000 numbers, and of fits of beams of 1 to 10 pieces.
+    !! 8 lines in 600 to 300 000 numbers, of larger ones of 20 lines, and of fits of beams of 1 to 10 pieces.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    real(dp), parameter :: of_search = 0.05_dp, of_number = 4.0e-6_dp, of_solution = 1.0e-4_dp
+    real(dp), parameter :: of_search = 0.05_dp, of_number = 3.0e-6_dp, of_solution = 1.0e-4_dp
     integer, parameter :: solutions = 350          ! of the modes for an unknown
     seconds = max(1, layout%cases)*(of_search + of_number*layout%points*layout%record%longest)
     if (size(scene%unknowns) > 0) seconds = seconds + size(scene%unknowns)*solutions*(of_solution + modes_seconds(scene))
