@@ -7,6 +7,7 @@ module bw_blow_moves
   use bw_blows, only: enough
   use bw_kinds, only: dp
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
+  use bw_missing_samples, only: missing_among, take_off
   use bw_model, only: add_lines, at_sensors, clear_invalid, model_type
   use bw_noise, only: mix, mixed_amplitude, white_amplitude, whiten
   use bw_penalty, only: chi_squared
@@ -181,9 +182,12 @@ contains
                             - sum(weight*place*white(:, s))/max(1.0_dp, sum(weight*place**2))*place)
     end do
     do s = 1, size(white, 2)
-      call whiten(model%noise%filter(:model%noise%order(those(s)), those(s)), white(:, s))
+      associate (filter => model%noise%filter(:model%noise%order(those(s)), those(s)))
+        call whiten(filter, white(:, s))
+        call take_off(missing_among(model%missing, first, last - first + 2 - size(filter), filter), white(:, s))
+      end associate
     end do
-    white(pack(model%gaps, model%gaps >= first .and. model%gaps <= last) - first + 1, :) = 0
+    white(pack(model%missing, model%missing >= first .and. model%missing <= last) - first + 1, :) = 0
   end function white_values
 
   pure function brought(model, those, b, from, count) result(motion)

@@ -88,19 +88,21 @@ contains
     !! Several beside each other, or crests that are cut off, are not: until they are past, errors tell nothing. But the first sample of
     !! a crest was no smaller than what was recorded.
     real(dp), intent(inout) :: x(:, :)           !! invalid ones are interpolated
-    logical, intent(in) :: valid(:), recorded(:)
+    logical, intent(inout) :: valid(:)           !! so is one missing sample, from then on
+    logical, intent(in) :: recorded(:)
     integer, intent(in) :: scale
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(inout) :: blows(:)
     type(autoregression) :: noise
     real(dp), dimension(size(x, 1)) :: burst, error, recording
     real(dp) :: least
-    logical, dimension(size(x, 1)) :: is_told, is_bound
+    logical, dimension(size(x, 1)) :: is_told, is_bound, is_lone
     integer :: n, s, p, last, i, known
     n = size(x, 1)
     p = min(order, n/samples_per_order)
     burst = 0
     is_told = valid
+    is_lone = .not. (valid .or. recorded) .and. eoshift(valid, -1, .true.) .and. eoshift(valid, 1, .true.)
     do i = 1, n
       if (valid(i)) cycle
       if (recorded(i) .or. any(.not. valid(max(1, i - 1):i - 1))) is_told(i:min(n, i + p)) = .false.
@@ -110,7 +112,7 @@ contains
     if (count(is_told) < 2) return
     do s = 1, size(x, 2)
       recording = x(:, s) - sum(x(:first, s))/first
-      call predict(valid, p, x(:, s), noise)
+      call predict(valid, is_lone, p, x(:, s), noise)
       call find_errors(x(:, s), noise%predictor, error)
       where (is_bound) error = merge(error + recording - x(:, s), 0.0_dp, (error + recording - x(:, s))*recording > 0)
       where (.not. (is_told .or. is_bound)) error = 0
@@ -125,16 +127,17 @@ contains
       if (i - last > p .and. all(abs(blows(:known) - scale*i) > 2*p*scale)) blows = [blows, 1 + scale*(i - 1)]
       last = i
     end do
+    valid = valid .or. is_lone
   end subroutine add_bursts
 
-  subroutine predict(valid, p, x, noise)
-    !! Find a sensor's prediction, missing samples interpolated by it.
-    logical, intent(in) :: valid(:)
+  subroutine predict(valid, is_lone, p, x, noise)
+    !! Find a sensor's prediction, missing samples interpolated by it. When those that stand alone are, longer runs tell it better.
+    logical, intent(in) :: valid(:), is_lone(:)
     integer, intent(in) :: p
     real(dp), intent(inout) :: x(:)
     type(autoregression), intent(out) :: noise
     real(dp) :: weight(p + 1)
-    integer :: n, i, last, m, q
+    integer :: n, i, last, m, q, stage
     n = size(x)
     x = x - sum(x(:first))/first                 ! a record that begins before the blow begins at rest
     last = 0
@@ -143,14 +146,17 @@ contains
       if (last > 0) x(last + 1:i - 1) = [(x(last) + (x(i) - x(last))*(m - last)/(i - last), m=last + 1, i - 1)]
       last = i
     end do
-    call burg(x, valid_runs(samples_type(valid=valid), 1, n), p, 0.0_dp, noise)
-    if (all(valid)) return
-    q = ubound(noise%predictor, 1)
-    weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
-    do m = 1, interpolations
-      do i = 1 + q, n - q
-        if (.not. valid(i)) x(i) = -dot_product(weight(2:q + 1), x(i + 1:i + q) + x(i - 1:i - q:-1))/weight(1)
+    do stage = 1, 2
+      call burg(x, valid_runs(samples_type(valid=valid .or. (is_lone .and. stage > 1)), 1, n), p, 0.0_dp, noise)
+      if (all(valid)) return
+      q = ubound(noise%predictor, 1)
+      weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
+      do m = 1, interpolations
+        do i = 1 + q, n - q
+          if (.not. valid(i)) x(i) = -dot_product(weight(2:q + 1), x(i + 1:i + q) + x(i - 1:i - q:-1))/weight(1)
+        end do
       end do
+      if (.not. any(is_lone)) return
     end do
   end subroutine predict
 

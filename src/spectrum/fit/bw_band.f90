@@ -9,6 +9,8 @@ module bw_band
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
   use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pole_at, psi, psi_bend, psi_by_rate, psi_slope
+  use bw_missing_samples, only: fills_of, find_reach, missing_among, missing_type, take_off
+  use bw_noise, only: noise_type
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
@@ -23,11 +25,14 @@ module bw_band
   real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block
 
   type, public :: band_part
-    !! The rows of one stretch of samples after a blow.
+    !! The rows of one stretch of samples after a blow: of all sensors, or of one where samples are missing, which colours tell apart.
     integer :: stretch = 0
     integer :: first = 1                     !! sample
     integer :: used = 0                      !! samples, from the first on
-    integer, allocatable :: gaps(:)          !! those that tell nothing, counted from 0
+    integer :: sensors(2) = 1                !! the first and the last
+    type(missing_type) :: missing            !! samples that enter the rows
+    integer, allocatable :: block(:)         !! the last block that each of them enters
+    complex(dp), allocatable :: trace(:, :)  !! sums over blocks of what 1 in its place would leave, from the last one backwards
     real(dp), allocatable :: place(:)        !! times of uneven samples since the blow, in steps, (used)
     complex(dp), allocatable :: turn(:)      !! that makes the two rows of a block independent, (blocks)
     real(dp), allocatable :: root(:, :)      !! what they are divided by, (blocks, 2), or (blocks, 1)
@@ -46,16 +51,18 @@ module bw_band
 
 contains
 
-  pure function band_around(lines, stretches, gaps, place) result(band)
+  pure function band_around(lines, stretches, noise, missing, place) result(band)
     !! The band that holds these lines, without rows of the record. A stretch in which none of them lives has no part.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: stretches(:, 0:)  !! first and last sample of each, (2, 0:B); the first is before any blow
-    integer, intent(in) :: gaps(:)           !! samples that tell nothing, rising
+    type(noise_type), intent(in) :: noise
+    integer, intent(in) :: missing(:)        !! samples, rising
     real(dp), intent(in), optional :: place(:)  !! times of uneven samples, in steps
     type(band_type) :: band
     real(dp) :: lowest, highest, widest, longest, width, lives
     complex(dp) :: ends
-    integer :: used(0:ubound(stretches, 2)), blocks, b, k, n
+    integer, dimension(0:ubound(stretches, 2)) :: used, shares   !! samples, and parts, of a stretch
+    integer :: blocks, b, k, n
     used = max(0, stretches(2, :) - stretches(1, :) + 1)
     if (.not. any(lines%steady) .or. used(0) < enough_for(size(lines))) used(0) = 0
     longest = maxval(used)
@@ -93,13 +100,28 @@ contains
       band%centre = 0
       band%is_real = .true.
     end if
-    band%part = pack([(band_part(b, stretches(1, b), used(b)), b=0, ubound(used, 1))], used > 0)
-    do b = 1, size(band%part)
-      associate (part => band%part(b))
-        part%gaps = pack(gaps, gaps >= part%first .and. gaps < part%first + part%used) - part%first
-        if (present(place)) part%place = place(part%first:part%first + part%used - 1) - place(part%first)
-      end associate
-      call find_weights(band, band%part(b))
+    do b = 0, ubound(used, 1)
+      shares(b) = min(1, used(b))
+      if (noise%lost == 0) cycle
+      if (any(missing >= stretches(1, b) .and. missing < stretches(1, b) + used(b) + noise%lost)) &
+        & shares(b) = shares(b)*size(noise%order)
+    end do
+    allocate (band%part(sum(shares)))
+    n = 0
+    do b = 0, ubound(used, 1)
+      do k = 1, shares(b)
+        n = n + 1
+        associate (part => band%part(n))
+          part%stretch = b
+          part%first = stretches(1, b)
+          part%used = used(b)
+          part%sensors = k + [0, size(noise%order) - shares(b)]
+          part%missing = missing_among(missing, part%first, part%used, noise%filter(:noise%order(k), k))
+          if (present(place)) part%place = place(part%first:part%first + part%used - 1) - place(part%first)
+        end associate
+        call find_traces(band, band%part(n))
+        call find_weights(band, band%part(n))
+      end do
     end do
   end function band_around
 
@@ -118,6 +140,7 @@ contains
     associate (part => band%part(1))
       part%stretch = 1
       part%used = count
+      part%sensors = [1, size(image, 2)]
       allocate (part%turn(0))
       allocate (part%root(2*size(image, 1), 1), source=noise)
       allocate (part%rows(2*size(image, 1), size(image, 2)))
@@ -149,33 +172,69 @@ contains
     sums_for = ceiling(min(sums_per_bin*width, max(real(ample, dp), fewest_per_bin*width)))
   end function sums_for
 
+  pure subroutine find_traces(band, part)
+    !! Find which blocks missing samples enter, and how.
+    type(band_type), intent(in) :: band
+    type(band_part), intent(inout) :: part
+    complex(dp) :: turned(0:ubound(part%missing%filter, 1)), turn
+    integer :: i, j, q, low, high
+    associate (g => part%missing%place, h => part%missing%filter)
+      allocate (part%block(size(g)))
+      allocate (part%trace(0:(ubound(h, 1) + band%length - 1)/band%length, size(g)), source=(0.0_dp, 0.0_dp))
+      turned = [(h(i)*exp(cmplx(0, band%centre*i, dp)), i=0, ubound(h, 1))]
+      do j = 1, size(g)
+        call find_reach(part%missing, j, low, high)
+        part%block(j) = (g(j) - low - 1)/band%length + 1
+        turn = exp(cmplx(0, -band%centre*(g(j) - 1), dp))
+        do i = low, high
+          q = part%block(j) - (g(j) - i - 1)/band%length - 1
+          part%trace(q, j) = part%trace(q, j) + turn*turned(i)
+        end do
+      end do
+    end associate
+  end subroutine find_traces
+
+  pure function traces_of(part, fills) result(sums)
+    !! The sums over blocks that values in the place of missing samples would leave, (blocks).
+    type(band_part), intent(in) :: part
+    complex(dp), intent(in) :: fills(:)
+    complex(dp) :: sums(size(part%turn))
+    integer :: j, q
+    sums = 0
+    do j = 1, size(fills)
+      do q = 0, min(ubound(part%trace, 1), part%block(j) - 1)
+        sums(part%block(j) - q) = sums(part%block(j) - q) + part%trace(q, j)*fills(j)
+      end do
+    end do
+  end function traces_of
+
   pure subroutine find_weights(band, part)
-    !! Find what makes the noise of a part's rows white. A row without noise tells nothing: it is divided by what makes it 0.
+    !! Find what makes the noise of a part's rows white: where samples are missing, as a line in the middle of the band sees it. A row
+    !! without noise tells nothing: it is divided by what makes it 0.
     type(band_type), intent(in) :: band
     type(band_part), intent(inout) :: part
     complex(dp) :: p
     real(dp) :: n
-    integer :: blocks, j, g
-    complex(dp), allocatable :: taken(:)     !! e^(−2iω_c m) of the gaps in each block
-    integer, allocatable :: gaps(:)          !! of each block
+    integer :: blocks, j
+    complex(dp), allocatable :: fills(:, :)  !! of a wave in the middle of the band
+    complex(dp), allocatable :: n_taken(:), p_taken(:)
     blocks = (part%used + band%length - 1)/band%length
     allocate (part%turn(blocks), source=(1.0_dp, 0.0_dp))
     allocate (part%root(blocks, merge(1, 2, band%is_real)))
-    allocate (taken(blocks), source=(0.0_dp, 0.0_dp))
-    allocate (gaps(blocks), source=0)
-    do g = 1, size(part%gaps)
-      j = part%gaps(g)/band%length + 1
-      gaps(j) = gaps(j) + 1
-      taken(j) = taken(j) + exp(cmplx(0, -2*band%centre*part%gaps(g), dp))
-    end do
+    if (band%length == 1) then
+      part%root(:, :) = 1
+      return
+    end if
+    fills = line_fills(part, wave_of(cmplx(0, band%centre, dp)), 0)
+    n_taken = traces_of(part, fills(:, 1))
+    p_taken = traces_of(part, conjg(fills(:, 1)))
     do j = 1, blocks
       n = min(band%length, part%used - (j - 1)*band%length)
       p = sum_of(cmplx(0, -2*band%centre, dp), nint(n))*exp(cmplx(0, -2*band%centre*(j - 1)*band%length, dp))
-      n = n - gaps(j)
-      p = p - taken(j)
+      n = max(n - n_taken(j)%re, n/2)
+      p = p - p_taken(j)
       part%root(j, 1) = sqrt(n)
-      if (n < 1) part%root(j, :) = huge(1.0_dp)
-      if (band%is_real .or. n < 1) cycle
+      if (band%is_real) cycle
       part%turn(j) = exp(cmplx(0, -atan2(p%im, p%re)/2, dp))
       part%root(j, :) = [sqrt((n + abs(p))/2), sqrt(max(n - abs(p), 0.0_dp)/2)]
       if (part%root(j, 2) < noiseless*part%root(j, 1)) part%root(j, 2) = huge(1.0_dp)
@@ -213,24 +272,27 @@ contains
     complex(dp) :: turn(0:band%length - 1)
     complex(dp), allocatable :: sums(:), start(:)
     real(dp) :: re(band%length), im(band%length)
+    real(dp), allocatable :: own(:)
     integer :: b, s, j, n, low
     turn = [(exp(cmplx(0, -band%centre*n, dp)), n=0, band%length - 1)]
     re = turn%re
     im = turn%im
     do b = 1, size(band%part)
       associate (part => band%part(b))
-        allocate (part%rows(size(part%root), size(white, 2)))
+        allocate (part%rows(size(part%root), part%sensors(1):part%sensors(2)))
         allocate (sums(size(part%turn)), start(size(part%turn)))
         start(:) = [(exp(cmplx(0, -band%centre*real(band%length, dp)*j, dp)), j=0, size(part%turn) - 1)]
-        do s = 1, size(white, 2)
+        do s = part%sensors(1), part%sensors(2)
+          own = white(part%first:part%first + part%used - 1, s)
+          call take_off(part%missing, own)
           if (band%length == 1) then
-            part%rows(:, s) = white(part%first:part%first + part%used - 1, s)
+            part%rows(:, s) = own
             cycle
           end if
           do j = 1, size(sums)
-            low = part%first + (j - 1)*band%length
+            low = (j - 1)*band%length + 1
             n = min(band%length, part%used - (j - 1)*band%length)
-            sums(j) = cmplx(ddot(n, white(low:low + n - 1, s), 1, re, 1), ddot(n, white(low:low + n - 1, s), 1, im, 1), dp)
+            sums(j) = cmplx(ddot(n, own(low:low + n - 1), 1, re, 1), ddot(n, own(low:low + n - 1), 1, im, 1), dp)
           end do
           part%rows(:, s) = rows_of(part, start*sums)
         end do
@@ -249,7 +311,7 @@ contains
       associate (part => band%part(p))
         do k = 1, size(lines)
           columns = line_columns(band, part, lines(k), 0)
-          do s = 1, size(part%rows, 2)
+          do s = part%sensors(1), part%sensors(2)
             associate (a => lines(k)%amplitude(s, part%stretch + 1))
               part%rows(:, s) = part%rows(:, s) + a%re*columns(:, 1, 1) + a%im*columns(:, 2, 1)
             end associate
@@ -307,6 +369,7 @@ contains
     complex(dp) :: wave(size(part%turn)), moment(0:series + 2), last_moment(0:series + 2), middle
     real(dp) :: m, by_rate(0:2)
     real(dp), allocatable :: places(:)
+    complex(dp), allocatable :: fills(:, :)
     integer :: blocks, j, c
     type(line_type) :: turned
     blocks = size(part%turn)
@@ -329,7 +392,10 @@ contains
           sums(j, 2*c + 1) = wave(j)*by_rate(0)
         end do
       end do
-      sums(part%gaps + 1, :) = 0
+      fills = line_fills(part, line, slopes)
+      do c = 0, slopes
+        sums(:, c) = sums(:, c) - traces_of(part, fills(:, c + 1))
+      end do
       return
     end if
     middle = turned%pole
@@ -351,26 +417,12 @@ contains
         sums(j, :) = limited(turned%pole*m + bend_of(line, m))*drifting_sums(m)
       end do
     end if
-    do c = 1, size(part%gaps)
-      j = part%gaps(c)/band%length + 1
-      m = part%gaps(c)
-      sums(j, :) = sums(j, :) - limited(turned%pole*m + bend_of(line, m))*factors(m)
+    fills = line_fills(part, line, slopes)
+    do c = 0, slopes
+      sums(:, c) = sums(:, c) - traces_of(part, fills(:, c + 1))
     end do
 
   contains
-
-    pure function factors(m) result(own)
-      !! Those of a single sample's slopes, m steps after the blow.
-      real(dp), intent(in) :: m
-      real(dp) :: own(0:slopes), by_rate(0:2)
-      integer :: q
-      own(0) = 1
-      if (slopes > 0) own(1) = m
-      do q = 1, (slopes - 1)/2
-        by_rate = psi_by_rate(line%courses(q)%rate, m)
-        own(2*q:2*q + 1) = [psi(line%courses(q)%rate, m), by_rate(0)]
-      end do
-    end function factors
 
     pure function drifting_sums(m) result(own)
       !! Those of a block that begins m steps after the blow, over the exponential there.
@@ -399,6 +451,38 @@ contains
     end function drifting_sums
 
   end function images
+
+  pure function line_fills(part, line, slopes) result(fills)
+    !! What a line's rows would put in the place of missing samples, and their products with m, and with ψ and its slope by the rate of
+    !! each course, (missing, 1 + slopes).
+    type(band_part), intent(in) :: part
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: slopes
+    complex(dp), allocatable :: fills(:, :)
+    complex(dp) :: wave(size(part%missing%place))
+    real(dp) :: factors(size(wave), 0:slopes), by_rate(0:2), m
+    integer :: j, q, low, high
+    do j = 1, size(wave)
+      call find_reach(part%missing, j, low, high)
+      m = part%missing%place(j) - 1
+      if (allocated(part%place)) m = part%place(part%missing%place(j))
+      wave(j) = limited(line%pole*(m - high) + bend_of(line, m - high))
+      factors(j, 0) = 1
+      if (slopes > 0) factors(j, 1) = m
+      do q = 1, (slopes - 1)/2
+        by_rate = psi_by_rate(line%courses(q)%rate, m)
+        factors(j, 2*q:2*q + 1) = [psi(line%courses(q)%rate, m), by_rate(0)]
+      end do
+    end do
+    fills = fills_of(part%missing, line%pole, wave, factors)
+  end function line_fills
+
+  pure type(line_type) function wave_of(pole) result(line)
+    !! A line of this pole.
+    complex(dp), intent(in) :: pole
+    line%pole = pole
+    allocate (line%courses(0))
+  end function wave_of
 
   pure function moments(rate, count, highest, length) result(moment)
     !! The sums Σ (l/length)^q e^(rate·l), l = 0 … count − 1, q = 0 … highest.

@@ -16,8 +16,9 @@ module bw_band_fit
   real(dp), parameter :: longest = 0.7_dp        !! tuned: step of a pole, of its width
 
   type, extends(projected_type), public :: reduced_type
-    !! The fit of one stretch.
+    !! The fit of one part.
     integer :: stretch = 0
+    integer :: sensors(2) = 1                    !! the first and the last
   end type reduced_type
 
 contains
@@ -119,6 +120,7 @@ contains
     do p = 1, size(band%part)
       associate (part => band%part(p), own => reduced(p))
         own%stretch = part%stretch
+        own%sensors = part%sensors
         allocate (matrix(size(part%root), n + slope_place(lines, size(lines) + 1) - 1))
         do k = 1, size(lines)
           slopes = 1 + 2*size(lines(k)%courses)
@@ -268,7 +270,7 @@ contains
     amplitude = 0
     do p = 1, size(reduced)
       associate (x => reduced(p)%linear_part)
-        amplitude(:, reduced(p)%stretch + 1) = cmplx(x(2*k - 1, :), x(2*k, :), dp)
+        amplitude(reduced(p)%sensors(1):reduced(p)%sensors(2), reduced(p)%stretch + 1) = cmplx(x(2*k - 1, :), x(2*k, :), dp)
       end associate
     end do
   end function amplitudes_of

@@ -75,41 +75,45 @@ contains
     deviation = deviation_of(errors%triangle, errors%length, pack(slope, free_of(errors%lines)))
   end function exponent_deviation
 
-  pure real(dp) function amplitude_deviation(errors, part, k, direction) result(total)
-    !! The standard deviation of the sum over components of line k's white amplitudes in a part of the band, each times a direction in
+  pure real(dp) function amplitude_deviation(errors, stretch, k, direction) result(total)
+    !! The standard deviation of the sum over components of line k's white amplitudes in a stretch, each times a direction in
     !! its plane: what noise does to them at known poles, and what the poles' errors add.
     type(line_errors), intent(in) :: errors
-    integer, intent(in) :: part, k
+    integer, intent(in) :: stretch, k
     real(dp), intent(in) :: direction(:, :)      !! (2, S)
     real(dp) :: slope(unknown_place(errors%lines, size(errors%lines) + 1) - 1), own(size(direction, 2))
     complex(dp) :: a
-    real(dp), dimension(errors%reduced(part)%linear) :: gradient, y
-    integer :: s, j, i, c, n
+    real(dp), dimension(errors%reduced(1)%linear) :: gradient, y
+    integer :: p, s, sensor, j, i, c, n
     logical :: determined
     total = huge(1.0_dp)
     slope = 0
     own = 0
-    associate (fit => errors%reduced(part))
-      if (size(fit%triangle, 1) < fit%linear) return
-      do s = 1, size(direction, 2)
-        if (all(abs(direction(:, s)) <= 0)) cycle
-        gradient = 0
-        gradient(2*k - 1:2*k) = direction(:, s)
-        call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
-        if (.not. determined) return
-        own(s) = norm2(y)
-        do j = 1, size(errors%lines)
-          a = cmplx(fit%linear_part(2*j - 1, s), fit%linear_part(2*j, s), dp)
-          i = unknown_place(errors%lines, j)
-          c = fit%linear + slope_place(errors%lines, j)
-          slope(i:i + 1) = slope(i:i + 1) - [product_of(c, a), product_of(c, (0, 1)*a)]
-          do n = 1, size(errors%lines(j)%courses)
-            slope(i + 3*n - 1:i + 3*n + 1) = slope(i + 3*n - 1:i + 3*n + 1) - [product_of(c + 4*n - 2, a), &
-              & product_of(c + 4*n - 2, (0, 1)*a), product_of(c + 4*n, errors%lines(j)%courses(n)%bend*a)]
+    do p = 1, size(errors%reduced)
+      if (errors%reduced(p)%stretch /= stretch) cycle
+      associate (fit => errors%reduced(p))
+        if (size(fit%triangle, 1) < fit%linear) return
+        do s = 1, size(fit%linear_part, 2)
+          sensor = fit%sensors(1) + s - 1
+          if (all(abs(direction(:, sensor)) <= 0)) cycle
+          gradient = 0
+          gradient(2*k - 1:2*k) = direction(:, sensor)
+          call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
+          if (.not. determined) return
+          own(sensor) = norm2(y)
+          do j = 1, size(errors%lines)
+            a = cmplx(fit%linear_part(2*j - 1, s), fit%linear_part(2*j, s), dp)
+            i = unknown_place(errors%lines, j)
+            c = fit%linear + slope_place(errors%lines, j)
+            slope(i:i + 1) = slope(i:i + 1) - [product_of(c, a), product_of(c, (0, 1)*a)]
+            do n = 1, size(errors%lines(j)%courses)
+              slope(i + 3*n - 1:i + 3*n + 1) = slope(i + 3*n - 1:i + 3*n + 1) - [product_of(c + 4*n - 2, a), &
+                & product_of(c + 4*n - 2, (0, 1)*a), product_of(c + 4*n, errors%lines(j)%courses(n)%bend*a)]
+            end do
           end do
         end do
-      end do
-    end associate
+      end associate
+    end do
     total = exponent_deviation(errors, slope)
     if (total < huge(1.0_dp)) total = norm2([own, total])
 
@@ -119,7 +123,7 @@ contains
       !! Of y and the slopes in two columns, of a line of this amplitude.
       integer, intent(in) :: c
       complex(dp), intent(in) :: amplitude
-      associate (fit => errors%reduced(part))
+      associate (fit => errors%reduced(p))
         product_of = amplitude%re*dot_product(y, fit%triangle(:fit%linear, c))*fit%length(c) + &
           & amplitude%im*dot_product(y, fit%triangle(:fit%linear, c + 1))*fit%length(c + 1)
       end associate

@@ -173,22 +173,26 @@ contains
     real(dp), intent(in) :: wider                  !! factor of the bounds
     type(believed_line), intent(inout) :: line
     complex(dp) :: factor(size(model%white, 2), size(model%white, 2)), noises(size(model%white, 2), size(model%white, 2)), turn
-    real(dp) :: noise, length
-    integer :: s, p
-    p = findloc(errors%reduced%stretch >= 1, .true., dim=1)
+    real(dp) :: noise(size(model%white, 2)), length
+    integer :: s, p, stretch
+    stretch = minval(errors%reduced%stretch, mask=errors%reduced%stretch >= 1)
     factor = factors_of(model, errors%lines(j))
-    noise = min(wider*amplitude_noise(errors, p, j), undetermined)
-    line%amplitude = errors%lines(j)%amplitude(:, 1 + errors%reduced(p)%stretch)
+    do p = 1, size(errors%reduced)
+      associate (own => errors%reduced(p))
+        if (own%stretch == stretch) noise(own%sensors(1):own%sensors(2)) = min(wider*amplitude_noise(errors, p, j), undetermined)
+      end associate
+    end do
+    line%amplitude = errors%lines(j)%amplitude(:, 1 + stretch)
     allocate (line%amplitude_bound(size(factor, 1)), line%phase_bound(size(factor, 1)), line%amplitude_noise(size(factor, 1)))
     do s = 1, size(factor, 1)
       length = abs(line%amplitude(s))
       turn = 1
       if (length > 0) turn = line%amplitude(s)/length
-      line%amplitude_noise(s) = noise*norm2(abs(factor(s, :)))
+      line%amplitude_noise(s) = norm2(noise*abs(factor(s, :)))
       noises(:, s) = factor(s, :)*noise/max(line%amplitude_noise(s), tiny(1.0_dp))
-      line%amplitude_bound(s) = min(wider*amplitude_deviation(errors, p, j, plane(turn*conjg(factor(s, :)))), undetermined)
+      line%amplitude_bound(s) = min(wider*amplitude_deviation(errors, stretch, j, plane(turn*conjg(factor(s, :)))), undetermined)
       turn = cmplx(-turn%im, turn%re, dp)
-      line%phase_bound(s) = min(wider*amplitude_deviation(errors, p, j, plane(turn*conjg(factor(s, :)))), pi*length) &
+      line%phase_bound(s) = min(wider*amplitude_deviation(errors, stretch, j, plane(turn*conjg(factor(s, :)))), pi*length) &
         & /max(length, tiny(1.0_dp))
     end do
     if (allocated(model%noise%mixing)) line%noise_correlation = matmul(transpose(noises), conjg(noises))

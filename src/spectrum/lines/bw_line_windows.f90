@@ -48,13 +48,13 @@ contains
     function in_window(own) result(window)
       !! What a window says of those lines that stand out in it.
       integer, intent(in) :: own(:, 0:)
-      real(dp) :: window(4, size(lines)), deviation(2), noise
+      real(dp) :: window(4, size(lines)), deviation(2)
       type(line_type) :: moved(size(lines))
       type(band_type) :: band
       type(reduced_type), allocatable :: reduced(:)
       type(line_errors) :: errors
-      real(dp) :: since, least
-      integer :: j
+      real(dp) :: since, least, gain
+      integer :: j, p
       least = line_penalty(false_alarm, own(2, 1) - own(1, 1) + 1, 2*size(model%white, 2))
       since = steps_between(model, rows(1, b), own(1, 1)) - 1
       do j = 1, size(lines)
@@ -62,15 +62,15 @@ contains
         moved(j)%steady = lines(j)%steady
         allocate (moved(j)%courses(0))
       end do
-      band = band_around(moved, own, model%gaps, model%place)
+      band = band_around(moved, own, model%noise, model%missing, model%place)
       call fill_rows(model%white, band)
       call put_back([(later(of_white(j), since), j=1, size(lines))], band)
       call fit_band(band, .false., most_steps, moved, reduced)
       errors = line_errors_of(moved, reduced)
       window = spread(untold, 2, size(lines))
       do j = 1, size(lines)
-        noise = amplitude_noise(errors, 1, j)
-        if (.not. sum(reduced(1)%linear_part(2*j - 1:2*j, :)**2) > noise**2*least) cycle
+        gain = sum([(sum((reduced(p)%linear_part(2*j - 1:2*j, :)/amplitude_noise(errors, p, j))**2), p=1, size(reduced))])
+        if (.not. gain > least) cycle
         deviation = pole_deviation(errors, j, 0.0_dp)
         if (.not. all(deviation < huge(1.0_dp))) cycle
         window(:, j) = [moved(j)%pole%im/(2*pi), -moved(j)%pole%re, deviation(2)/(2*pi), deviation(1)]

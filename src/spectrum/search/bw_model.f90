@@ -6,7 +6,8 @@ module bw_model
   use bw_kinds, only: dp
   use bw_lapack, only: ddot, dgemm, dsyev
   use bw_line, only: find_wave, life_of, line_type
-  use bw_noise, only: amplitude_of, gain_of, noise_type, white_amplitude, whiten
+  use bw_missing_samples, only: missing_among, take_off
+  use bw_noise, only: noise_type, white_amplitude, whiten
   use bw_samples, only: place_of, samples_type, valid_runs
   use bw_uneven_noise, only: find_levels
   implicit none (type, external)
@@ -35,7 +36,7 @@ module bw_model
     type(noise_type) :: noise
     real(dp), allocatable :: place(:)            !! times of uneven samples, in steps, (N); their noise is white but for `level`
     real(dp), allocatable :: level(:, :)         !! of uneven samples: power of the noise over its mean, (bins, S)
-    integer, allocatable :: gaps(:)              !! rows without a prediction error: a sample from there to `lost` later is not valid
+    integer, allocatable :: missing(:)           !! samples that are not valid, rising
     real(dp), allocatable :: white(:, :)         !! prediction errors of what is left, over their deviation; 0 where there is none, (N, S)
     type(real_fourier) :: fourier
     type(renewal_type), allocatable :: last      !! renewal
@@ -74,7 +75,14 @@ contains
     do k = size(old) + 1, size(lines)
       lines(k)%amplitude = -lines(k)%amplitude
     end do
-    call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place, model%gaps, fall)
+    if (size(model%missing) == 0) then
+      call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place, fall)
+      return
+    end if
+    fall = sum(model%white**2)
+    call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place)
+    call take_off_missing(model)
+    fall = fall - sum(model%white**2)
   end subroutine exchange_lines
 
   pure real(dp) function steps_between(model, first, last)
@@ -96,19 +104,17 @@ contains
     end associate
   end function colour_at
 
-  pure subroutine add_lines(rows, lines, factor, values, place, gaps, fall)
+  pure subroutine add_lines(rows, lines, factor, values, place, fall)
     !! Add lines times a factor to values of all sensors, part by part, as a processor's cache holds them.
     integer, intent(in) :: rows(:, 0:)           !! of the stretches
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: factor
     real(dp), intent(inout), contiguous :: values(:, :)
     real(dp), intent(in), optional :: place(:)   !! times of uneven samples
-    integer, intent(in), optional :: gaps(:)     !! rows that stay 0, rising
     real(dp), intent(out), optional :: fall      !! by which the sum of the squares falls
     real(dp) :: waves(chunk, 2*size(lines)), amplitudes(2*size(lines), size(values, 2))
-    integer :: b, k, m, n, first, gap
+    integer :: b, k, m, n, first
     if (present(fall)) fall = 0
-    gap = 1
     do b = 0, ubound(rows, 2)
       do first = rows(1, b), rows(2, b), chunk
         n = min(chunk, rows(2, b) - first + 1)
@@ -121,13 +127,6 @@ contains
           m = m + 2
         end do
         if (m == 0) cycle
-        if (present(gaps)) then
-          do while (gap <= size(gaps))
-            if (gaps(gap) >= first + n) exit
-            if (gaps(gap) >= first) waves(gaps(gap) - first + 1, :m) = 0
-            gap = gap + 1
-          end do
-        end if
         call add_part(size(values, 1), size(values, 2), first, n, waves, amplitudes, m, values, fall)
       end do
     end do
@@ -247,6 +246,8 @@ contains
     call find_left(samples, model, [(s, s=1, size(noise))], model%white)
     call take_still(samples, model)
     call clear_invalid(samples, model%white)
+    model%missing = [integer ::]
+    if (allocated(samples%valid)) model%missing = pack([(c, c=1, samples%count)], .not. samples%valid)
     allocate (model%last)
     model%last%robust = robust
     model%last%order = order
@@ -276,8 +277,7 @@ contains
       model%white(:, s) = model%white(:, s)*scale
       model%noise%filter(:model%noise%order(s), s) = noise(s)%predictor*scale
     end do
-    model%gaps = gaps_of(samples, model%noise%lost)
-    model%white(model%gaps, :) = 0
+    call take_off_missing(model)
 
   contains
 
@@ -331,21 +331,19 @@ contains
     end do
   end subroutine clear_invalid
 
-  pure function gaps_of(samples, lost) result(gaps)
-    !! Rows from which to `lost` later there is a sample that is not valid.
-    type(samples_type), intent(in) :: samples
-    integer, intent(in) :: lost
-    integer, allocatable :: gaps(:)
-    logical, allocatable :: is_gap(:)
-    integer :: n
-    allocate (gaps(0))
-    if (.not. allocated(samples%valid)) return
-    allocate (is_gap(samples%count), source=.false.)
-    do n = 1, samples%count
-      if (.not. samples%valid(n)) is_gap(max(1, n - lost):n) = .true.
+  pure subroutine take_off_missing(model)
+    !! Take off the white rows what missing samples explain.
+    type(model_type), intent(inout) :: model
+    integer :: rows(2, 0:ubound(model%stretches, 2)), b, s
+    if (size(model%missing) == 0) return
+    rows = rows_of_stretches(model)
+    do b = 0, ubound(rows, 2)
+      do s = 1, size(model%white, 2)
+        call take_off(missing_among(model%missing, rows(1, b), rows(2, b) - rows(1, b) + 1, &
+          & model%noise%filter(:model%noise%order(s), s)), model%white(rows(1, b):rows(2, b), s))
+      end do
     end do
-    gaps = pack([(n, n=1, samples%count)], is_gap)
-  end function gaps_of
+  end subroutine take_off_missing
 
   pure function all_runs(samples, model) result(runs)
     !! The runs of valid samples in all stretches.
@@ -408,14 +406,12 @@ contains
     real(dp), dimension(size(noise), size(noise)) :: correlation, vectors
     real(dp) :: values(size(noise)), work(64*size(noise)), cost
     real(dp), allocatable :: error(:, :)
-    integer, allocatable :: runs(:, :), gaps(:)
-    integer :: s, sensors, info, b, n, told, first, gap, lost
+    integer, allocatable :: runs(:, :)
+    integer :: s, sensors, info, b, n, told, first, lost
     sensors = size(noise)
     runs = all_runs(samples, model)
     told = sum(runs(2, :) - runs(1, :) + 1)      ! samples that tell something
     lost = maxval([(ubound(noise(s)%predictor, 1), s=1, sensors)])
-    gaps = gaps_of(samples, lost)
-    gap = 1
     correlation = 0
     allocate (error(0, 0))
     do b = 0, ubound(model%stretches, 2)
@@ -424,10 +420,8 @@ contains
         error = model%white(first:min(first + n + lost - 1, model%stretches(2, b)), :)
         do s = 1, sensors
           call whiten(noise(s)%predictor, error(:, s))
-        end do
-        do gap = gap, size(gaps)
-          if (gaps(gap) >= first + n) exit
-          error(gaps(gap) - first + 1, :) = 0
+          call take_off(missing_among(model%missing, first, size(error, 1) - ubound(noise(s)%predictor, 1), noise(s)%predictor), &
+            & error(:, s))
         end do
         call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, size(error, 1), error, size(error, 1), 1.0_dp, correlation, &
           & sensors)

@@ -61,13 +61,13 @@ contains
     real(dp) :: life(2), both(2)
     integer :: b, lost
     is_broken = .false.
-    if (size(model%gaps) == 0) return
+    if (size(model%missing) == 0) return
     lost = 0
     both = 0
     do b = 1, ubound(model%stretches, 2)
       life = 1/max(-[rate, other], 1.0_dp/max(1, model%stretches(2, b) - model%stretches(1, b) + 1))
       both = both + life
-      lost = lost + count(model%gaps >= model%stretches(1, b) .and. model%gaps - model%stretches(1, b) < minval(life))
+      lost = lost + count(model%missing >= model%stretches(1, b) .and. model%missing - model%stretches(1, b) < minval(life))
     end do
     is_broken = lost > broken*sqrt(product(both))
   end function is_broken
@@ -91,7 +91,7 @@ contains
     found%old = old
     found%lines = start
     white = white_lines(model, pack(model%lines, old))
-    band = band_around([white, start], rows, model%gaps, model%place)
+    band = band_around([white, start], rows, model%noise, model%missing, model%place)
     call fill_rows(model%white, band)
     before = sum([(sum(band%part(p)%rows**2), p=1, size(band%part))])
     call put_back(white, band)

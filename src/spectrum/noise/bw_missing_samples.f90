@@ -1,0 +1,167 @@
+module bw_missing_samples
+  !! What samples that are missing leave of white rows: the rest of each row that no value of theirs would explain.
+  !!
+  !! A sample g that is missing is an unknown of its own in the p + 1 rows that it enters, by h_i in row g − i. White rows less their
+  !! projection onto all such columns C are the exact likelihood of the samples that are there: as if the noise between them were
+  !! interpolated. Motion passes in the same way, and its part that C explains is taken off too.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: fills_of, find_reach, missing_among, take_off
+
+  real(dp), parameter :: dependent = 1.0e-10_dp  !! of a column's square, which the columns before explain
+
+  type, public :: missing_type
+    !! Those that enter some rows, which are counted from 1.
+    integer :: rows = 0
+    integer, allocatable :: place(:)         !! rising
+    real(dp), allocatable :: filter(:)       !! h times any factor, (0:p)
+    real(dp), allocatable :: root(:, :)      !! L of LLᵀ = CᵀC: L(j + k, j), (0:band, j)
+  end type missing_type
+
+contains
+
+  pure function missing_among(places, first, rows, filter) result(missing)
+    !! Those of all missing samples that enter so many rows from the first one on.
+    integer, intent(in) :: places(:)         !! rising
+    integer, intent(in) :: first, rows
+    real(dp), intent(in) :: filter(0:)
+    type(missing_type) :: missing
+    real(dp) :: whole(0:ubound(filter, 1)), square
+    integer :: p, d, j, k, band, low
+    p = ubound(filter, 1)
+    missing%rows = rows
+    missing%place = pack(places, places >= first .and. places < first + rows + p) - first + 1
+    allocate (missing%filter(0:p), source=filter)
+    whole = [(dot_product(filter(:p - d), filter(d:)), d=0, p)]
+    associate (g => missing%place)
+      band = 0
+      j = 1
+      do k = 2, size(g)
+        do while (g(k) - g(j) > p)
+          j = j + 1
+        end do
+        band = max(band, k - j)
+      end do
+      allocate (missing%root(0:band, size(g)), source=0.0_dp)
+      do j = 1, size(g)
+        do k = 0, min(band, size(g) - j)
+          d = g(j + k) - g(j)
+          if (d > p) exit
+          if (g(j) > p .and. g(j) <= rows) then
+            missing%root(k, j) = whole(d)
+          else
+            low = max(0, g(j) - rows)
+            missing%root(k, j) = dot_product(filter(low:min(p - d, g(j) - 1)), filter(low + d:min(p - d, g(j) - 1) + d))
+          end if
+        end do
+      end do
+    end associate
+    associate (l => missing%root)
+      do j = 1, size(l, 2)                   ! Cholesky; a column that others explain is no unknown
+        square = l(0, j)
+        do d = 1, min(band, j - 1)
+          do k = 0, band - d
+            l(k, j) = l(k, j) - l(d + k, j - d)*l(d, j - d)
+          end do
+        end do
+        if (l(0, j) > dependent*square) then
+          l(0, j) = sqrt(l(0, j))
+          l(1:, j) = l(1:, j)/l(0, j)
+        else
+          l(0, j) = huge(1.0_dp)
+          l(1:, j) = 0
+        end if
+      end do
+    end associate
+  end function missing_among
+
+  pure subroutine solve(missing, x)
+    !! Turn CᵀY into (CᵀC)⁻¹CᵀY, column by column, (columns, missing).
+    type(missing_type), intent(in) :: missing
+    real(dp), intent(inout) :: x(:, :)
+    integer :: j, k, band
+    band = ubound(missing%root, 1)
+    associate (l => missing%root)
+      do j = 1, size(x, 2)
+        x(:, j) = x(:, j)/l(0, j)
+        do k = 1, min(band, size(x, 2) - j)
+          x(:, j + k) = x(:, j + k) - l(k, j)*x(:, j)
+        end do
+      end do
+      do j = size(x, 2), 1, -1
+        do k = 1, min(band, size(x, 2) - j)
+          x(:, j) = x(:, j) - l(k, j)*x(:, j + k)
+        end do
+        x(:, j) = x(:, j)/l(0, j)
+      end do
+    end associate
+  end subroutine solve
+
+  pure subroutine take_off(missing, white)
+    !! Take off white rows what missing samples explain.
+    type(missing_type), intent(in) :: missing
+    real(dp), intent(inout) :: white(:)      !! (rows or more)
+    real(dp) :: x(1, size(missing%place))
+    integer :: j, low, high
+    do j = 1, size(missing%place)
+      call find_reach(missing, j, low, high)
+      x(1, j) = dot_product(missing%filter(low:high), white(missing%place(j) - low:missing%place(j) - high:-1))
+    end do
+    call solve(missing, x)
+    do j = 1, size(missing%place)
+      call find_reach(missing, j, low, high)
+      associate (rows => white(missing%place(j) - high:missing%place(j) - low))
+        rows = rows - x(1, j)*missing%filter(high:low:-1)
+      end associate
+    end do
+  end subroutine take_off
+
+  pure subroutine find_reach(missing, j, low, high)
+    !! Find which of the filter's coefficients missing sample j has in the rows.
+    type(missing_type), intent(in) :: missing
+    integer, intent(in) :: j
+    integer, intent(out) :: low, high
+    low = max(0, missing%place(j) - missing%rows)
+    high = min(ubound(missing%filter, 1), missing%place(j) - 1)
+  end subroutine find_reach
+
+  pure function fills_of(missing, pole, wave_at, factors) result(x)
+    !! What a line's rows, and their products with factors that change slowly, would put in the place of missing samples; the first factor
+    !! after 1 is time itself. (missing, factors)
+    type(missing_type), intent(in) :: missing
+    complex(dp), intent(in) :: pole
+    complex(dp), intent(in) :: wave_at(:)    !! the line in the first row that each missing sample enters
+    real(dp), intent(in) :: factors(:, :)    !! at the missing samples, (missing, factors)
+    complex(dp) :: x(size(wave_at), size(factors, 2))
+    complex(dp), dimension(0:ubound(missing%filter, 1)) :: sums, slopes   !! Σ h_i e^(z(k − i)), i = 0 … k, and its slope by z
+    complex(dp) :: step, all_of, slope
+    real(dp) :: numbers(2*size(factors, 2), size(wave_at))
+    integer :: i, j, low, high, n
+    n = size(factors, 2)
+    step = exp(pole)
+    sums(0) = missing%filter(0)
+    slopes(0) = 0
+    do i = 1, ubound(sums, 1)
+      sums(i) = sums(i - 1)*step + missing%filter(i)
+      slopes(i) = (slopes(i - 1) + sums(i - 1))*step
+    end do
+    do j = 1, size(wave_at)
+      call find_reach(missing, j, low, high)
+      all_of = sums(high)
+      slope = slopes(high)
+      if (low > 0) then
+        step = exp(pole*(high - low + 1))
+        all_of = all_of - step*sums(low - 1)
+        slope = slope - step*(slopes(low - 1) + (high - low + 1)*sums(low - 1))
+      end if
+      x(j, :) = wave_at(j)*all_of*factors(j, :)
+      if (n > 1) x(j, 2) = x(j, 2) + wave_at(j)*(slope - high*all_of)
+      numbers(:n, j) = x(j, :)%re
+      numbers(n + 1:, j) = x(j, :)%im
+    end do
+    call solve(missing, numbers)
+    x = cmplx(transpose(numbers(:n, :)), transpose(numbers(n + 1:, :)), dp)
+  end function fills_of
+
+end module bw_missing_samples
