@@ -14,7 +14,7 @@ FIRST = "<!-- large records: bench/large_records.sh writes from here -->"
 WORDS = """\
 ## Large records
 
-**These are the numbers of the search of 0.1.** Made by `bench/large_records.sh` ([bench/](../bench/README.md#large-records) says how). Each size is a run of `beamwave run` as a
+Made by `bench/large_records.sh` ([bench/](../bench/README.md#large-records) says how). Each size is a run of `beamwave run` as a
 process of its own, on a record with {lines} lines in white noise. The tables give its CPU seconds, reading included, and the peak of
 its memory beside the record's samples in double precision. Where its wall seconds are many more, other work shared the cores, and
 the CPU seconds are more than those of an idle machine too.

@@ -155,4 +155,4 @@ def large(data: dict[str, Any]) -> str:
     """The largest record."""
     last = data["rows"][-1]
     took = f"{last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB"
-    return f"- **Large records** (by the search of 0.1, the present one takes several times as long). 1 048 576 samples of 64 sensors with 20 lines [take](#large-records) {took}."
+    return f"- **Large records.** 1 048 576 samples of 64 sensors with 20 lines [take](#large-records) {took}."

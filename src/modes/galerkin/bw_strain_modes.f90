@@ -57,6 +57,7 @@ contains
     if (.not. set%resolved) call leave_empty(given, count, set)
     set%given = given
     if (.not. wanted%waves) return
+    if (stops(monitor)) return
     if (set%resolved) call find_waves(given, set)
     set%critical_speed = critical_speed_of(given)
   end subroutine strain_modes
