@@ -84,6 +84,18 @@ def test_a_sweep_of_a_shaker_is_no_free_decay(here):
     assert here.result("sweep")["peak_count"] == 0
 
 
+def test_two_modes_that_move_against_each_other_are_two_lines(here):
+    """Both damped by 5 %, 3 % apart and opposite at the only sensor: their energies are 24 times that of the sum."""
+    time = np.arange(2000) / 2000.0
+    motion = sum(sign * np.exp(-0.05 * rate * time) * np.sin(rate * time) for sign, rate in [(1, 2 * np.pi * 100), (-1, 2 * np.pi * 103)])
+    motion = motion + 1e-3 * abs(motion).max() * np.random.default_rng(1).standard_normal(time.size)
+    here.write("pair.csv", "time,a [m/s]\n" + "".join(f"{t:.6f},{value:.9g}\n" for t, value in zip(time, motion)))
+    here.scene("pair", {"record": {"file": "pair.csv"}, "spectrum": {}})
+    result = here.run("pair")
+    assert result["peak_count"] == 2
+    np.testing.assert_allclose(result["measured_angular_frequency"][:2] / (2 * np.pi), [100, 103], atol=0.03)  # intervals are 0.014
+
+
 def test_a_result_holds_what_its_pictures_show(ringing):
     _, result = ringing
     time, values = ring_down(1)

@@ -6,7 +6,7 @@ module bw_line_drops
   use bw_model, only: highest_order, model_type, renew, steps_between
   use bw_noise, only: white_amplitude
   use bw_order, only: ascending
-  use bw_refit, only: all_steps, at_rest, near, refit, refit_all, refit_type, trial_steps
+  use bw_refit, only: all_steps, at_rest, cluster_of, near, refit, refit_all, refit_type, trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
@@ -37,21 +37,24 @@ contains
 
   subroutine clear_if_cancelling(samples, model, outcome)
     !! Drop all lines where they explain the record only by cancelling each other: a free decay has the energy of its modes, while what
-    !! grows out of small motions, as under a shaker's sweep, takes large lines that add up to little. Lines that drift are not judged.
+    !! grows out of small motions, as under a shaker's sweep, takes large lines that add up to little. Lines that drift are not judged,
+    !! nor are those that overlap with no more than one other: two modes may well move against each other at a sensor.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
-    real(dp), parameter :: most = 10             ! times the energy of the sum; two lines half a bin apart have 2.8 at most
+    real(dp), parameter :: most = 10             ! times the energy of the sum; chosen: struck beams have 1.0
+    logical :: judged(size(model%lines))
     complex(dp) :: share
     real(dp) :: own, whole
     integer :: b, k, l
     own = 0
     whole = 0
+    judged = [(size(model%lines(k)%courses) == 0 .and. count(cluster_of(model, k)) > 2, k=1, size(judged))]
     do b = 1, ubound(model%stretches, 2)
       do k = 1, size(model%lines)
         do l = 1, size(model%lines)
+          if (.not. (judged(k) .and. judged(l))) cycle
           associate (one => model%lines(k), other => model%lines(l))
-            if (size(one%courses) + size(other%courses) > 0) cycle
             share = sum_of_powers(conjg(one%pole) + other%pole, steps_between(model, model%stretches(1, b), model%stretches(2, b)))
             share = share*dot_product(one%amplitude(:, b + 1), other%amplitude(:, b + 1))
             if (k == l) own = own + share%re
