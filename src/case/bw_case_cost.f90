@@ -1,6 +1,7 @@
 module bw_case_cost
-  !! What a case costs: seconds of its stages, a sum of counts that are known before it is run, each times the seconds of one; and
-  !! bytes of its modes. It divides a progress bar, and tells what `check` says. Seconds are those of one core, within a factor of 3.
+  !! The cost of a case: seconds of its stages, each a sum of counts known before the run times the seconds of one, and
+  !! bytes of its modes. It divides the progress bar and gives the numbers of `check`. Seconds are those of one core,
+  !! within a factor of 3.
   use bw_case_frequency, only: modes_of_answer
   use bw_case_modes, only: first_modes, most_to_tolerance
   use bw_input_values, only: position_of
@@ -18,12 +19,12 @@ module bw_case_cost
 
   integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5, &
     answer_share = 6
-    !! events at t = 0, and later ones
+    !! `events_share`: events at t = 0; `later_share`: later ones
   integer, parameter :: shares = 6, whole_run = 7
 
   type :: term_type
     integer :: stage = 0
-    real(dp) :: seconds = 0.0_dp                     !! of one
+    real(dp) :: seconds = 0.0_dp                     !! of one count
   end type term_type
 
   enum, bind(c)                                      ! terms, in the order of the table
@@ -46,10 +47,10 @@ module bw_case_cost
     term_type(events_share, 5.2e-4_dp), &            !! a plan by tolerance
     term_type(later_share, 4.3e-9_dp), &             !! a pair before and after a release in closed form
     term_type(later_share, 1.2e-6_dp), &             !! such a pair without closed form where a tolerance is planned
-    term_type(later_share, 1.6e-5_dp), &             !! a mode in a contact
-    term_type(histories_share, 1.4e-9_dp), &         !! a mode under loads in a sample, and each history of it
-    term_type(histories_share, 0.90_dp), &           !! a second of the sums' own model
-    term_type(histories_share, 3.3_dp), &            !! the same of damped modes
+    term_type(later_share, 1.6e-5_dp), &             !! a mode in a contact of any kind
+    term_type(histories_share, 1.4e-9_dp), &         !! a sample of a mode under loads, and of each of its histories
+    term_type(histories_share, 0.90_dp), &           !! a second of the cost model of bw_sum_choice
+    term_type(histories_share, 3.3_dp), &            !! the same for damped modes
     term_type(histories_share, 6.6e-8_dp), &         !! a mode at a point, where its error is estimated
     term_type(spectrum_share, 2.7e-8_dp), &          !! a sample and octave of the transforms that a search takes
     term_type(spectrum_share, 4.7e-2_dp), &          !! a search for lines
@@ -60,19 +61,19 @@ module bw_case_cost
     term_type(whole_run, 3.8e-6_dp), &               !! a case
     term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
   integer, parameter, public :: term_count = size(term)
-  real(dp), parameter :: times_over = 2.0_dp         !! what all numbers of modes up to the last take, over that one
-  integer, parameter :: most_loaded = 1024           !! modes that a default tolerance takes where accelerations are asked for
-  real(dp), parameter :: gauss_stages = 8.0_dp       !! places in a half wave
-  real(dp), parameter :: changing_passes = 80.0_dp   !! of pairs before and after a change, of which a part is integrated: seven runs
-  real(dp), parameter :: loaded_passes = 4.0_dp*changing_passes/7.0_dp   !! of one run, under loads, which hands on four times as many
-  real(dp), parameter :: changing_sums = 4.4_dp      !! of the modes of these runs over those of the whole
-  real(dp), parameter :: contact_modes = 256.0_dp    !! that the default tolerance takes where the impact lasts
-  real(dp), parameter :: contact_passes = 30.0_dp    !! of a motion with contacts that last, of a mode: two runs of some contacts
+  real(dp), parameter :: times_over = 2.0_dp         !! cost of all mode counts that a tolerance tries, over that of the last
+  integer, parameter :: most_loaded = 1024           !! modes that the default tolerance may sum if accelerations are requested
+  real(dp), parameter :: gauss_stages = 8.0_dp       !! quadrature points in a half wave
+  real(dp), parameter :: changing_passes = 80.0_dp !! over pairs of modes before and after a change, partly integrated: seven runs
+  real(dp), parameter :: loaded_passes = 4.0_dp*changing_passes/7.0_dp !! of one run under loads, which projects 4 times as many
+  real(dp), parameter :: changing_sums = 4.4_dp      !! modes summed in all runs over those of the full run
+  real(dp), parameter :: contact_modes = 256.0_dp    !! summed by the default tolerance in a lasting impact
+  real(dp), parameter :: contact_passes = 30.0_dp    !! over the modes of a motion with lasting contacts: two runs of some contacts
 
 contains
 
   pure function case_shares(scene) result(part)
-    !! Of each stage in the time of a case, in all 1.
+    !! Return the share of each stage in the time of a case; they add to 1.
     type(scene_type), intent(in) :: scene          !! without sweeps
     real(dp) :: part(shares)
     real(dp) :: seconds(term_count)
@@ -83,21 +84,21 @@ contains
   end function case_shares
 
   pure real(dp) function modes_seconds(scene) result(seconds)
-    !! Of the modes of a case.
+    !! Return the time to find the modes of a case, s.
     type(scene_type), intent(in) :: scene          !! without sweeps, whose modes are counted
     seconds = sum(term%seconds*case_counts(scene, scene%modes%before), term%stage == modes_share)
   end function modes_seconds
 
   pure real(dp) function seconds_of(counts) result(seconds)
-    !! Of all terms.
-    real(dp), intent(in) :: counts(:)              !! how often there is each
+    !! Return the time of all terms, s.
+    real(dp), intent(in) :: counts(:)              !! how often each term occurs
     seconds = sum(term%seconds*counts)
   end function seconds_of
 
   pure function case_counts(scene, planned) result(counts)
-    !! How often there is each of the terms.
+    !! Count how often each term occurs in a case.
     type(scene_type), intent(in) :: scene          !! without sweeps
-    integer, intent(in) :: planned                 !! modes that a tolerance takes
+    integer, intent(in) :: planned                 !! modes that a tolerance sums
     real(dp) :: counts(term_count)
     real(dp) :: before, after, moving, pieces, found, followed
     logical :: closed, driven, planning
@@ -107,7 +108,7 @@ contains
     before = merge(0, scene%modes%before, planning)
     after = merge(merge(planned, scene%modes%after, planning), 0, allocated(scene%capture))
     moving = merge(after, before, allocated(scene%capture))
-    if (counts_in_its_run(scene) .and. planning) then     ! how many its tolerance takes is found by its run
+    if (counts_in_its_run(scene) .and. planning) then     ! the run itself finds the count of its tolerance
       moving = first_modes*2
       if (allocated(scene%contact)) moving = modes_of_contact(scene)
       before = moving
@@ -118,7 +119,8 @@ contains
       moving = max(before, after)
       found = before + (most_configurations(scene) - 1)*after
     end if
-    if (planning .and. .not. counts_in_its_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned   ! with shear most plans are made twice
+    ! with shear most plans are made twice
+    if (planning .and. .not. counts_in_its_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned
     counts = 0.0_dp
     if (closed) then
       counts(closed_modes) = found
@@ -152,7 +154,7 @@ contains
       driven = is_loaded(scene)
       if (allocated(scene%contact)) driven = driven .or. response%acceleration .or. response%shear_force
       if (driven) then
-        followed = 2.0_dp*moving                      ! as many more as are summed tell the error
+        followed = 2.0_dp*moving                      ! twice the modes, for the error estimate
         if (planning .and. .not. allocated(scene%contact)) &
           followed = merge(2*most_loaded, 4*first_modes, response%acceleration .or. &
                                        (changes_in_time(scene) .and. (response%velocity .or. response%bending_moment)))
@@ -171,7 +173,7 @@ contains
     end associate
   contains
     pure subroutine add_integrals(modes)
-      !! Of mass times shape, over half waves of the last mode.
+      !! Add the integrals of mass times shape, over the half waves of the last mode.
       real(dp), intent(in) :: modes
       associate (places => counts(merge(closed_places, other_places, closed)))
         places = places + gauss_stages*modes**2
@@ -180,7 +182,7 @@ contains
   end function case_counts
 
   pure real(dp) function modes_of_contact(scene) result(modes)
-    !! That a tolerance takes where the impact lasts: errors fall as n^-3, those of accelerations as n^-1.5.
+    !! Return how many modes a tolerance sums in a lasting impact: errors fall as n^-3, those of accelerations as n^-1.5.
     type(scene_type), intent(in) :: scene
     real(dp), parameter :: most = 4096.0_dp
     associate (tolerance => scene%modes%tolerance)
@@ -192,8 +194,8 @@ contains
   end function modes_of_contact
 
   pure function shared_terms(scene) result(shared)
-    !! Whether a case need not do what a term counts, since modes in closed form follow from the mass, and are those of the case before.
-    type(scene_type), intent(in) :: scene          !! which the scene of the case before it has been turned into (bw_scene_cases)
+    !! Tell which terms a case takes over from the case before: modes in closed form, unless the impact changes.
+    type(scene_type), intent(in) :: scene          !! of this case, changed from that of the case before (bw_scene_cases)
     logical :: shared(term_count)
     integer :: impact
     shared = .false.
@@ -203,7 +205,7 @@ contains
   end function shared_terms
 
   pure real(dp) function seconds_of_sums(scene, modes) result(seconds)
-    !! By the model of bw_sum_choice: histories, and the moments of as many points.
+    !! Return the time of the sums by the model of bw_sum_choice, s: histories, and moments at as many points.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: modes
     real(dp) :: tolerance
@@ -217,7 +219,7 @@ contains
   end function seconds_of_sums
 
   pure function galerkin_counts(scene, before, after, planning) result(counts)
-    !! Cubes and squares of the unknowns of all sets; a tolerance doubles the modes until they are enough.
+    !! Count cubes and squares of the unknowns of all mode sets. A tolerance doubles the modes until they suffice.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: before, after
     logical, intent(in) :: planning
@@ -244,7 +246,7 @@ contains
   end function galerkin_counts
 
   pure real(dp) function pieces_of_scene(scene) result(pieces)
-    !! The number of pieces, a body being the end of one.
+    !! Count the pieces. A body ends a piece.
     type(scene_type), intent(in) :: scene
     pieces = 1.0_dp
     if (allocated(scene%beam%pieces)) pieces = size(scene%beam%pieces)
@@ -252,10 +254,10 @@ contains
   end function pieces_of_scene
 
   pure real(dp) function unknowns(scene, count)
-    !! About how many Galerkin's method has for so many modes.
+    !! Estimate the number of unknowns of Galerkin's method for so many modes.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: count
-    real(dp), parameter :: many = 8.0_dp           ! half waves in a piece, or a tolerance: a first guess may be too few
+    real(dp), parameter :: many = 8.0_dp ! half waves in a piece: then, or with a tolerance, the first guess may fail
     real(dp) :: pieces
     pieces = pieces_of_scene(scene)
     unknowns = 10.0_dp + pieces*(16.0_dp + 6.0_dp*min(1.0_dp, count/pieces)) + 1.75_dp*count
@@ -268,14 +270,14 @@ contains
   end function unknowns
 
   pure real(dp) function most_modes(scene) result(most)
-    !! Modes under tension that are found at a time: those that are summed, or that estimates or a tolerance may take.
+    !! Return how many modes under tension are found at once: those summed, or what estimates or a tolerance may need.
     type(scene_type), intent(in) :: scene
     most = max(scene%modes%before, scene%modes%after, merge(first_modes, 0, allocated(scene%response)))
     if (by_tolerance(scene%modes)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
   end function most_modes
 
   pure integer(i8) function case_bytes(scene) result(bytes)
-    !! Memory of the modes of a case, while they are found and then: measured, all but what its results take.
+    !! Return the peak memory of the modes of a case: measured, all but what its results take.
     type(scene_type), intent(in) :: scene          !! without sweeps
     integer, parameter :: of_mode = 18, of_piece = 6, of_pair = 3, of_matrix = 7, of_vector = 10, of_search = 1500   ! numbers
     real(dp) :: numbers, before, after
@@ -295,7 +297,7 @@ contains
   end function case_bytes
 
   type(part_monitor) function stage_part(monitor, part, stage) result(stage_monitor)
-    !! A monitor of one stage of a case, which begins.
+    !! Begin a stage of a case, and return its monitor.
     class(monitor_type), intent(inout), target :: monitor
     real(dp), intent(in) :: part(:)                !! of `case_shares`
     integer, intent(in) :: stage

@@ -1,8 +1,8 @@
 module bw_case_histories
-  !! The histories of a case, segment by segment: of the modes that a scene counts, or of as many as its tolerance takes. The last two
-  !! octaves of a segment's modes tell what those that are left out may add. They are summed apart, at all samples of a short record,
-  !! whose sum is then that of its parts; of a long one at samples that are evenly spaced and at as many after the first, where waves
-  !! have not spread yet.
+  !! The histories of a case, segment by segment, by the modes that the scene counts or that its tolerance needs. The
+  !! last two octaves of a segment's modes estimate the truncation error, so they are also summed apart. In a short
+  !! record this covers all samples, and the history is the sum of the parts. In a long record it covers evenly spaced
+  !! samples, and as many after the first, before waves disperse.
   use bw_segment_samples, only: samples_of_segment
   use bw_case_notes, only: note_failure, out_of_reach
   use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
@@ -25,19 +25,20 @@ module bw_case_histories
   private
   public :: add_hub_angle, find_loaded_segments, samples_before, sum_histories, sums_of_segment
 
-  integer, parameter :: long = 2**14        !! tuned: samples up to which parts cost hardly more than their sum at once
-  integer, parameter :: looked_at = 1024    !! samples of a long record, and as many after its first, at which octaves are summed apart
-  integer, parameter :: sums_of_segment = 3 !! of all samples, of those after the first, and of those evenly spaced
+  integer, parameter :: long = 2**14        !! tuned: samples up to which summing in parts costs hardly more
+  integer, parameter :: looked_at = 1024 !! samples for the octaves of a long record: evenly spaced, and as many after the first
+  integer, parameter :: sums_of_segment = 3 !! of all samples, of those after the first, and of evenly spaced ones
 
 contains
 
   subroutine sum_histories(scene, motion, quantity, monitor, workspace, histories)
-    !! Fill where the modes mean nothing, or one was not found, or the tolerance is out of reach, and from the first overflow on.
+    !! Sum the histories. They are fill if modes are not resolved or not found, or the tolerance is out of reach, and
+    !! from an overflow on.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity                      !! deflections, curvatures or turns (bw_mode_set)
-    class(monitor_type), intent(inout), target :: monitor   !! the histories mean nothing where it asks to stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)  !! any `sums_of_segment`, also those that another case has used
+    class(monitor_type), intent(inout), target :: monitor   !! the histories are invalid if it requests a stop
+    type(nonuniform_sum), intent(inout) :: workspace(:)  !! `sums_of_segment`; may come from another case
     type(case_histories), intent(out) :: histories
     type(sampling_type) :: sampling
     logical :: known
@@ -70,7 +71,7 @@ contains
   end subroutine sum_histories
 
   type(sampling_type) function sampling_of(scene, motion, quantity) result(sampling)
-    !! Of the whole record.
+    !! Describe the samples of the whole record.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity
@@ -82,10 +83,10 @@ contains
   end function sampling_of
 
   subroutine add_hub_angle(scene, motion, monitor, workspace, response)
-    !! Add the turn of a hub that is free to histories: the same sum over the same modes.
+    !! Add the rotation of a free hub to the histories: the same sum over the same modes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    class(monitor_type), intent(inout), target :: monitor   !! the turn means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! the turn is invalid if it requests a stop
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(response_type), intent(inout) :: response
     type(case_histories) :: found
@@ -96,10 +97,10 @@ contains
   end subroutine add_hub_angle
 
   subroutine find_loaded_segments(scene, motion, monitor)
-    !! What is seen of the segments that have a load, for all quantities; before their histories are summed.
+    !! Find the histories of all segments with a load, for all quantities. Call this before histories are summed.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
-    class(monitor_type), intent(inout) :: monitor         !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor         !! results are invalid if it requests a stop
     type(sampling_type) :: sampling
     integer :: i, samples(2)
     sampling = sampling_of(scene, motion, deflections)
@@ -127,7 +128,7 @@ contains
   end subroutine note_overflow
 
   subroutine sum_segments(scene, motion, sampling, monitor, workspace, histories)
-    !! All segments in order, up to where contacts leave nothing that is known; leaves early if the monitor asks for it.
+    !! Sum all segments in order, up to the time until which contacts are known. Returns early on a requested stop.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(sampling_type), intent(in) :: sampling          !! of the whole record
@@ -157,7 +158,7 @@ contains
   end subroutine sum_segments
 
   pure integer function samples_before(time, grid) result(samples)
-    !! How many of the samples come before a time.
+    !! Count the samples before a time.
     real(dp), intent(in) :: time                  !! l²/h
     type(time_grid), intent(in) :: grid
     samples = grid%samples
@@ -167,11 +168,11 @@ contains
   end function samples_before
 
   subroutine sum_segment(scene, motion, segment, configuration, sampling, samples, monitor, workspace, part, block)
-    !! The histories of a segment, from its state at its first sample, and what its last modes come to.
+    !! Sum the histories of a segment from its state at its first sample, and find the largest values of its last two octaves.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(segment_type), intent(in) :: segment
-    type(configuration_type), intent(in) :: configuration    !! whose modes move in it
+    type(configuration_type), intent(in) :: configuration    !! whose modes move in the segment
     type(sampling_type), intent(in) :: sampling          !! of the whole record
     integer, intent(in) :: samples(2)                    !! the first and the last of the segment
     class(monitor_type), intent(inout), target :: monitor
@@ -223,10 +224,10 @@ contains
     block%rate = block%rate/own%unit_time
   contains
     subroutine add_octaves(grid, workspace, sums)
-      !! What each octave comes to on a grid of times from the segment's first sample on.
+      !! Find the largest values of each octave on a grid that starts at the segment's first sample.
       type(time_grid), intent(in) :: grid
       type(nonuniform_sum), intent(inout) :: workspace
-      type(response_type), intent(inout), optional :: sums   !! to which they are added
+      type(response_type), intent(inout), optional :: sums   !! octaves are added to these
       type(sampling_type) :: seen
       type(response_type) :: octave
       integer :: b
@@ -243,7 +244,7 @@ contains
     end subroutine add_octaves
 
     subroutine add_modes(first, last, workspace, response)
-      !! Some of the modes.
+      !! Add the modes `first` to `last`.
       integer, intent(in) :: first, last
       type(nonuniform_sum), intent(inout) :: workspace
       type(response_type), intent(inout) :: response
@@ -261,7 +262,7 @@ contains
   end subroutine sum_segment
 
   subroutine add_shape(motion, segment, sampling, unit, part)
-    !! The equilibrium about which a segment moves.
+    !! Add the equilibrium about which a segment moves.
     type(case_motion), intent(in) :: motion
     type(segment_type), intent(in) :: segment
     type(sampling_type), intent(in) :: sampling
@@ -280,7 +281,7 @@ contains
   end subroutine add_shape
 
   pure subroutine move_to_sample(segment, configuration, grid, sample, moved, part)
-    !! The state at a sample; a motion that has left the range of numbers by then fails.
+    !! Move the state of a segment to a sample. The part fails if a growing mode has overflowed by then.
     type(segment_type), intent(in) :: segment
     type(configuration_type), intent(in) :: configuration
     type(time_grid), intent(in) :: grid                  !! of the whole record
@@ -303,8 +304,8 @@ contains
   end subroutine move_to_sample
 
   pure type(time_grid) function every_nth(grid) result(coarse)
-    !! So few samples of a grid as are looked at. Every 2ⁿ-th is among them: instants at which waves meet, which are simple parts of
-    !! the beam's time, come again among the multiples of such a step.
+    !! Return a grid of at most `looked_at` samples, every 2ⁿ-th of the given one. Waves meet at simple fractions of the
+    !! beam's time; such a step samples these instants again.
     type(time_grid), intent(in) :: grid
     integer :: stride
     stride = 1
@@ -315,9 +316,9 @@ contains
   end function every_nth
 
   pure subroutine find_largest(octave, first, value, rate)
-    !! The largest values of an octave of modes at each point, if they are larger than those that are known.
+    !! Raise the largest values at each point to those of an octave of modes.
     type(response_type), intent(in) :: octave
-    integer, intent(in) :: first                         !! sample that is looked at: not that of the blow
+    integer, intent(in) :: first                         !! first sample considered, which is not that of the impact
     real(dp), intent(inout) :: value(:), rate(:)         !! (points)
     integer :: n
     n = octave%finite_samples
@@ -326,7 +327,7 @@ contains
   end subroutine find_largest
 
   pure subroutine add_sums(octave, part)
-    !! An octave of modes to the others.
+    !! Add an octave of modes to the others.
     type(response_type), intent(in) :: octave
     type(response_type), intent(inout) :: part
     part%displacement = part%displacement + octave%displacement
@@ -340,7 +341,7 @@ contains
   end subroutine add_sums
 
   subroutine take_samples(part, samples, whole)
-    !! Histories of some of the samples into those of all; where they are all, they are not copied.
+    !! Put the histories of some samples into those of all. If they are all, nothing is copied.
     type(response_type), intent(inout) :: part
     integer, intent(in) :: samples(2)
     type(response_type), intent(inout) :: whole

@@ -1,5 +1,5 @@
 module bw_case_modes
-  !! The modes of a case: the one place that knows how they are found.
+  !! The modes of a case. Only this module knows by which method they are found.
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_coupling, note_empty_bodies, note_growth, note_no_effect, note_unresolved
   use bw_case_result, only: case_modes
@@ -26,31 +26,31 @@ module bw_case_modes
   public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
 
   type, public :: case_mode_cache
-    !! Modes that cases of a sweep share.
+    !! Modes shared by the cases of a sweep.
     type(mode_cache) :: closed_form      !! roots and shapes by mass ratio
-    type(strain_cache) :: strains        !! modes under tension by the beam and what acts on it
+    type(strain_cache) :: strains        !! modes under tension, by beam and attached bodies
   end type case_mode_cache
 
-  integer, parameter, public :: first_modes = 64   !! enough to know the peak of a motion, and to judge what others add
+  integer, parameter, public :: first_modes = 64   !! enough for the peak of a motion, and to estimate the remainder
   integer, parameter :: most_to_tolerance(2) = [400, 256]
-    !! modes under tension that a tolerance may take, without and with shear: about two seconds' work
+    !! modes under tension that a tolerance may sum, without and with shear: about two seconds of work
   character(*), parameter :: lost_mode = &
     'a mode was not found (none is looked for where rotation bends the beam in more than some hundred waves)'
   character(*), parameter :: no_basis = 'the polynomials of the Galerkin basis do not resolve the modes'
-  real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, to which roots are right over the record, whatever the tolerance
-  real(dp), parameter :: phase_share = 1.0e-3_dp      !! of a tolerance that phases may take
+  real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, phase error of roots over the record without a tolerance
+  real(dp), parameter :: phase_share = 1.0e-3_dp      !! share of a tolerance left to phase errors
 
 contains
 
   subroutine find_modes(scene, units, monitor, modes, cache)
-    !! Where modes of each configuration come from, and those that are held in memory. Where a tolerance says how many are summed,
-    !! there are none of the beam alone, and the first few stand for those of beam and mass.
+    !! Find the source of modes of each configuration, and the modes held in memory. If a tolerance chooses their
+    !! number, none are held for the beam alone, and the first few of beam and mass are held.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    class(monitor_type), intent(inout), target :: monitor    !! the modes mean nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor    !! the modes are invalid if it requests a stop
     type(case_modes), intent(out) :: modes
     type(case_mode_cache), intent(inout), target, optional :: cache
-      !! must live as long as the sources do; absent: no modes are shared
+      !! must outlive the sources; absent: no modes are shared
     type(part_monitor) :: part
     integer, allocatable :: counts(:)
     real(dp) :: done
@@ -78,7 +78,7 @@ contains
   end subroutine find_modes
 
   pure function counts_of(scene, configurations) result(counts)
-    !! Modes in memory of each configuration: of the first `before`, of all others `after`.
+    !! Return how many modes of each configuration are held: `before` of the first, `after` of all others.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: configurations
     integer :: counts(configurations)
@@ -87,19 +87,19 @@ contains
   end function counts_of
 
   subroutine find_set(scene, units, moves, count, monitor, configuration, modes)
-    !! The first modes of a configuration.
+    !! Find the first modes of a configuration.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: moves                   !! in a history
+    logical, intent(in) :: moves                   !! its modes appear in a history
     integer, intent(in) :: count
     class(monitor_type), intent(inout) :: monitor
     type(configuration_type), intent(inout) :: configuration
     type(case_modes), intent(inout) :: modes
-    real(dp), allocatable :: longest               ! absent: no history is asked for
+    real(dp), allocatable :: longest               ! absent: no history is requested
     if (moves .and. allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/units%time%hi)
     call configuration%source%find(first_numbers(count), configuration%set, longest, monitor)
     if (monitor%stop_requested()) return
-    if (.not. configuration%set%resolved) then           ! of the modes that were not found nothing is known
+    if (.not. configuration%set%resolved) then           ! modes that were not found are unknown
       if (modes%resolved) call note_unresolved(lost_mode, modes%notes)
       modes%resolved = .false.
       return
@@ -108,12 +108,12 @@ contains
   end subroutine find_set
 
   subroutine find_sources(scene, units, monitor, modes, cache)
-    !! By the closed form where shapes are those of the paper's beam, by Galerkin's method where there is tension or taper, else
-    !! exactly by pieces: of every configuration, with what the beam carries in it.
+    !! Choose a source of modes for every configuration, with the bodies that it carries: in closed form for the paper's
+    !! beam, by Galerkin's method with tension or taper, else exactly by pieces.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor
-    type(case_modes), intent(out) :: modes         !! no sets, but what is known of them before they are found
+    type(case_modes), intent(out) :: modes         !! sources and notes, but no sets
     type(case_mode_cache), intent(inout), target, optional :: cache
     type(carried_type), allocatable :: carried(:)
     integer :: i
@@ -140,8 +140,8 @@ contains
   end subroutine find_sources
 
   pure type(struck_beam) function cut_alike(scene, pieces) result(cut)
-    !! Pieces cut as a search for modes at rest cuts them, where one of several configurations may have such modes: all of them have the
-    !! same joints then.
+    !! Cut pieces as the search for modes with λ ≤ 0 does, if the beam has several configurations: any of them may have
+    !! such modes, and all must have the same joints.
     type(scene_type), intent(in) :: scene
     type(struck_beam), intent(in) :: pieces
     integer :: parts(size(pieces%beam%piece))
@@ -153,7 +153,7 @@ contains
   end function cut_alike
 
   subroutine note_rotation(scene, modes)
-    !! Without tension rotation acts in its own plane, and out of it by the turning of the sections alone.
+    !! Note whether rotation has an effect. Without tension it acts in its plane, and out of it only through rotary inertia.
     type(scene_type), intent(in) :: scene
     type(case_modes), intent(inout) :: modes
     if (.not. allocated(scene%rotation) .or. allocated(scene%stiffening)) return
@@ -162,7 +162,7 @@ contains
   end subroutine note_rotation
 
   subroutine find_closed_form(scene, units, with_mass, source, cache)
-    !! Rotation acts on modes in closed form in its own plane only.
+    !! Make a source of modes in closed form, on which rotation acts in its plane only.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     logical, intent(in) :: with_mass
@@ -183,7 +183,7 @@ contains
   end subroutine find_closed_form
 
   subroutine find_galerkin(scene, units, carried, later, monitor, modes, source, cache)
-    !! As many as are summed, and as estimates of errors take.
+    !! Make a source of Galerkin modes: as many as are summed or needed by error estimates.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(carried_type), intent(in) :: carried
@@ -206,7 +206,7 @@ contains
   end subroutine find_galerkin
 
   type(strain_problem) function problem_of(scene, units, carried) result(problem)
-    !! What modes under tension are sought of.
+    !! Describe the beam whose modes under tension are sought.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(carried_type), intent(in) :: carried      !! what the beam carries
@@ -220,7 +220,7 @@ contains
   end function problem_of
 
   subroutine solve_strains(problem, count, source, monitor, cache)
-    !! Modes under tension, from the cache if they are there.
+    !! Find modes under tension, or take them from the cache.
     type(strain_problem), intent(in) :: problem
     integer, intent(in) :: count
     type(strain_source), intent(out) :: source
@@ -234,11 +234,11 @@ contains
   end subroutine solve_strains
 
   subroutine extend_source(scene, units, configuration, monitor, source, extended, cache)
-    !! Twice as many modes, if there may be more: only a basis for tension has an end.
+    !! Double the modes of a source whose basis is finite, as long as it may have more: only those under tension or with taper.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: configuration           !! that the source is of
-    class(monitor_type), intent(inout) :: monitor  !! nothing is extended where it asks to stop
+    integer, intent(in) :: configuration           !! of the source
+    class(monitor_type), intent(inout) :: monitor  !! nothing is extended if it requests a stop
     class(mode_source), intent(inout) :: source
     logical, intent(out) :: extended
     type(case_mode_cache), intent(inout), optional :: cache
@@ -262,8 +262,8 @@ contains
   end subroutine extend_source
 
   pure real(dp) function record_stretch(scene) result(stretch)
-    !! For how many times the record roots keep phases to `least_phase`, which decides which of them are solved in extended
-    !! precision. Errors of phases grow with time, so that where a tolerance lets them be larger it is less than 1.
+    !! Return for how many record lengths roots keep phases to `least_phase`; that decides which need extended
+    !! precision. Phase errors grow with time: a tolerance that allows larger ones gives less than 1.
     type(scene_type), intent(in) :: scene
     stretch = 1.0_dp
     if (scene%modes%extended .or. allocated(scene%recontact)) then
@@ -274,7 +274,7 @@ contains
   end function record_stretch
 
   pure real(dp) function largest_phase_error(scene) result(error)
-    !! How far phases may go wrong over the record, rad.
+    !! Return the largest phase error at the end of the record, rad.
     type(scene_type), intent(in) :: scene
     error = least_phase/record_stretch(scene)
   end function largest_phase_error

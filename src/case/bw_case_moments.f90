@@ -1,7 +1,7 @@
 module bw_case_moments
-  !! Bending moments EI v'' at the points of the histories: the same sums over the same modes as those of the displacement, of curvatures
-  !! in the place of shapes, and their errors in the same way as those of velocities. Amplitudes of curvatures fall two powers of the
-  !! mode number more slowly than those of displacements, as those of velocities do: no tolerance is promised.
+  !! Bending moments EI v'' at the points of the histories: sums over the same modes with curvatures in place of shapes.
+  !! Curvatures fall two powers of the mode number more slowly than displacements, as velocities do. Their errors are
+  !! estimated like those of velocities, and no tolerance applies to them.
   use bw_beam_par, only: has_fibre, second_moment_of, section_at
   use bw_beam_piece, only: fibre_of
   use bw_case_errors, only: errors_of_quantity
@@ -22,10 +22,10 @@ module bw_case_moments
 contains
 
   subroutine find_moments(scene, motion, monitor, workspace, histories, errors)
-    !! Add the moments to the histories of a case, and their errors to the errors of these.
+    !! Add moments to the histories of a case, and their errors to its errors.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    class(monitor_type), intent(inout), target :: monitor   !! the moments mean nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! the moments are invalid if it requests a stop
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
@@ -45,13 +45,13 @@ contains
   end subroutine find_moments
 
   pure real(dp) function scale_of_moments(scene) result(stiffness)
-    !! EI/l², N: what makes N m of m.
+    !! Return EI/l², N, the factor from curvatures in units of displacement, m, to moments, N m.
     type(scene_type), intent(in) :: scene
     stiffness = scene%beam%youngs_modulus*scene%beam%second_moment/scene%beam%length/scene%beam%length
   end function scale_of_moments
 
   pure function stress_of_moment(scene) result(factor)
-    !! c/I at the points, m⁻³: what makes the stress at the extreme fibre of a moment.
+    !! Return c/I at the points, m⁻³, the factor from moment to bending stress.
     type(scene_type), intent(in) :: scene
     real(dp) :: factor(size(scene%response%points))
     integer :: p
@@ -63,7 +63,7 @@ contains
   end function stress_of_moment
 
   subroutine fill_overflow(scene, response, errors)
-    !! Moments that leave the range of numbers before the displacements do are fill from there on, and a note says so.
+    !! Fill the moments from their first overflow on, if it precedes that of displacements, and note it.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(inout) :: response
     type(history_errors), intent(inout) :: errors         !! whose notes and status are those of the case

@@ -1,6 +1,6 @@
 module bw_case_motion
-  !! The motion of a case before any history is summed: the impact and what follows it, and how many modes are summed. Those are
-  !! what the scene counts, or as many as its tolerance takes; which of the two is asked here alone.
+  !! The motion of a case before histories are summed: the impact, later events, and the modes to be summed. These are
+  !! counted by the scene or chosen by its tolerance.
   use bw_case_modes, only: case_mode_cache
   use bw_case_notes, only: note_added_energy, note_contacts, note_no_change, note_release, note_rounding
   use bw_case_result, only: case_diverged, case_ill_conditioned, case_motion, case_not_converged
@@ -28,15 +28,15 @@ module bw_case_motion
 contains
 
   subroutine start_motion(scene, motion, monitor, cache, modes_cache)
-    !! The impact, and the capture if the mass stays: what the first segment starts from, and how many modes move in it. Nothing strikes
-    !! modes that are not resolved.
+    !! Find the impact, and the capture if the mass stays: initial state and mode count of the first segment. Does
+    !! nothing if modes are not resolved.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion     !! its modes are known
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(initial_state_cache), intent(inout) :: cache
     type(case_mode_cache), intent(inout), optional :: modes_cache   !! absent: no modes are shared
     type(segment_type) :: segment
-    if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes, whose survey serves on
+    if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes, whose survey is kept
     motion%initial = initial_state()
     motion%timeline = timeline_type()
     allocate (motion%initial%events(0), motion%timeline%events(0), motion%timeline%segments(0))
@@ -68,7 +68,7 @@ contains
   end subroutine start_motion
 
   pure real(dp) function energy_of_blow(configuration, force) result(energy)
-    !! Of all modes that start with the velocities force·Φ_k(ξ₀)/M_k: ½force² over all mass at the place.
+    !! Return the energy of all modes with initial velocities force·Φ_k(ξ₀)/M_k: ½force² over the mass at that place.
     type(configuration_type), intent(in) :: configuration
     real(dp), intent(in) :: force
     real(dp) :: mass
@@ -80,10 +80,10 @@ contains
   end function energy_of_blow
 
   subroutine follow_motion(scene, motion, monitor, modes_cache)
-    !! All that happens after t = 0. A tolerance that is out of reach leaves it unknown.
+    !! Follow all events after t = 0. If the tolerance is out of reach, the motion stays unknown.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion     !! started
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(case_mode_cache), intent(inout), optional :: modes_cache
     type(change_type), allocatable :: changes(:)
     integer :: i
@@ -104,7 +104,7 @@ contains
   end subroutine follow_motion
 
   subroutine take_change(scene, change, motion, monitor, modes_cache)
-    !! A segment more: that of the modes which move after a change.
+    !! Apply a change and append the segment after it.
     type(scene_type), intent(in) :: scene
     type(change_type), intent(in) :: change
     type(case_motion), intent(inout) :: motion
@@ -148,7 +148,7 @@ contains
   end subroutine take_change
 
   type(energy_type) function energy_at(configuration, segment, elapsed) result(energy)
-    !! Of the modes that are summed, a time after a segment's start.
+    !! Return the energy of the summed modes at a time after a segment's start.
     type(configuration_type), intent(in) :: configuration
     type(segment_type), intent(in) :: segment
     type(dd), intent(in) :: elapsed
@@ -161,7 +161,7 @@ contains
   end function energy_at
 
   subroutine meet_again(scene, motion, monitor)
-    !! Contacts of a mass that rebounded.
+    !! Find the contacts of a mass that rebounded.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     class(monitor_type), intent(inout) :: monitor
@@ -190,7 +190,7 @@ contains
   end subroutine meet_again
 
   pure subroutine in_seconds(scene, motion, contacts)
-    !! The times of contacts and their errors; one that lasts to the end of the record ends there exactly.
+    !! Convert times of contacts and their errors to seconds. A contact that lasts to the end of the record ends exactly there.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(contacts_type), intent(inout) :: contacts

@@ -1,6 +1,5 @@
 module bw_case_result
-  !! Everything that one case yields, and what its stages hand to each other: each stage takes the values of those before it
-  !! and returns its own.
+  !! The result of a case, and the values that its stages pass on.
   use bw_beam_units, only: beam_units
   use bw_error, only: error_type
   use bw_event, only: event_type
@@ -29,34 +28,34 @@ module bw_case_result
     [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned', 'misfit', 'no_free_decay']   !! by number
 
   type, public :: case_modes
-    !! Where modes come from, and those in memory: those that move, or the first of them where a tolerance says how many.
-    type(configuration_type), allocatable :: configuration(:)   !! of the beam alone, and with the mass if that is captured
-    integer :: moving = alone                       !! the one that moves from t = 0 on
-    logical :: can_grow = .true.                    !! there may be an angular velocity at which a mode does
-    logical :: resolved = .true.                    !! false: their numbers mean nothing, and nothing follows from them
+    !! Sources of modes and the modes held in memory: those that move, or the first few if a tolerance chooses the number.
+    type(configuration_type), allocatable :: configuration(:)   !! the beam alone, and with the mass if it is captured
+    integer :: moving = alone                       !! configuration after t = 0
+    logical :: can_grow = .true.                    !! a mode may be unstable at some angular velocity
+    logical :: resolved = .true.                    !! false: modes are invalid, and nothing is computed from them
     type(string), allocatable :: notes(:)
   end type case_modes
 
   type, public :: case_motion
-    !! All that is known of a case before its histories are summed.
+    !! What is known of a case before its histories are summed.
     type(beam_units) :: units
     type(case_modes) :: modes
     type(initial_state) :: initial
     type(timeline_type) :: timeline
-    type(step_end), allocatable :: ladder(:, :)     !! operators of the steps of its loads, by their level, (0:levels, configurations)
-    type(plan_type) :: plan                         !! how many modes of its segments a tolerance takes
-    integer :: ending = case_done                   !! why the motion is not known to its end, as a status
+    type(step_end), allocatable :: ladder(:, :)     !! step operators for contact forces, by level, (0:levels, configurations)
+    type(plan_type) :: plan                         !! how many modes a tolerance sums in each segment
+    integer :: ending = case_done                   !! status: why the motion is not known to its end
     type(string), allocatable :: notes(:)
   end type case_motion
 
   type, public :: block_type
-    !! The largest values that the last two octaves of a segment's modes come to at a sample, SI, (points, 2).
+    !! The largest values of the last two octaves of a segment's modes at any sample, SI, (points, 2).
     real(dp), allocatable :: value(:, :)            !! displacements, or curvatures
     real(dp), allocatable :: rate(:, :)             !! velocities
   end type block_type
 
   type, public :: case_histories
-    type(response_type), allocatable :: response    !! SI; unallocated where no history is asked for
+    type(response_type), allocatable :: response    !! SI; unallocated if no history is requested
     type(block_type), allocatable :: blocks(:)      !! (segments)
     real(dp), allocatable :: octave_moment(:)       !! the largest moment of the last octave, N m, (points)
     integer :: status = case_done
@@ -64,27 +63,27 @@ module bw_case_result
   end type case_histories
 
   type, public :: history_errors
-    !! Estimates of the largest error of the histories; unallocated where there is none.
+    !! Estimates of the largest error of each history; unallocated if there is none.
     real(dp), allocatable :: displacement(:)        !! m, (points)
-    real(dp), allocatable :: displacement_bound(:)  !! m, proved, (points)
+    real(dp), allocatable :: displacement_bound(:)  !! proved bound, m, (points)
     real(dp), allocatable :: velocity(:)            !! m/s, (points)
     real(dp), allocatable :: bending_moment(:)      !! N m, (points)
     real(dp), allocatable :: acceleration(:)        !! m/s², (points)
     real(dp), allocatable :: shear_force(:)         !! N, (points)
-    real(dp), allocatable :: part(:, :)             !! of the sum of its amplitudes that a block comes to, (points, segments)
-    integer :: status = case_done                   !! of the case, these errors considered
+    real(dp), allocatable :: part(:, :)             !! |sum of a block| over the sum of its amplitudes, (points, segments)
+    integer :: status = case_done                   !! of the case, with these errors
     type(string), allocatable :: notes(:)
-    integer :: segment = 1                          !! whose error is the largest
-    logical :: missed = .false.                     !! a tolerance, by the estimate or by the bound
+    integer :: segment = 1                          !! with the largest error
+    logical :: missed = .false.                     !! the estimate or the bound misses the tolerance
   end type history_errors
 
   type, public :: answer_type
-    !! How points answer to a harmonic force, SI units over N.
+    !! The frequency response of the points, SI units per N.
     complex(dp), allocatable :: value(:, :)         !! (frequencies, points)
-    real(dp), allocatable :: error(:)               !! estimate of the largest error; unallocated where only rounding limits it, (points)
-    real(dp), allocatable :: junction(:)            !! ξ of the bodies and steps within a beam of uniform pieces; missing: there is none
-    real(dp), allocatable :: transmitted(:, :), reflected(:, :)   !! shares of a wave's power there, (frequencies, junctions)
-    type(extreme_type), allocatable :: extremes(:)  !! resonances and antiresonances in SI units; unallocated: nobody asked
+    real(dp), allocatable :: error(:)               !! estimated largest error; unallocated if only rounding limits it, (points)
+    real(dp), allocatable :: junction(:)            !! ξ of bodies and steps within a beam of uniform pieces; missing: none
+    real(dp), allocatable :: transmitted(:, :), reflected(:, :) !! shares of a wave's power there, (frequencies, junctions)
+    type(extreme_type), allocatable :: extremes(:)  !! resonances and antiresonances, SI; unallocated if not requested
   end type answer_type
 
   type, public :: case_spectrum
@@ -94,100 +93,101 @@ module bw_case_result
   end type case_spectrum
 
   type, public :: record_result
-    !! What a record yields beside frequencies and waves, SI.
+    !! Results of a record besides frequencies and waves, SI.
     type(record_extent) :: extent
     type(record_lines) :: lines
-    real(dp), allocatable :: recorded(:, :), fitted(:, :)   !! at the times that are drawn, (times, sensors)
-    real(dp), allocatable :: noise(:, :)                    !! what noise makes of the amplitude spectrum, (frequencies, sensors)
+    real(dp), allocatable :: recorded(:, :), fitted(:, :)   !! at the times of the plot, (times, sensors)
+    real(dp), allocatable :: noise(:, :)                    !! rms amplitude spectrum of the noise, (frequencies, sensors)
     real(dp), allocatable :: constant_real(:, :), constant_imag(:, :), constant_error(:, :)
-      !! modal constants of a hammer's blow, and half the interval of either part, 1/kg, (lines, sensors); unallocated: no hammer
-    real(dp), allocatable :: response_real(:, :), response_imag(:, :)   !! what sensors show over 1 N, (frequencies, sensors)
+      !! modal constants of a hammer's impact, and half the interval of real and imaginary part, 1/kg, (lines, sensors);
+      !! unallocated: no hammer
+    real(dp), allocatable :: response_real(:, :), response_imag(:, :)   !! response of the sensors per N, (frequencies, sensors)
     real(dp), allocatable :: impulse(:, :)                  !! |F| of the force, N s, (frequencies, 1)
-    real(dp) :: stiffness_root(2) = missing                 !! √(EI/ρA) from the dispersion, and half its interval, m²/s
-    real(dp) :: angular_velocity(2) = missing               !! |ω| from it, rad/s
+    real(dp) :: stiffness_root(2) = missing                 !! √(EI/ρA) from the dispersion relation, and half its interval, m²/s
+    real(dp) :: angular_velocity(2) = missing               !! |ω| from it, and half its interval, rad/s
   end type record_result
 
   type, public :: contact_result
-    !! What contacts that last yield beside their events, SI.
-    real(dp), allocatable :: force(:, :)            !! at Chebyshev's points from the begin to the end of each, N, (samples, events)
-    real(dp), allocatable :: force_error(:)         !! estimate of its largest error; missing where there is none, N, (events)
+    !! Results of lasting contacts besides their events, SI.
+    real(dp), allocatable :: force(:, :)            !! at Chebyshev points from start to end of each contact, N, (samples, events)
+    real(dp), allocatable :: force_error(:)         !! estimate of its largest error; missing if there is none, N, (events)
     real(dp), allocatable :: largest(:)             !! N, (events)
     real(dp), allocatable :: largest_time(:)        !! s, (events)
-    real(dp) :: restitution = missing               !! of the first contact, whatever it is followed by
-    real(dp) :: approach = 0.0_dp                   !! closing speed then, m/s
-    real(dp) :: indentation = 0.0_dp                !! the largest, m
+    real(dp) :: restitution = missing               !! of the first contact, with or without a second
+    real(dp) :: approach = 0.0_dp                   !! closing speed at the first contact, m/s
+    real(dp) :: indentation = 0.0_dp                !! largest of all contacts, m
     real(dp) :: leaving = missing                   !! velocity of the mass after the last contact, m/s
-    logical :: lasting = .false.                    !! the last contact had not ended when the record did
+    logical :: lasting = .false.                    !! the last contact outlasts the record
   end type contact_result
 
   type, public :: load_result
-    !! What loads were applied, in the order of the scene.
-    integer :: count = 0                            !! modes that are summed under them
-    real(dp) :: until = 0.0_dp                      !! when the last of them has ended, s
+    !! The applied loads, in the order of the scene.
+    integer :: count = 0                            !! modes summed under loads
+    real(dp) :: until = 0.0_dp                      !! when the last load ends, s
     real(dp), allocatable :: applied_force(:)       !! largest magnitude of each force, N
     real(dp), allocatable :: applied_impulse(:)     !! its impulse, N s
     real(dp), allocatable :: applied_acceleration(:)   !! largest magnitude of each acceleration of the base, m/s²
-    real(dp), allocatable :: applied_velocity(:)    !! the velocity that the base has gained from it, m/s
+    real(dp), allocatable :: applied_velocity(:)    !! velocity change of the base by each, m/s
     type(string), allocatable :: notes(:)
   end type load_result
 
   type, public :: modal_model
-    !! What other programs take of the modes of a case, SI. Unallocated where there are no modes.
+    !! The modal model that a result exports to other programs, SI. Unallocated if there are no modes.
     real(dp), allocatable :: stiffness(:)           !! Mβ², N/m, (modes)
     real(dp), allocatable :: damping(:)             !! Mc, N s/m, (modes)
-    real(dp), allocatable :: participation(:)       !! ∫ρAΦ dx and what bodies add, kg, (modes)
-    real(dp), allocatable :: turn_participation(:)  !! ∫ρAxΦ dx, with what turning sections and bodies add, kg m, (modes)
+    real(dp), allocatable :: participation(:)       !! ∫ρAΦ dx with the part of bodies, kg, (modes)
+    real(dp), allocatable :: turn_participation(:)  !! ∫ρAxΦ dx with the part of rotary inertia and bodies, kg m, (modes)
     real(dp), allocatable :: shape(:, :)            !! Φ, (points, modes)
-    real(dp), allocatable :: slope(:, :)            !! Φ', with shear the turning of the section, 1/m, (points, modes)
-    real(dp), allocatable :: moment(:, :)           !! of the mode, EIΦ'', N, (points, modes)
+    real(dp), allocatable :: slope(:, :)            !! Φ', or with shear the rotation of the section, 1/m, (points, modes)
+    real(dp), allocatable :: moment(:, :)           !! EIΦ'', N, (points, modes)
     real(dp), allocatable :: shear(:, :)            !! N/m, (points, modes)
     real(dp), allocatable :: residual(:, :, :)
-      !! what all other modes add under a force of 1 N: deflection, moment and shear force, (forces, points, 3)
-    real(dp), allocatable :: base_residual(:, :)    !! the same under an acceleration of the base by 1 m/s², (points, 3)
-    real(dp), allocatable :: hub_turn(:)            !! how far a hub that is free turns, 1/m, (modes)
-    real(dp), allocatable :: hub_residual(:)        !! what all other modes turn it by under a force of 1 N, rad/N, (forces)
-    real(dp) :: base_hub_residual = missing         !! and under an acceleration of the base by 1 m/s², s²/m
-    real(dp) :: mass = missing                      !! of all that moves, kg
-    real(dp), allocatable :: initial_displacement(:)   !! q after all that happens at t = 0, m, (modes)
-    real(dp), allocatable :: initial_velocity(:)    !! q̇ then, m/s, (modes)
+      !! static contribution of all other modes to deflection, moment and shear force per N, (forces, points, 3)
+    real(dp), allocatable :: base_residual(:, :)    !! the same per m/s² of base acceleration, (points, 3)
+    real(dp), allocatable :: hub_turn(:)            !! rotation of a free hub, 1/m, (modes)
+    real(dp), allocatable :: hub_residual(:)        !! static contribution of all other modes to it per N, rad/N, (forces)
+    real(dp) :: base_hub_residual = missing         !! the same per m/s² of base acceleration, s²/m
+    real(dp) :: mass = missing                      !! all that moves, kg
+    real(dp), allocatable :: initial_displacement(:)   !! q after the last event at t = 0, m, (modes)
+    real(dp), allocatable :: initial_velocity(:)    !! q̇ after it, m/s, (modes)
   end type modal_model
 
   type, public :: case_result
-    !! An unallocated component was not asked for.
+    !! The result of a case. A component that was not requested is unallocated.
     type(beam_units) :: units
-    class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
-    integer :: mode_count = 0                         !! how many were summed
-    real(dp) :: reached = 0.0_dp                      !! with a tolerance: the estimated error of the displacement over its peak
-    logical :: within = .true.                        !! it is within the tolerance
-    integer :: profile_points = 0                     !! places along the beam of mode shapes and velocity jump; 0: of neither
-    class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
-    type(configuration_type), allocatable :: configurations(:)   !! of a beam that changes in time, all of them
-    logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
+    class(mode_set), allocatable :: modes             !! after t = 0, or the first of them
+    integer :: mode_count = 0                         !! modes summed
+    real(dp) :: reached = 0.0_dp                      !! with a tolerance: estimated displacement error over its peak
+    logical :: within = .true.                        !! `reached` meets the tolerance
+    integer :: profile_points = 0                     !! points of mode shapes and velocity jump along the beam; 0: neither
+    class(mode_set), allocatable :: before            !! modes of the beam alone, if the mass was captured
+    type(configuration_type), allocatable :: configurations(:)   !! all of a beam that changes in time
+    logical :: can_grow = .false.                     !! a mode may be unstable at some angular velocity
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
-    real(dp) :: lever = 0.0_dp                        !! from the axis of a hub that is free to where the mass strikes, m
+    real(dp) :: lever = 0.0_dp                        !! distance of the struck place from the axis of a free hub, m
     real(dp), allocatable :: modal_displacement(:)    !! at t = 0, in V times the unit of time; unallocated: 0, (modes)
-    real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)
+    real(dp), allocatable :: modal_velocity(:)        !! after the last event at t = 0, in V, (modes)
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
-    type(event_type), allocatable :: events(:)        !! in the order of time
-    type(segment_type), allocatable :: segments(:)    !! of the motion, in the order of time
+    type(event_type), allocatable :: events(:)        !! in order of time
+    type(segment_type), allocatable :: segments(:)    !! in order of time
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(answer_type), allocatable :: answer          !! to a harmonic force
     type(measured_type), allocatable :: measured      !! SI
-    type(contact_result), allocatable :: contact      !! of contacts that last
+    type(contact_result), allocatable :: contact      !! of lasting contacts
     type(load_result), allocatable :: loads           !! of forces and motions of the base
     type(record_result), allocatable :: record        !! of a record
-    type(modal_model), allocatable :: model           !! of the modes
+    type(modal_model), allocatable :: model
     integer :: status = case_done
     type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)
-    type(error_type), allocatable :: error            !! why there is no result: a record cannot be read
+    type(error_type), allocatable :: error            !! why there is no result: the record cannot be read
   end type case_result
 
 contains
 
   subroutine put_together(motion, response, errors, spectrum, result)
-    !! What every simulated case has of its stages; what is large is moved, not copied.
+    !! Collect what every simulated case has from its stages. Large arrays are moved, not copied.
     type(case_motion), intent(inout) :: motion
     type(response_type), allocatable, intent(inout) :: response
     type(history_errors), intent(inout) :: errors
@@ -216,7 +216,7 @@ contains
   end subroutine put_together
 
   pure function octave_of(histories, points, rates) result(largest)
-    !! The largest value that the last octave of modes comes to in any segment, or the largest velocity, (points).
+    !! Return the largest displacement, or velocity, that the last octave of modes contributes in any segment, (points).
     type(case_histories), intent(in) :: histories      !! summed
     integer, intent(in) :: points
     logical, intent(in), optional :: rates
@@ -239,9 +239,9 @@ contains
   end function octave_of
 
   pure subroutine add_notes(notes, more)
-    !! The notes of a stage, after those of the stages before it.
+    !! Append the notes of a stage.
     type(string), allocatable, intent(inout) :: notes(:)
-    type(string), intent(in), optional :: more(:)    !! absent: the stage has none
+    type(string), intent(in), optional :: more(:)    !! absent: none
     integer :: i
     if (.not. present(more)) return
     do i = 1, size(more)

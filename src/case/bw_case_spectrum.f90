@@ -1,6 +1,6 @@
 module bw_case_spectrum
-  !! What the histories of a case are searched for: amplitude spectra, and waves measured at tip and midpoint, checked with
-  !! the modes that move in the samples after the last event, when all loads have ended.
+  !! Amplitude spectra of histories, and waves measured at tip and midpoint. The latter are compared with the modes that
+  !! move in the samples after the last event and the last load.
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_segment_samples, only: samples_of_segment
   use bw_case_result, only: case_done, case_motion, case_spectrum, load_result
@@ -23,27 +23,27 @@ module bw_case_spectrum
   private
   public :: find_spectrum
 
-  integer, parameter :: most = 4096              !! modes; their images fill any record
+  integer, parameter :: most = 4096              !! modes; their aliases fill any record
 
 contains
 
   subroutine find_spectrum(scene, layout, motion, response, status, monitor, plan, spectrum, loads)
-    !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.
+    !! Find amplitude spectra of all points, and waves from the tip and midpoint histories alone.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response    !! displacements at all points
-    integer, intent(in) :: status                  !! how the histories end
-    class(monitor_type), intent(inout) :: monitor  !! nothing is found where it asks to stop
-    type(spectrum_plan), intent(inout) :: plan     !! any, also one that another case has used
+    integer, intent(in) :: status                  !! of the histories
+    class(monitor_type), intent(inout) :: monitor  !! nothing is found if it requests a stop
+    type(spectrum_plan), intent(inout) :: plan     !! may come from another case
     type(case_spectrum), intent(out) :: spectrum
-    type(load_result), intent(in), optional :: loads   !! that move the beam, too
+    type(load_result), intent(in), optional :: loads   !! that also move the beam
     integer :: p
     if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
     if (layout%middle == 0 .or. layout%tip == 0) then
       call remark(spectrum%notes, 'measured waves: they need the points 0.5 and 1.0, so they are left out')
     else
-      ! before there are spectra, for it needs more memory than they do
+      ! first, as it needs more memory than the spectra
       call find_waves(scene, layout, motion, response, status, monitor, spectrum, loads)
     end if
     if (status /= case_done) return
@@ -57,7 +57,7 @@ contains
   end subroutine find_spectrum
 
   subroutine find_waves(scene, layout, motion, response, status, monitor, spectrum, loads)
-    !! Of the free motion after the last event and the last load.
+    !! Measure waves in the free motion after the last event and the last load.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_motion), intent(in) :: motion
@@ -94,8 +94,8 @@ contains
   end subroutine find_waves
 
   pure subroutine know_ends(scene, motion, facts)
-    !! The ends of the beam as it moves in the end, and the length over which α is its wave number. Nothing is known of a beam with
-    !! tension, taper, shear or a hub that is free, or one that a mass is pressed against.
+    !! Set the boundary conditions at the end of the motion, and the length that makes α of a wave number. They are
+    !! unknown with tension, taper, shear or a free hub, and while a mass is pressed against the beam.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(record_facts), intent(inout) :: facts
@@ -116,7 +116,7 @@ contains
   end subroutine know_ends
 
   pure integer function first_of_last(scene, motion) result(first)
-    !! The sample, from 1, with which the last segment of a motion begins that is known to its end.
+    !! Return the first sample, from 1, of the last segment, if the motion is known to its end; else 1.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer :: samples(2)
@@ -129,13 +129,13 @@ contains
   end function first_of_last
 
   pure logical function is_pressed(motion)
-    !! A mass is pressed against the beam at the end: shapes are of that.
+    !! Tell whether a mass is pressed against the beam at the end; the modes include it then.
     type(case_motion), intent(in) :: motion
     is_pressed = .not. allocated(motion%modes%configuration(last_configuration(motion))%source)
   end function is_pressed
 
   pure integer function last_configuration(motion) result(configuration)
-    !! Which modes move in the end.
+    !! Return the configuration at the end of the motion.
     type(case_motion), intent(in) :: motion
     configuration = motion%modes%moving
     if (.not. allocated(motion%timeline%segments)) return
@@ -145,7 +145,7 @@ contains
   end function last_configuration
 
   subroutine know_modes(motion, known, loads)
-    !! The frequencies of the modes that move at the end; of very many those of the first.
+    !! Find the frequencies of the modes that move at the end; of very many only the first.
     type(case_motion), intent(in) :: motion
     type(known_modes), allocatable, intent(out) :: known
     type(load_result), intent(in), optional :: loads
@@ -169,7 +169,7 @@ contains
   end subroutine know_modes
 
   pure function frequencies_of(modes, count) result(frequency)
-    !! √(β² − c²/4), 0 where a mode does not oscillate, of the first modes.
+    !! Return √(β² − c²/4) of the first modes; 0 for those that do not oscillate.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: count
     real(dp) :: frequency(count)

@@ -1,11 +1,12 @@
 module bw_modal_model
-  !! The modal model of a case, for other programs: what forces at points and a motion of the base make of each mode, what each mode shows
-  !! at these points, and what all modes that are left out add at once. In SI:
+  !! The modal model of a case, for other programs: modal loads of forces at points and of a base motion, modal
+  !! displacements there, and the residual flexibility of all omitted modes. In SI:
   !!
   !!     M_k q̈_k + C_k q̇_k + K_k q_k = Σ_f Φ_k(ξ_f) F_f − P_k a,    v(ξ) = Σ Φ_k(ξ) q_k + Σ_f R(ξ, ξ_f) F_f + R_a(ξ) a,
   !!
-  !! F_f forces, a the acceleration of the base, P_k = ∫ρAΦ_k dx + Σ m_bΦ_k(ξ_b), R the residual flexibility. On a hub that is free v is the
-  !! displacement from its line, which turns by θ = Σ θ_kq_k + …; forces and the base drive a mode by all of its motion, Φ_k + (R + x)θ_k.
+  !! F_f are forces, a is the acceleration of the base, P_k = ∫ρAΦ_k dx + Σ m_bΦ_k(ξ_b), and R is the residual
+  !! flexibility. On a free hub v is the displacement from the hub's line, which rotates by θ = Σ θ_kq_k + …. Forces and
+  !! base acceleration act on the whole motion of a mode, Φ_k + (R + x)θ_k with R the hub radius.
   use bw_beam_units, only: beam_units
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_result, modal_model
@@ -26,10 +27,10 @@ module bw_modal_model
 contains
 
   subroutine find_modal_model(scene, room, monitor, result)
-    !! Find the model of the modes that a result holds.
+    !! Find the modal model for the modes that a result holds.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: room                    !! how many modes it holds at most; 0: nothing is known of them
-    class(monitor_type), intent(inout) :: monitor  !! the model means nothing where it asks to stop
+    integer, intent(in) :: room                    !! modes it may hold; 0: they are unknown
+    class(monitor_type), intent(inout) :: monitor  !! the model is invalid if it requests a stop
     type(case_result), intent(inout) :: result
     type(varying_beam) :: given
     real(dp), allocatable :: points(:)
@@ -54,7 +55,7 @@ contains
   end subroutine find_modal_model
 
   pure real(dp) function moving_mass(given) result(mass)
-    !! All mass but what sits on a tip whose deflection is held.
+    !! Return the mass of all that moves, thus without that at a tip whose deflection is held.
     type(varying_beam), intent(in) :: given
     logical :: held(2)
     held = holds_tip(given%beam)
@@ -63,7 +64,7 @@ contains
   end function moving_mass
 
   pure subroutine find_modes(units, modes, points, model)
-    !! What belongs to each mode alone, and how much it turns at the points.
+    !! Find stiffness, damping, participation and slopes of each mode.
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: points(:)
@@ -83,12 +84,12 @@ contains
   end subroutine find_modes
 
   subroutine find_shapes(scene, units, given, modes, kept, points, monitor, model)
-    !! What a force at each point and the base do to the modes, what these show there, and what all other modes add.
+    !! Find shapes, moments, shear forces and participation of the modes, and the residuals of all others.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: kept                    !! modes that the model has; it may be fewer than there are
+    integer, intent(in) :: kept                    !! modes in the model, at most all
     real(dp), intent(in) :: points(:)
     class(monitor_type), intent(inout) :: monitor
     type(modal_model), intent(inout) :: model

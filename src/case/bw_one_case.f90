@@ -1,7 +1,7 @@
 module bw_one_case
-  !! One case from scene to result, in one line: that of records (bw_record_case), that of an impact that lasts (bw_contact_case), or
-  !! modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each stage takes the values of those before it
-  !! and returns its own.
+  !! One case from scene to result. Records are left to bw_record_case, lasting impacts to bw_contact_case and beams
+  !! that change in time to bw_changing_case. All others go modes ► plan ► initial state ► events ► histories ► errors ►
+  !! spectrum; each stage takes the values of those before it and returns its own.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_errors, only: drop_errors
@@ -39,8 +39,8 @@ module bw_one_case
   public :: run_case
 
   type, public :: case_cache
-    !! Work that the cases of a sweep share, done once: whoever goes through the cases has it and hands it to each. It takes
-    !! a bounded amount of memory however many cases there are, and changes no bit of their results.
+    !! Work shared by the cases of a sweep, which the caller passes to each. Its memory is bounded, and results are the
+    !! same to the bit without it.
     type(motion_cache) :: motion
     type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
     type(record_cache) :: record         !! the last record
@@ -49,17 +49,16 @@ module bw_one_case
 contains
 
   subroutine run_case(scene, layout, watch, monitor, cache, result, whole, planned)
-    !! Run a case whose histories are read, or one that is simulated. A tolerance that was not asked for and is out of reach
-    !! relaxes to what can be had.
+    !! Run a case, measured or simulated. A default tolerance that is out of reach is relaxed.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
-    type(case_cache), intent(inout), target :: cache !! what other cases have found
+    type(case_cache), intent(inout), target :: cache !! filled by other cases
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
     type(case_motion), allocatable, intent(inout), optional :: planned
-      !! of this scene, up to its histories (bw_case_tolerance); used up. Unallocated: not yet
+      !! its motion up to the histories (bw_case_tolerance), used up; unallocated: not planned yet
     type(scene_type) :: relaxed
     if (allocated(scene%record)) then
       call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
@@ -97,7 +96,7 @@ contains
   end subroutine run_case
 
   subroutine answer_force(scene, layout, watch, monitor, cache, result, whole)
-    !! Add the response to a harmonic force to a result.
+    !! Add the frequency response to a result.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
@@ -114,23 +113,23 @@ contains
   end subroutine answer_force
 
   subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole, planned, loaded)
-    !! The way the data goes.
+    !! Simulate a case without lasting contacts or changes in time.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
-    type(case_cache), intent(inout), target :: cache !! what other cases have found
+    type(case_cache), intent(inout), target :: cache !! filled by other cases
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
-    type(case_motion), allocatable, intent(inout), optional :: planned   !! as that of `run_case`
-    type(scene_type), intent(in), optional :: loaded   !! the scene with its loads and their tolerance; absent: there are none
+    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
+    type(case_motion), allocatable, intent(inout), optional :: planned   !! see `run_case`
+    type(scene_type), intent(in), optional :: loaded   !! the scene with its loads and their tolerance; absent: no loads
     type(case_motion), allocatable :: motion
     type(case_histories) :: histories
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
     type(load_result), allocatable :: loads
     type(string), allocatable :: foremost(:), validity(:)
-    type(part_monitor) :: part                       ! for a stage
+    type(part_monitor) :: part
     type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
     logical :: planning
@@ -199,9 +198,9 @@ contains
   end subroutine simulate_case
 
   subroutine compose(scene, foremost, motion, histories, errors, spectrum, result)
-    !! The values of all stages in one; what is large is moved, not copied.
+    !! Collect the values of all stages. Large arrays are moved, not copied.
     type(scene_type), intent(in) :: scene
-    type(string), allocatable, intent(in) :: foremost(:)     !! notes that stand before all others
+    type(string), allocatable, intent(in) :: foremost(:)     !! notes that come first
     type(case_motion), intent(inout) :: motion
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
@@ -231,7 +230,7 @@ contains
   end subroutine compose
 
   subroutine compose_modes(motion, result)
-    !! The modes that move after all that happens at t = 0, and those of the beam alone if they are others.
+    !! Take the modes after the last event at t = 0, and those of the beam alone if they differ.
     type(case_motion), intent(inout) :: motion
     type(case_result), intent(inout) :: result
     associate (configuration => motion%modes%configuration, moving => motion%modes%moving)

@@ -1,5 +1,5 @@
 module bw_result_layout
-  !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
+  !! The arrays of a scene's result and their lengths, known before anything is computed.
   use bw_beam_par, only: has_fibre
   use bw_beam_units, only: units_of
   use bw_input_values, only: position_of
@@ -25,34 +25,34 @@ module bw_result_layout
     'stage', 'contact_sample', 'quantile']
 
   real(dp), parameter, public :: quantile_levels(*) = [0.0_dp, 0.05_dp, 0.25_dp, 0.5_dp, 0.75_dp, 0.95_dp, 1.0_dp]
-    !! of a design: 0 is the least, 1 the largest
-  integer, parameter, public :: contact_samples = 128   !! of the force of a contact
-  integer, parameter :: swept_contacts = 16         !! that a sweep keeps of each case
-  integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
+    !! of a design: 0 is the smallest value, 1 the largest
+  integer, parameter, public :: contact_samples = 128   !! of the force in a contact
+  integer, parameter :: swept_contacts = 16         !! contacts stored for each case of a sweep
+  integer, parameter :: usual_profile = 201         !! points along the beam without an impact
   integer(i8), parameter :: most_shape_numbers = 200000
-    !! of mode shapes, all cases together, that a result holds unasked: 1.6 MB, 49 cases of 20 modes
+    !! numbers of all mode shapes that a result holds unless requested: 1.6 MB, 49 cases of 20 modes
 
-  integer, parameter, public :: most_candidates = 32    !! of a record that are no lines: the most likely ones
-  integer, parameter :: note_letters = 1000             !! room for the notes of a case of a sweep
-  integer, parameter :: parameter_letters = 64          !! and for the name of an unknown, or its unit
+  integer, parameter, public :: most_candidates = 32    !! rejected candidates for lines stored for a record, most likely first
+  integer, parameter :: note_letters = 1000             !! length of the notes of a case in a sweep
+  integer, parameter :: parameter_letters = 64          !! length of the name of an unknown, or of its unit
 
   type, public :: record_layout
-    !! What the result of a record holds that only its files tell.
+    !! The part of a record's layout that only its files tell.
     type(sensor_type), allocatable :: sensors(:)         !! of the first file
-    logical :: placed = .false.                          !! all of them have places
-    character(:), allocatable :: unit                    !! of all of them; `1` where they have different ones
+    logical :: placed = .false.                          !! all sensors have positions
+    character(:), allocatable :: unit                    !! of all sensors; `1` if they differ
     character(:), allocatable :: checksums               !! of the files
-    integer :: longest = 0                               !! samples that fill the duration of a case evenly, at most
-    real(dp) :: duration = 0                             !! of a case, at most [s]
+    integer :: longest = 0                               !! most samples of a case on an even grid
+    real(dp) :: duration = 0                             !! of the longest case [s]
     real(dp), allocatable :: times(:)                    !! since the first sample [s]
-    logical :: stretched = .false.                       !! two values in a stretch of time: the least and the largest
+    logical :: stretched = .false.                       !! each interval of time has two values, smallest and largest
     real(dp), allocatable :: frequencies(:)              !! Hz
   end type record_layout
 
   type, public :: result_layout
-    !! A length of 0 means that nothing has this dimension.
+    !! Lengths and contents of a result. A length of 0 means that nothing has this dimension.
     integer :: cases = 0              !! 0: no sweep, so no dimension `case`
-    integer :: modes = 0              !! the largest number of any case
+    integer :: modes = 0              !! most of any case
     integer :: modes_before = 0
     integer :: profile = 0
     integer :: events = 0
@@ -60,9 +60,9 @@ module bw_result_layout
     integer :: samples = 0
     integer :: frequencies = 0
     integer :: answer_frequencies = 0 !! of a harmonic force
-    character(12) :: answer = ''      !! quantity that answers to it
-    logical :: by_modes = .false.     !! the answer is a sum of modes, and has an error
-    integer :: junctions = 0          !! bodies and steps within the beam, at which waves are transmitted and reflected
+    character(12) :: answer = ''      !! response quantity: displacement, velocity or acceleration
+    logical :: by_modes = .false.     !! the response is a modal sum, and has an error estimate
+    integer :: junctions = 0          !! bodies and steps within the beam, which transmit and reflect waves
     integer :: peaks = 0
     integer :: pieces = 0             !! of a beam that has several
     integer :: stations = 0           !! of a beam that tapers
@@ -70,38 +70,38 @@ module bw_result_layout
     integer :: forces = 0
     integer :: bases = 0
     integer :: configurations = 0     !! of a beam that changes in time
-    integer :: unknowns = 0           !! that are identified
-    logical :: modelled = .false.     !! a record's lines are held against the modes of its beam
-    logical :: velocity = .false.     !! velocity histories are asked for
-    logical :: bending_moment = .false.   !! and bending moments
-    logical :: bending_stress = .false.   !! and stresses follow from them
-    logical :: acceleration = .false.     !! and accelerations
-    logical :: shear_force = .false.      !! and shear forces
+    integer :: unknowns = 0           !! identified inputs
+    logical :: modelled = .false.     !! a record's lines are compared with the modes of its beam
+    logical :: velocity = .false.     !! histories of velocity are requested
+    logical :: bending_moment = .false.   !! histories of moments are requested
+    logical :: bending_stress = .false.   !! stresses follow from moments
+    logical :: acceleration = .false.     !! histories of acceleration are requested
+    logical :: shear_force = .false.      !! histories of shear force are requested
     logical :: hub = .false.          !! the hub is free to turn
-    logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
-    logical :: estimates = .false.    !! of the errors of histories
+    logical :: continuum = .false.    !! histories have a limit as modes are added
+    logical :: estimates = .false.    !! errors of histories are estimated
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
-    integer :: contact_samples = 0    !! of the force of each contact that lasts
-    logical :: struck = .false.       !! a mass strikes at an instant
-    logical :: modal_model = .false.  !! what other programs take of modes
-    logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
-    integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
-    integer :: tip = 0                !! which point is ξ = 1, 0 if none
-    logical :: of_record = .false.    !! histories are read, not simulated
+    integer :: contact_samples = 0    !! force samples of each lasting contact
+    logical :: struck = .false.       !! the impact is instantaneous
+    logical :: modal_model = .false.  !! the modal model is exported
+    logical :: mode_shapes = .false.  !! mode shapes are few enough to be stored
+    integer :: middle = 0             !! index of the point ξ = 0.5; 0 if none
+    integer :: tip = 0                !! index of the point ξ = 1; 0 if none
+    logical :: of_record = .false.    !! histories are measured, not simulated
     type(record_layout), allocatable :: record   !! unallocated until its files are read (bw_record_plan)
-    logical :: of_plain_beam = .false.           !! of a record: the beam is known, and its waves follow Eq. 3
-    integer :: windows = 0            !! parts of a record
+    logical :: of_plain_beam = .false.           !! the beam of a record is known, and its waves follow Eq. 3
+    integer :: windows = 0            !! time windows of a record
     integer :: candidates = 0
-    logical :: hammer = .false.       !! the force of the blow is measured
-    character(:), allocatable :: load_checksums  !! of the files of its loads (bw_load_courses); unallocated: none
-    integer :: quantiles = 0          !! over the cases of a design
-    integer :: pooled = 0             !! lines that repeats share, at most; 0: there are none, or something else is swept, too
+    logical :: hammer = .false.       !! the impact force is measured
+    character(:), allocatable :: load_checksums  !! of load files (bw_load_courses); unallocated: none
+    integer :: quantiles = 0          !! levels over the cases of a design
+    integer :: pooled = 0             !! lines shared by repeats, at most; 0: no repeats, or another sweep as well
   end type result_layout
 
 contains
 
   pure type(result_layout) function layout_of(scene) result(layout)
-    !! What the result of a scene holds, and how much of it.
+    !! Return the layout of a scene's result.
     type(scene_type), intent(in) :: scene
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
     layout%of_record = allocated(scene%record)
@@ -134,7 +134,7 @@ contains
       layout%contact_samples = contact_samples
       layout%events = largest(scene, 'contact', 'max_contacts', scene%contact%max_contacts)
       if (layout%cases > 0) layout%events = min(layout%events, swept_contacts)
-      layout%events = layout%events + most_events(scene, 0) - 1      ! a contact takes the place of the impact
+      layout%events = layout%events + most_events(scene, 0) - 1      ! lasting contacts replace the impact
     else if (allocated(scene%recontact)) then
       layout%events = most_events(scene, largest(scene, 'recontact', 'max_contacts', scene%recontact%max_contacts))
     else
@@ -167,7 +167,7 @@ contains
   end function layout_of
 
   pure subroutine count_modes(scene, layout)
-    !! The largest counts of any case; cases differ only if a count is swept.
+    !! Set mode counts to the largest of any case; they vary if a count is swept.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(inout) :: layout
     integer :: before, after
@@ -180,7 +180,7 @@ contains
   end subroutine count_modes
 
   pure integer function junction_count(scene) result(junctions)
-    !! At most as many as any case of a sweep has.
+    !! Count junctions; with sweeps an upper bound for all cases.
     type(scene_type), intent(in) :: scene
     type(struck_beam) :: pieces
     junctions = 0
@@ -196,7 +196,7 @@ contains
   end function junction_count
 
   pure subroutine plan_profile(scene, layout)
-    !! Places along the beam: of the velocity jump, and of the mode shapes unless these are too many numbers.
+    !! Set the points along the beam for the velocity jump, and for mode shapes if they are few enough.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(inout) :: layout
     layout%profile = usual_profile
@@ -206,10 +206,10 @@ contains
   end subroutine plan_profile
 
   pure integer function largest(scene, group, name, count)
-    !! The largest value of a count, which may be swept, or follow another that is.
+    !! Return the largest value of a count, which may be swept or follow a swept one.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: group, name
-    integer, intent(in) :: count                !! in the first case
+    integer, intent(in) :: count                !! of the first case
     type(numeric_input), allocatable :: inputs(:)
     integer :: i
     largest = count
@@ -221,7 +221,7 @@ contains
   end function largest
 
   pure integer function dimension_length(layout, name) result(length)
-    !! Length of a dimension by its name in the file; 0 where nothing has it.
+    !! Return the length of a dimension by its name in the file; 0 if unused.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: name
     select case (name)
@@ -259,7 +259,7 @@ contains
   end function dimension_length
 
   pure integer function letters_of(layout) result(letters)
-    !! Of the longest name or unit of a sensor; 0 where nothing is a sensor.
+    !! Return the length of the longest name or unit of a sensor; 0 without sensors.
     type(result_layout), intent(in) :: layout
     integer :: s
     letters = 0
@@ -270,13 +270,13 @@ contains
   end function letters_of
 
   pure recursive logical function has(layout, words) result(there)
-    !! The result has all that the words name: dimensions, `velocity`, `bending_moment` and `bending_stress` (histories of them),
-    !! `hub` (which is free to turn), `contacts` (histories that go through them), `continuum` (whose motion histories are held
-    !! against), `estimates` (of their errors), `mode_shapes` (there are not too many), `modal_model`, `blow` (an instantaneous
-    !! one), `record` or `simulated`, `hammer` (whose force is measured), `by_modes` (how a harmonic force is answered), `model`
-    !! (of the record's beam), `places` (of all points along the beam), `waves`.
+    !! Tell whether the result has all that the words name: dimensions; `velocity`, `bending_moment`, `bending_stress`,
+    !! `acceleration`, `shear_force` (histories of them); `hub` (a free one); `contacts`; `continuum` (histories
+    !! converge as modes are added); `estimates` (of their errors); `mode_shapes`; `modal_model`; `blow` (instantaneous
+    !! impact); `record` or `simulated`; `hammer` (measured force); `by_modes` (frequency response); `model` (of the
+    !! record's beam); `places` (of all points); `waves`.
     type(result_layout), intent(in) :: layout
-    character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
+    character(*), intent(in) :: words         !! separated by blanks; empty: always true
     integer :: gap
     gap = index(words, ' ')
     if (gap > 0) then
@@ -299,7 +299,7 @@ contains
     case ('record'); there = layout%of_record
     case ('simulated'); there = layout%samples > 0 .and. .not. layout%of_record
     case ('by_modes'); there = layout%by_modes
-    case ('places')                           ! the points have places along the beam
+    case ('places')                           ! positions of the points along the beam
       there = .not. layout%of_record
       if (allocated(layout%record)) there = layout%record%placed
     case ('waves'); there = has(layout, 'places') .and. (layout%of_plain_beam .or. .not. layout%of_record)

@@ -1,5 +1,5 @@
 module bw_segment_samples
-  !! Which samples of a record show a segment of the motion.
+  !! The samples of a record that lie in a segment of the motion.
   use bw_case_result, only: case_motion
   use bw_double_double, only: dd
   use bw_kinds, only: dp
@@ -12,7 +12,7 @@ module bw_segment_samples
 contains
 
   pure type(stretch_type) function stretch_of(grid, first, last, start) result(stretch)
-    !! Samples, numbered from 1, of a motion that starts at a time.
+    !! Return the times of samples `first` to `last` since a motion's start.
     type(time_grid), intent(in) :: grid
     integer, intent(in) :: first, last
     type(dd), intent(in) :: start                !! l²/h
@@ -20,7 +20,7 @@ contains
   end function stretch_of
 
   pure function samples_of_segment(motion, i, grid) result(samples)
-    !! The first and the last of a segment, numbered from 1: a sample at exactly the time of a change belongs to what comes after it.
+    !! Return the first and the last sample of a segment, from 1. A sample exactly at a change belongs to the segment after it.
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i
     type(time_grid), intent(in) :: grid

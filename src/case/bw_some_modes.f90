@@ -1,6 +1,6 @@
 module bw_some_modes
-  !! A few modes of the beam alone, for whoever asks for those of many beams one after another and for nothing but their frequencies,
-  !! damping and shapes. Under tension they are found in as few functions as frequencies need, and without waves.
+  !! A few modes of the beam alone, for studies of many beams that need only frequencies, damping and shapes. Under
+  !! tension a small basis suffices for the frequencies, and waves are left out.
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: find_sources
   use bw_case_result, only: case_modes
@@ -27,11 +27,11 @@ contains
     !! Find modes by their numbers.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: number(:)             !! ascending; may be of size 0
-    class(mode_set), allocatable, intent(out) :: set   !! not `resolved`, or unallocated, where there are none to be had
-    integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
-    logical, intent(in) :: roughly               !! under tension or with taper frequencies may err by 1e-8, else by 1e-12
-    class(monitor_type), intent(inout) :: monitor      !! the modes mean nothing where it asks to stop
+    integer, intent(in) :: number(:)             !! ascending; may be empty
+    class(mode_set), allocatable, intent(out) :: set   !! unallocated or not `resolved` on failure
+    integer, intent(out) :: place(:)             !! index of each in the set, which may hold others, (number)
+    logical, intent(in) :: roughly               !! with tension or taper: errors of frequencies may be 1e-8 instead of 1e-12
+    class(monitor_type), intent(inout) :: monitor      !! the modes are invalid if it requests a stop
     type(case_modes) :: known
     integer :: i
     place = number
@@ -50,7 +50,7 @@ contains
   end subroutine find_some_modes
 
   subroutine find_of_pieces(scene, units, number, set, monitor)
-    !! Find modes of a scene without tension whose beam is of pieces; no critical speed is asked for.
+    !! Find modes of a beam of pieces without tension, and no critical speed.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: number(:)
@@ -67,7 +67,7 @@ contains
   end subroutine find_of_pieces
 
   subroutine find_varying(scene, units, count, demand, set, monitor)
-    !! Find the first modes of a scene with tension or taper.
+    !! Find the first modes of a beam with tension or taper.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: count                 !! ≥ 1

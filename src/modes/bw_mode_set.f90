@@ -111,7 +111,7 @@ module bw_mode_set
       class(mode_set), intent(in) :: self
       class(mode_set), intent(in) :: from         !! modes φ_i
       real(dp), intent(in) :: amplitude(:)        !! a_i of the first of them; the others are at rest
-      class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+      class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
       real(dp) :: sums(self%count)
     end function overlap_interface
 
@@ -123,7 +123,7 @@ module bw_mode_set
       class(mode_set), allocatable, intent(out) :: modes
       real(dp), intent(in), optional :: longest
         !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
-      class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+      class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
     end subroutine find_interface
 
     pure function elastic_interface(self) result(squares)

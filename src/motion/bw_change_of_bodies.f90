@@ -58,7 +58,7 @@ contains
     real(dp), intent(in) :: spin_squared            !! ω² in the plane of the motion, else 0
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
-    class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the state is invalid if it requests a stop
     real(dp), intent(in), optional :: beyond(:, :, :)
       !! deflection and turning at the bodies, and their rates, that the state lacks and that is known, (bodies, 2, 2)
     real(dp), allocatable, intent(in), optional :: unsummed(:)
@@ -148,7 +148,7 @@ contains
     type(body_type), intent(in) :: bodies(:)
     type(configuration_type), intent(in) :: configuration(:)
     type(shape_term), intent(in) :: terms(:)
-    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     real(dp) :: sums(modes%count), seen(modes%count)
     integer :: i
     sums = 0.0_dp

@@ -80,7 +80,7 @@ contains
     class(mode_set), intent(in) :: before  !! modes of the beam alone
     type(impact_type), intent(in) :: impact      !! the state just after the impact
     class(mode_set), intent(in) :: after   !! modes of beam and mass
-    class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the state is invalid if it requests a stop
     real(dp), allocatable :: momentum(:)
     allocate (momentum, source=after%overlap_with_mass(before, impact%modal_velocity, monitor))
     capture%modal_velocity = momentum/after%modal_mass

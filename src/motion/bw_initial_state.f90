@@ -47,7 +47,7 @@ contains
     class(mode_set), intent(in) :: free                !! modes of the beam alone
     class(mode_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
     type(impact_par), intent(in) :: given
-    class(monitor_type), intent(inout), target :: monitor    !! the state means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor    !! the state is invalid if it requests a stop
     type(initial_state), intent(out) :: state
     real(dp), parameter :: handed_on = 10.0_dp               ! a mode takes as long as its shape at so many points
     type(capture_type) :: capture
@@ -94,7 +94,7 @@ contains
     real(dp), intent(in) :: force                   !! modal velocities at t = 0 are this times Φ_k(1)/M_k
     type(dd), intent(in) :: time                    !! l²/h
     real(dp), intent(in) :: longest                 !! the record, for which phases are to be right, l²/h
-    class(monitor_type), intent(inout) :: monitor   !! the state means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor   !! the state is invalid if it requests a stop
     class(mode_set), allocatable, intent(out) :: loaded
     real(dp), intent(out) :: q(:), rate(:)          !! as many as these are long
     call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
@@ -132,7 +132,7 @@ contains
     class(mode_set), intent(in) :: free                !! modes of the beam alone
     class(mode_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
     type(impact_par), intent(in) :: given
-    class(monitor_type), intent(inout) :: monitor      !! nothing is found, nor put into the cache, where it asks to stop
+    class(monitor_type), intent(inout) :: monitor      !! nothing is found or cached if it requests a stop
     type(initial_state_cache), intent(inout) :: cache
     type(initial_state), intent(out) :: state
     integer :: counts(2), place

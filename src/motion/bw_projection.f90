@@ -72,7 +72,7 @@ contains
     integer, intent(in) :: wanted                !! N at least, where the segment has no state of its own and there are so many
     class(mode_set), intent(in) :: after         !! modes of the beam without the body
     type(projection_type), intent(inout) :: projection   !! new, or that of the same motion onto fewer modes or from fewer
-    class(monitor_type), intent(inout), optional :: monitor   !! the projection means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the projection is invalid if it requests a stop
     real(dp), allocatable :: q(:), rate(:)       ! of the continuum's modes
     integer :: n
     associate (p => projection, source => configuration%source)

@@ -1,5 +1,5 @@
 module bw_case_bodies
-  !! The bodies that a beam carries in a case, as its changes ask for them, and which of them are there.
+  !! The bodies of a case as changes of the beam need them, and which of them it carries at a time.
   use bw_beam_units, only: beam_units
   use bw_change_of_bodies, only: body_type
   use bw_double_double, only: dd
@@ -15,7 +15,7 @@ module bw_case_bodies
 contains
 
   function bodies_of(scene, units) result(bodies)
-    !! Those of the scene, and last the mass that strikes, if it is captured.
+    !! Return the bodies of the scene, and last the striking mass if it is captured, without dimensions.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(body_type), allocatable :: bodies(:)
@@ -33,7 +33,7 @@ contains
   end function bodies_of
 
   pure subroutine set_pull(scene, units, bodies)
-    !! The tension that bodies bring into the beam.
+    !! Set the tension that each body brings into the beam as it rotates.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(body_type), intent(inout) :: bodies(:)
@@ -47,7 +47,7 @@ contains
   end subroutine set_pull
 
   pure function presence(scene, carried) result(there)
-    !! Which bodies are there, (bodies).
+    !! Tell which bodies the beam carries in a configuration, (bodies).
     type(scene_type), intent(in) :: scene
     type(carried_type), intent(in) :: carried
     logical, allocatable :: there(:)

@@ -1,8 +1,10 @@
 module bw_changing_case
-  !! A case whose beam changes in time, or moves from the beginning: modes ► segments and events ► histories ► errors ► spectrum.
+  !! A case whose beam changes in time, or starts deflected or rotating: modes ► segments and events ► histories ►
+  !! errors ► spectrum.
   !!
-  !! What fewer modes change tells how much is missing: the motion is followed with all modes and with some eighths of them. A tolerance
-  !! lets their number grow until that is small enough. The motion under loads is added, as all changes are linear (bw_case_loads).
+  !! The motion is followed with all modes and with some eighths of them, and the differences estimate the truncation
+  !! error. A tolerance doubles the number of modes until the error is small enough. The motion under loads is
+  !! superposed, as all changes are linear (bw_case_loads).
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: in_joules, units_of
   use bw_case_histories, only: add_hub_angle, sum_histories
@@ -36,14 +38,14 @@ module bw_changing_case
   private
   public :: compose_modes, run_changing_case
 
-  integer, parameter :: first_count = 32           !! modes that a tolerance begins with
-  integer, parameter :: most_count = 2048          !! and the most that it takes
-  real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, that errors of the states after changes may have
+  integer, parameter :: first_count = 32           !! modes that a tolerance starts with
+  integer, parameter :: most_count = 2048          !! and the most that it may sum
+  real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, left to errors of the states after changes
 
 contains
 
   subroutine run_changing_case(scene, layout, watch, monitor, cache, workspace, plan, result, whole)
-    !! By the counts of the scene, or by its tolerance.
+    !! Run a case with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
@@ -52,7 +54,7 @@ contains
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
     type(scene_type) :: counted
     type(case_motion) :: motion
     type(case_histories) :: histories
@@ -60,7 +62,7 @@ contains
     type(case_spectrum) :: spectrum
     type(search_failure), target :: failure
     type(load_result), allocatable :: loads
-    type(beam_state), allocatable :: before_event(:)   ! under loads
+    type(beam_state), allocatable :: before_event(:)   ! of the motion under loads
     type(string), allocatable :: foremost(:), validity(:)
     integer :: handing
     whole = .false.
@@ -109,18 +111,18 @@ contains
   end subroutine run_changing_case
 
   subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
-    !! The motion with enough modes, or as many as the scene counts, and its errors.
+    !! Follow the motion with the counts of the scene, or with as many modes as its tolerance needs, and estimate its errors.
     type(scene_type), intent(in) :: scene
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(search_failure), intent(inout), target :: failure
-    type(scene_type), intent(out) :: counted         !! the scene with the count that was taken
+    type(scene_type), intent(out) :: counted         !! the scene with the final counts
     type(case_motion), intent(out) :: motion
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
-    integer, intent(out) :: handing                  !! times as many modes hand on their motion as are summed
+    integer, intent(out) :: handing                  !! how many times the summed modes are projected at changes
     real(dp), allocatable :: rounding(:, :)
     logical :: limit, enough
     integer :: most
@@ -166,7 +168,7 @@ contains
   end subroutine follow_to_tolerance
 
   pure type(scene_type) function times_as_many(scene, times) result(more)
-    !! Modes.
+    !! Multiply the mode counts of a scene.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: times
     more = scene
@@ -175,10 +177,10 @@ contains
   end function times_as_many
 
   subroutine follow_fewer(scene, handing, limit, motion, watch, monitor, workspace, histories, errors)
-    !! The motion with all modes, and with fewer, and how far those that are missing may be: `extrapolate`. Where bodies come later, what a few
-    !! modes less change goes up and down: the largest of several counts is taken.
-    type(scene_type), intent(in) :: scene            !! that counts its modes
-    integer, intent(in) :: handing                   !! times as many modes as are summed hand on their motion
+    !! Follow the motion with all modes and with fewer, and extrapolate the differences to the truncation error (`extrapolate`).
+    !! After later arrivals of bodies differences vary irregularly with the count, so the largest of several is taken.
+    type(scene_type), intent(in) :: scene            !! with mode counts
+    integer, intent(in) :: handing                   !! how many times the summed modes are projected at changes
     logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(stopwatch), intent(inout) :: watch
@@ -188,7 +190,7 @@ contains
     type(history_errors), intent(out) :: errors
     type(case_histories) :: half, other, quarter
     type(case_motion) :: whole
-    type(history_errors) :: before, early            ! changes up to half the modes, and up to a quarter
+    type(history_errors) :: before, early            ! differences of half and a quarter, and of a quarter and an eighth
     integer :: eighths
     if (allocated(scene%response)) then
       call run_eighths(scene, 4, handing, limit, motion, watch, monitor, workspace, half)
@@ -222,7 +224,7 @@ contains
   end subroutine follow_fewer
 
   subroutine run_eighths(scene, eighths, handing, limit, motion, watch, monitor, workspace, found)
-    !! With a part of the modes. The motion is that of this run then.
+    !! Follow the motion with some eighths of the modes, and sum its histories. `motion` is that of this run afterwards.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: eighths, handing
     logical, intent(in) :: limit
@@ -246,9 +248,9 @@ contains
   end subroutine run_eighths
 
   subroutine note_losses(motion)
-    !! The event at which the most energy is lost.
+    !! Note the event at which most energy is lost.
     type(case_motion), intent(inout) :: motion
-    real(dp), parameter :: nothing = 1.0e-9_dp       ! of the energy
+    real(dp), parameter :: nothing = 1.0e-9_dp       ! of the energy before
     real(dp), allocatable :: lost(:)
     integer :: i
     associate (events => motion%timeline%events)
@@ -266,7 +268,7 @@ contains
   end subroutine note_losses
 
   subroutine compose(scene, motion, histories, errors, spectrum, result)
-    !! The values of all stages in one; what is large is moved, not copied.
+    !! Collect the values of all stages. Large arrays are moved, not copied.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(case_histories), intent(inout) :: histories
@@ -274,7 +276,7 @@ contains
     type(case_spectrum), intent(inout) :: spectrum
     type(case_result), intent(inout) :: result
     call put_together(motion, histories%response, errors, spectrum, result)
-    result%approach_velocity = 1.0_dp                ! m/s: what velocities are in
+    result%approach_velocity = 1.0_dp                ! m/s: unit of velocities
     if (motion%modes%resolved) then
       if (allocated(scene%hub)) then
         result%lever = scene%hub%radius + motion%units%length
@@ -291,7 +293,8 @@ contains
   end subroutine compose
 
   subroutine compose_modes(scene, motion, result)
-    !! Those of all configurations; the names without a prefix are of the last at t = 0. Of a tolerance the first are shown.
+    !! Take the modes of all configurations; names without a prefix are those after t = 0. With a tolerance only the
+    !! first are stored.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(case_result), intent(inout) :: result

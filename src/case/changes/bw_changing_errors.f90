@@ -1,6 +1,6 @@
 module bw_changing_errors
-  !! Errors of the histories of a beam that changes in time: what runs with fewer modes change, extrapolated, and what errors of the state
-  !! that a segment starts from come to (bw_unhanded).
+  !! Errors of histories of a beam that changes in time: differences between runs with fewer modes, extrapolated, and
+  !! the effect of errors in the initial states of segments (bw_unhanded).
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_motion, history_errors
   use bw_contact_errors, only: largest_distance
@@ -25,8 +25,9 @@ module bw_changing_errors
 contains
 
   pure subroutine extrapolate(early, before, error)
-    !! From the changes up to a quarter and a half of the modes and all of them to what is missing: as the changes of a geometric series,
-    !! 2ρ/(1 − ρ) of the last, ρ being the larger of the two ratios, and the last no less than ρ of the one before it.
+    !! Extrapolate differences between runs to the truncation error: from an eighth to a quarter of the modes, from
+    !! there to a half, and to all. Twice the remainder of a geometric series, 2ρ/(1 − ρ) times the last difference,
+    !! where ρ is the larger of the two ratios, and the last difference counts as at least ρ times the one before.
     real(dp), intent(in) :: early(:), before(:)
     real(dp), intent(inout) :: error(:)
     real(dp), parameter :: least = 0.1_dp, most = 0.7_dp       ! tuned
@@ -39,7 +40,7 @@ contains
   end subroutine extrapolate
 
   pure subroutine add_difference(response, other, errors)
-    !! The largest distance of two histories, or what is there if that is larger.
+    !! Raise errors to the largest difference of two histories at each point.
     type(response_type), intent(in) :: response, other
     type(history_errors), intent(inout) :: errors
     call add(response%displacement, other%displacement, errors%displacement)
@@ -56,8 +57,8 @@ contains
   end subroutine add_difference
 
   subroutine join_state_errors(scene, motion, errors)
-    !! What all segments, were each to last until the end of the record, make of the errors of the states that they start from. Runs with
-    !! fewer modes show what is not handed on, too: the larger of both counts.
+    !! Raise errors to those that errors of the initial states cause, summed over all segments, as if each lasted to the
+    !! end of the record. Runs with fewer modes include them, so the larger of both counts.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(history_errors), intent(inout) :: errors
@@ -73,7 +74,7 @@ contains
     do i = 1, size(motion%timeline%segments)
       associate (segment => motion%timeline%segments(i), points => scene%response%points, &
                  modes => motion%modes%configuration(motion%timeline%segments(i)%configuration)%set)
-        if (.not. allocated(segment%error)) cycle    ! a contact begins or ends
+        if (.not. allocated(segment%error)) cycle    ! a contact starts or ends
         found = error_of_state(modes, segment%count, segment%start, segment%error, deflections, points, grid)
         deflection = deflection + found%displacement
         rate = rate + found%rate
@@ -91,16 +92,16 @@ contains
   end subroutine join_state_errors
 
   subroutine add_rounding_of_turn(rounding, errors)
-    !! Of displacements and velocities.
-    real(dp), intent(in) :: rounding(:, :)       !! that of `rounding_of_turn`
+    !! Add the rounding of the hub's rotation to the errors of displacements and velocities.
+    real(dp), intent(in) :: rounding(:, :)       !! from `rounding_of_turn`
     type(history_errors), intent(inout) :: errors
     errors%displacement = errors%displacement + rounding(:, 1)
     if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding(:, 2)
   end subroutine add_rounding_of_turn
 
   subroutine leave_out_rounding(rounding, errors)
-    !! Errors that are not larger count for nothing: a beam that turns with its hub and does not bend has no others.
-    real(dp), intent(in) :: rounding(:, :)       !! that of `rounding_of_turn`
+    !! Drop errors within rounding. A beam that rotates with its hub without bending has no others.
+    real(dp), intent(in) :: rounding(:, :)       !! from `rounding_of_turn`
     type(history_errors), intent(inout) :: errors
     where (errors%displacement <= rounding(:, 1)) errors%displacement = 0.0_dp
     if (.not. allocated(errors%velocity)) return
@@ -108,8 +109,8 @@ contains
   end subroutine leave_out_rounding
 
   function rounding_of_turn(scene, motion) result(rounding)
-    !! Displacements from a line that turns with its hub are differences: their rounding is that of the turn, and so is that of
-    !! velocities, m and m/s, (points, 2).
+    !! Bound the rounding of displacements, m, and velocities, m/s, that are differences from a line rotating with the
+    !! hub: it is that of the rotation, (points, 2).
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     real(dp) :: rounding(size(scene%response%points), 2)
@@ -138,11 +139,12 @@ contains
   end function rounding_of_turn
 
   type(lack_error) function error_of_state(modes, count, start, doubt, quantity, points, grid) result(error)
-    !! Of histories from a time to the end of the record, in the units of the doubt.
+    !! Return the errors of histories, from a time to the end of the record, due to errors of the state then, in the
+    !! units of `doubt`.
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: count                   !! that are summed
+    integer, intent(in) :: count                   !! modes summed
     type(dd), intent(in) :: start                  !! l²/h
-    real(dp), intent(in) :: doubt(:, :)            !! that of modal displacements and velocities then, (modes, 2)
+    real(dp), intent(in) :: doubt(:, :)            !! errors of modal displacements and velocities then, (modes, 2)
     integer, intent(in) :: quantity                !! deflections or curvatures
     real(dp), intent(in) :: points(:)              !! ξ
     type(time_grid), intent(in) :: grid            !! of the record
@@ -153,7 +155,7 @@ contains
     first = first_sample(start, grid)
     samples = grid%samples - first + 1
     part = 0.0_dp
-    times = 0.5_dp*spread_of_samples(samples)      ! the errors are twice their root mean squares
+    times = 0.5_dp*spread_of_samples(samples)      ! `doubt` is twice a root mean square
     lack%bounded = count
     lack%q_doubt = doubt(:, 1)
     lack%rate_doubt = doubt(:, 2)

@@ -1,6 +1,6 @@
 module bw_changing_motion
-  !! The motion of a beam that changes in time: from what it does first through all that happens, as segments and events. Modes are
-  !! counted; a part of them may take part, so that several runs tell what modes add.
+  !! The motion of a beam that changes in time, from its initial motion through all events. Mode counts are given, and a
+  !! fraction of the modes may take part, so that several runs show their convergence.
   use bw_case_bodies, only: bodies_of, presence, set_pull
   use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, hand_over, strike_beam
@@ -23,27 +23,28 @@ module bw_changing_motion
   public :: follow_changes, kind_of_change, note_late_change
 
   type :: now_type
-    !! Where the motion has come to.
+    !! The current state of the motion.
     type(beam_state) :: state
     type(body_type), allocatable :: bodies(:)
-    type(beam_state) :: total                      !! with what loads add after t = 0, and with
-    type(body_type), allocatable :: stretched(:)   !! the bodies as they are then
+    type(beam_state) :: total                      !! including the motion under loads after t = 0
+    type(body_type), allocatable :: stretched(:)   !! the bodies in that motion
     integer :: configuration = 1
-    logical, allocatable :: there(:)               !! which bodies are, (bodies)
-    real(dp), allocatable :: error(:, :)           !! that of a segment that starts, (modes, 2)
+    logical, allocatable :: there(:)               !! bodies that the beam carries, (bodies)
+    real(dp), allocatable :: error(:, :)           !! of the state at the start of a segment, (modes, 2)
   end type now_type
 
 contains
 
   subroutine follow_changes(scene, eighths, handing, limit, motion, monitor, loaded)
-    !! From the beginning to the last event. Loads are added elsewhere, but energies and momenta are those of both motions together.
-    type(scene_type), intent(in) :: scene          !! without sweeps, that counts its modes
-    integer, intent(in) :: eighths                 !! how many eighths of the modes of each configuration take part, the first
-    integer, intent(in) :: handing                 !! times as many modes hand on their motion as are summed
-    logical, intent(in) :: limit                   !! a mass that is captured strikes infinitely many modes
+    !! Follow the motion to the last event. Loads are superposed elsewhere; given theirs, energies and momenta are those
+    !! of the sum.
+    type(scene_type), intent(in) :: scene          !! without sweeps, with mode counts
+    integer, intent(in) :: eighths                 !! of the modes of each configuration take part, the first
+    integer, intent(in) :: handing                 !! how many times the summed modes are projected at changes
+    logical, intent(in) :: limit                   !! a captured mass strikes the continuum, not a finite number of modes
     type(case_motion), intent(inout) :: motion     !! its modes are known
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
-    type(beam_state), intent(in), optional :: loaded(:)     !! the motion under loads before each event after t = 0
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
+    type(beam_state), intent(in), optional :: loaded(:)     !! motion under loads before each event after t = 0
     type(step_type), allocatable :: steps(:)
     type(now_type) :: now
     type(dd) :: time
@@ -72,7 +73,7 @@ contains
       if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
       call advance(time, motion, now)
       if (present(loaded)) then
-        if (i - first + 1 > size(loaded)) exit       ! a mode under loads has grown out of the range of numbers
+        if (i - first + 1 > size(loaded)) exit       ! a mode under loads has overflowed
         call add_loaded(loaded(i - first + 1), now)
       end if
       call take_step(scene, steps(i), eighths, limit, motion, now, monitor, present(loaded))
@@ -82,14 +83,14 @@ contains
   end subroutine follow_changes
 
   pure integer function taking_part(modes, eighths) result(count)
-    !! How many modes do.
+    !! Return how many modes take part.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: eighths
     count = max(1, (modes%count*eighths + 7)/8)
   end function taking_part
 
   subroutine begin(scene, motion, eighths, carried, now)
-    !! The beam under its first force, and turning.
+    !! Set the state at t = 0: deflected by the force of &initial, and rotating.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     integer, intent(in) :: eighths
@@ -111,7 +112,7 @@ contains
   end subroutine begin
 
   logical function happens(scene, seconds, time, motion)
-    !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.
+    !! Tell whether a change comes before the end of the record and before a growing mode overflows.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: seconds
     type(dd), intent(in) :: time
@@ -137,7 +138,7 @@ contains
   end subroutine note_late_change
 
   subroutine advance(time, motion, now)
-    !! The state at a time, from the last segment.
+    !! Move the state from the start of the last segment to a time.
     type(dd), intent(in) :: time
     type(case_motion), intent(in) :: motion
     type(now_type), intent(inout) :: now
@@ -149,7 +150,7 @@ contains
   end subroutine advance
 
   subroutine add_segment(time, handing, motion, now)
-    !! Free motion about the equilibrium.
+    !! Append a segment of free motion about the equilibrium.
     type(dd), intent(in) :: time
     integer, intent(in) :: handing
     type(case_motion), intent(inout) :: motion
@@ -166,8 +167,8 @@ contains
   end subroutine add_segment
 
   pure subroutine add_loaded(loaded, now)
-    !! The whole motion before an event.
-    type(beam_state), intent(in) :: loaded         !! of any number of modes
+    !! Add the motion under loads to that without, before an event.
+    type(beam_state), intent(in) :: loaded         !! may have another number of modes
     type(now_type), intent(inout) :: now
     integer :: n
     n = min(loaded%count, now%state%count)
@@ -181,7 +182,7 @@ contains
   end subroutine add_loaded
 
   subroutine take_step(scene, step, eighths, limit, motion, now, monitor, with_loads)
-    !! What happens at an instant.
+    !! Apply one event: an impact, or bodies that come and leave.
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
     integer, intent(in) :: eighths
@@ -189,7 +190,7 @@ contains
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     class(monitor_type), intent(inout), target :: monitor
-    logical, intent(in), optional :: with_loads    !! the balance of the event is that of the whole motion
+    logical, intent(in), optional :: with_loads    !! the event's energies and momenta include the motion under loads
     type(event_type) :: event
     type(beam_state) :: later, whole
     logical, allocatable :: is(:)
@@ -228,7 +229,7 @@ contains
   end subroutine take_step
 
   pure integer function kind_of_change(step, was, is) result(kind)
-    !! Of an event at which bodies come or leave.
+    !! Return the kind of an event at which bodies come or leave.
     type(step_type), intent(in) :: step
     logical, intent(in) :: was(:), is(:)
     kind = exchange_event
@@ -239,7 +240,7 @@ contains
   end function kind_of_change
 
   subroutine take_blow(scene, limit, motion, now, event, monitor)
-    !! The mass strikes. With infinitely many modes only the place jumps, and that takes no impulse.
+    !! Apply the impact. In the limit of infinitely many modes only the struck place changes its velocity, which takes no impulse.
     type(scene_type), intent(in) :: scene
     logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion

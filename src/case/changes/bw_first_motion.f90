@@ -1,9 +1,9 @@
 module bw_first_motion
-  !! The motion with which a beam begins: the static deflection that is let go and the rigid turn of &initial, in its modes.
+  !! The initial motion of a beam in its modes: the static deflection and the rotation of &initial.
   !!
-  !! A hub that is free to turn is held until t = 0, and let go together with the beam. The potential energy depends on deflections from
-  !! the hub's line alone, so that modes hold those as they do of a beam on a hub whose motion is prescribed: FΦ_k(ξ_F)/(M_kβ_k²). The rigid
-  !! turn, whose Φ is 0, turns the hub back to where it was held.
+  !! A free hub is held until t = 0 and released together with the beam. The potential energy depends on deflections
+  !! from the hub's line alone, so modal displacements are those of a beam on a hub with prescribed motion:
+  !! FΦ_k(ξ_F)/(M_kβ_k²). The rigid rotation, with Φ = 0, returns the hub to where it was held.
   use bw_case_result, only: case_motion
   use bw_kinds, only: dp
   use bw_load_modes, only: find_residuals
@@ -21,15 +21,15 @@ module bw_first_motion
 contains
 
   subroutine find_first_motion(scene, configuration, motion, q, rate)
-    !! The static deflection and the rigid turn of &initial, in its modes; of a beam that is straight and at rest, none. A mode without
-    !! a static deflection leaves the case unresolved.
+    !! Find the static deflection and the rotation of &initial in the modes; both are 0 without that group. If a mode
+    !! has no static deflection, the case becomes unresolved.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: configuration           !! whose modes move
+    integer, intent(in) :: configuration           !! that moves
     type(case_motion), intent(inout) :: motion
-    real(dp), allocatable, intent(out) :: q(:), rate(:)   !! over the unit of time, m/s, and m/s, (modes)
+    real(dp), allocatable, intent(out) :: q(:), rate(:)   !! m over the unit of time, and m/s, (modes)
     real(dp), allocatable :: shape(:, :)
     real(dp) :: force, turn
-    integer :: first                               ! that bends the beam
+    integer :: first                               ! mode that bends the beam
     associate (modes => motion%modes%configuration(configuration)%set, units => motion%units)
       q = 0.0_dp*modes%modal_mass
       rate = q
@@ -56,8 +56,8 @@ contains
   end subroutine find_first_motion
 
   real(dp) function turn_back(given, modes, place) result(turn)
-    !! The modal displacement of the rigid turn where a force of 1 bends the beam and the hub is held, so that all modes turn it by 0:
-    !! −Σθ_kΦ_k(ξ)/(M_kβ_k²) of infinitely many others, over its own θ_1.
+    !! Return the modal displacement of the rigid rotation under a static force of 1 with the hub held, so that all
+    !! modes together rotate it by 0: −Σθ_kΦ_k(ξ)/(M_kβ_k²) of infinitely many others, over its own θ_1.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: place                  !! ξ of the force

@@ -1,5 +1,5 @@
 module bw_case_contacts
-  !! One way to follow the motion of a case whose impact lasts, to its histories.
+  !! One run of a case with a lasting impact, from contacts to histories, with a given number of modes.
   use bw_case_histories, only: add_hub_angle, find_loaded_segments, samples_before, sum_histories
   use bw_case_moments, only: find_moments
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged, contact_result, &
@@ -34,15 +34,15 @@ module bw_case_contacts
 
   type, public :: run_type
     type(timeline_type) :: timeline
-    type(initial_state) :: initial                  !! of its modes the speeds of the first flight
+    type(initial_state) :: initial                  !! velocities of the modes in the first flight
     type(contact_result), allocatable :: result
     type(response_type), allocatable :: response    !! SI
     integer :: status = case_done                   !! of the histories
-    integer :: ending = case_done                   !! why the motion is not known to its end
-    logical :: cut = .false., out_of_range = .false., failed = .false.   !! as those of lasting_contacts
-    integer :: summed = 0                           !! modes of the beam as it is struck
-    real(dp) :: step_tolerance = 0.0_dp             !! of the largest force, what steps lack
-    real(dp), allocatable :: rounding(:, :)         !! what it leaves under loads, SI, (points, quantities)
+    integer :: ending = case_done                   !! status: why the motion is not known to its end
+    logical :: cut = .false., out_of_range = .false., failed = .false.   !! see lasting_contacts
+    integer :: summed = 0                           !! modes of the struck beam
+    real(dp) :: step_tolerance = 0.0_dp             !! error of a step over the largest force
+    real(dp), allocatable :: rounding(:, :)         !! under loads, SI, (points, quantities)
     type(neglected_type) :: neglected
     type(string), allocatable :: notes(:)
   end type run_type
@@ -50,14 +50,14 @@ module bw_case_contacts
 contains
 
   subroutine follow_run(scene, motion, demand, monitor, workspace, run, loads)
-    !! Contacts, flights and histories. The timeline of the motion is that of this run then.
-    type(scene_type), intent(in) :: scene            !! with counts of modes
+    !! Follow contacts and flights, and sum histories. `motion` gets the timeline of this run.
+    type(scene_type), intent(in) :: scene            !! with mode counts
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(demand_type), intent(in) :: demand
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(run_type), intent(out) :: run
-    type(placed_loads), intent(in), optional :: loads   !! N; absent: nothing but the mass acts on the beam
+    type(placed_loads), intent(in), optional :: loads   !! N; absent: only the mass acts on the beam
     type(lasting_contacts) :: contacts
     type(case_histories) :: histories
     type(history_errors) :: none
@@ -109,9 +109,9 @@ contains
   end subroutine follow_run
 
   subroutine find_contacts(scene, motion, demand, monitor, contacts, loads)
-    !! Contacts and flights; the free motion of a beam that nothing strikes.
+    !! Find the initial motion, then contacts and flights, or the free motion of a beam that nothing strikes.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion       !! unresolved where the beam cannot begin as the scene asks for
+    type(case_motion), intent(inout) :: motion       !! unresolved if the beam cannot start as requested
     type(demand_type), intent(in) :: demand
     class(monitor_type), intent(inout), target :: monitor
     type(lasting_contacts), intent(out) :: contacts
@@ -130,7 +130,7 @@ contains
   end subroutine find_contacts
 
   subroutine keep_contacts(scene, motion, contacts, run)
-    !! Forces and times in SI, and the speeds of the modes after the first contact.
+    !! Store forces and times in SI, and modal velocities after the first contact.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(lasting_contacts), intent(inout) :: contacts
@@ -171,8 +171,8 @@ contains
         events(i)%time = steps(minloc(abs(steps%seconds - events(i)%time), dim=1))%seconds
         events(i)%end_time = events(i)%time
       end do
-      run%initial%modal_velocity = 0.0_dp*motion%modes%configuration(alone)%set%modal_mass   ! where no force was found
-      first = size(contacts%segments)                           ! the first flight, if there is one
+      run%initial%modal_velocity = 0.0_dp*motion%modes%configuration(alone)%set%modal_mass   ! if no force was found
+      first = size(contacts%segments)                           ! the first flight, if any
       do i = first, 1, -1
         if (.not. allocated(contacts%segments(i)%load)) first = i
       end do

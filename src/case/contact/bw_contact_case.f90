@@ -1,11 +1,11 @@
 module bw_contact_case
-  !! A case whose impact lasts: modes ► contacts and flights ► histories ► errors ► spectrum. The motion has a limit as modes are added, so
-  !! that a tolerance lets their number grow until its error is small enough.
+  !! A case with a lasting impact: modes ► contacts and flights ► histories ► errors ► spectrum. The motion converges as
+  !! modes are added, and a tolerance increases their number until the error is small enough.
   !!
-  !! A contact is not linear: what its errors become by the end of the record no bound tells. So the motion is followed twice, with all
-  !! modes and with half of them: what fewer modes change, and what the modes beyond would add, tell how much is missing
-  !! (bw_contact_errors). Steps leave far less. Under a tolerance the number of modes grows, and the motion of before takes the place of
-  !! that with half of them.
+  !! Contacts are nonlinear, and no bound is known for the growth of errors. So the motion is followed with all modes
+  !! and with half of them. Their difference, and the contribution of the next octave of modes, estimate the truncation
+  !! error (bw_contact_errors). Step errors are far smaller. As a tolerance increases the number of modes, the previous
+  !! run replaces that with half of them.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: follow_run, run_type
@@ -40,14 +40,14 @@ module bw_contact_case
   private
   public :: run_contact_case
 
-  integer, parameter :: first_count = 32           !! modes that a tolerance begins with
-  integer, parameter :: most_count = 4096          !! and the most that it may take,
-  integer, parameter :: most_by_default = 1024     !! or that the default tolerance may where accelerations are asked for
+  integer, parameter :: first_count = 32           !! modes that a tolerance starts with
+  integer, parameter :: most_count = 4096          !! and the most that it may sum,
+  integer, parameter :: most_by_default = 1024     !! or the default tolerance if accelerations are requested
 
 contains
 
   subroutine run_contact_case(scene, layout, watch, monitor, cache, workspace, plan, result, whole)
-    !! By the counts of the scene, or by its tolerance.
+    !! Run a case with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
@@ -56,7 +56,7 @@ contains
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
     type(scene_type) :: counted
     type(case_motion) :: motion
     type(history_errors) :: errors
@@ -113,22 +113,22 @@ contains
   end subroutine run_contact_case
 
   subroutine follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
-    !! The motion with enough modes, or as many as the scene counts, and its errors.
+    !! Follow the motion with the counts of the scene, or with as many modes as its tolerance needs, and estimate its errors.
     type(scene_type), intent(in) :: scene
-    type(placed_loads), allocatable, intent(in) :: loads   !! that act beside the mass
+    type(placed_loads), allocatable, intent(in) :: loads   !! besides the contact force
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(search_failure), intent(inout), target :: failure
-    type(scene_type), intent(out) :: counted         !! the scene with the count that was taken
+    type(scene_type), intent(out) :: counted         !! the scene with the final count
     type(case_motion), intent(out) :: motion
     type(run_type), allocatable, intent(out) :: run
     type(history_errors), intent(out) :: errors
     type(run_type), allocatable :: half
     real(dp) :: before, fall
     integer :: most
-    integer :: octaves                               ! by which the number of modes grew last, or will
+    integer :: octaves                               ! doublings of the mode count, last and next
     logical :: grown
     allocate (run)
     most = most_count
@@ -152,7 +152,7 @@ contains
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
       call attend(motion%modes%configuration, failure, monitor)
-      if (grown) then                                ! all modes of before are some of them now
+      if (grown) then                                ! the previous modes are among these
         call move_alloc(run, half)
       else
         call follow_part(2, half)
@@ -188,7 +188,7 @@ contains
     motion%plan%reached = part_of_peak(run%response, errors)
   contains
     subroutine see_beyond(configuration)
-      !! A source that holds no more modes than are summed gets as many more, and those that are summed are of the same basis.
+      !! Extend a source to twice the summed modes, and take these from the extended basis.
       type(configuration_type), intent(inout) :: configuration
       logical :: extended
       if (configuration%source%highest >= 2*counted%modes%before) return
@@ -200,7 +200,7 @@ contains
     end subroutine see_beyond
 
     subroutine follow_part(divisor, followed)
-      !! The motion of a part of the modes.
+      !! Follow the motion with 1/`divisor` of the modes.
       integer, intent(in) :: divisor
       type(run_type), allocatable, intent(out) :: followed
       type(demand_type) :: demand
@@ -212,15 +212,15 @@ contains
   end subroutine follow_to_tolerance
 
   pure real(dp) function step_tolerance(scene) result(tolerance)
-    !! Of the force in a step: so far below the tolerance of the histories that contacts may amplify it.
+    !! Return the tolerance of the force in a step: so far below that of histories that contacts may amplify it.
     type(scene_type), intent(in) :: scene
-    real(dp), parameter :: share = 1.0e-3_dp, most = 1.0e-9_dp, least = 1.0e-11_dp   ! tuned: below it rounding decides about steps
+    real(dp), parameter :: share = 1.0e-3_dp, most = 1.0e-9_dp, least = 1.0e-11_dp   ! tuned: below it rounding controls the steps
     tolerance = max(least, min(most, share*wanted_tolerance(scene%modes)))
   end function step_tolerance
 
   pure logical function resolves_contacts(motion, run) result(resolves)
-    !! The highest mode moves through some periods within the contact of the largest impulse. With fewer modes its force is not known yet,
-    !! and how errors fall says nothing of how they will.
+    !! Tell whether the highest mode completes some periods within the contact of largest impulse. With fewer modes
+    !! forces are not resolved, and no convergence rate can be read from their errors.
     type(case_motion), intent(in) :: motion
     type(run_type), intent(in) :: run
     real(dp), parameter :: some = 2.0_dp             ! periods
@@ -234,21 +234,20 @@ contains
   end function resolves_contacts
 
   pure integer function octaves_to(tolerance, reached, fall) result(octaves)
-    !! How often the number of modes is doubled at once: as often as the tolerance takes, if errors fall from octave to octave as those of
-    !! forces did.
+    !! Return how often to double the number of modes at once to reach the tolerance, if errors fall per octave as those
+    !! of forces did.
     real(dp), intent(in) :: tolerance, reached, fall
-    integer, parameter :: most = 3                   ! tuned: further on nobody knows how they fall
+    integer, parameter :: most = 3                   ! tuned: limit of extrapolation
     octaves = 1
     if (fall > 0.0_dp .and. fall < 1.0_dp) octaves = max(1, ceiling(min(real(most, dp), log(reached/tolerance)/(-log(fall)))))
   end function octaves_to
 
   pure logical function is_hopeless(reached, before, tolerance, count, most, octaves, fall)
-    !! Falling on as it did when the number of modes grew, or as errors of forces do, an error stays above a tolerance up to far more than
-    !! the most modes.
+    !! Tell whether the tolerance would need far more than the most modes, at the observed rate of convergence or that of forces.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
-    integer, intent(in) :: octaves                   !! by which it grew
-    real(dp), intent(in) :: fall                     !! of errors of forces from octave to octave; 1: nobody knows yet
+    integer, intent(in) :: octaves                   !! doublings since `before`
+    real(dp), intent(in) :: fall                     !! ratio of force errors per octave; 1: unknown
     integer, parameter :: far = 3                    ! octaves
     real(dp) :: by_octave
     is_hopeless = .false.
@@ -261,7 +260,7 @@ contains
   end function is_hopeless
 
   subroutine compose(scene, motion, run, errors, spectrum, result)
-    !! The values of all stages in one; what is large is moved, not copied.
+    !! Collect the values of all stages. Large arrays are moved, not copied.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(run_type), intent(inout) :: run

@@ -1,8 +1,7 @@
 module bw_contact_changes
-  !! Contacts of a finite duration, also on a beam to which bodies come, or which they leave. Between two changes its modes are those of
-  !! one configuration, and contacts and flights are followed up to the next. There the motion goes over to other modes, as where nothing
-  !! strikes; in the middle of a contact with what the force moves at once of the modes that are not summed. A mass that is captured is one
-  !! of the bodies from then on.
+  !! Lasting contacts on a beam that bodies may join or leave. Between two changes the beam has one configuration, and contacts
+  !! and flights are followed. At a change the motion is projected onto other modes; within a contact, the quasi-static
+  !! deflection of omitted modes under its force is projected as well. From a capture on the mass is one of the bodies.
   use bw_acting_loads, only: acting_loads
   use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_motion
@@ -39,25 +38,25 @@ module bw_contact_changes
   type :: now_type
     integer :: configuration = 1
     type(carried_type) :: carried
-    logical, allocatable :: there(:)                 !! which bodies are, (bodies)
-    type(body_type), allocatable :: bodies(:)        !! the mass is the last if it is captured
+    logical, allocatable :: there(:)                 !! bodies that the beam carries, (bodies)
+    type(body_type), allocatable :: bodies(:)        !! the last is the mass if it is captured
     type(flexibility_type) :: flexibility
-    type(acting_loads), allocatable :: loads         !! as the modes and the mass see them; unallocated: none act
-    type(beam_state) :: state                        !! once the mass is captured, at the start of its last segment
+    type(acting_loads), allocatable :: loads         !! in terms of modes and mass; unallocated: none
+    type(beam_state) :: state                        !! after the capture, at the start of its last segment
     type(contact_run) :: run
   end type now_type
 
 contains
 
   subroutine follow_contacts(scene, motion, demand, first, monitor, contacts, loads)
-    !! From t = 0 to the end of the record.
-    type(scene_type), intent(in) :: scene            !! with counts of modes
+    !! Follow contacts and flights from t = 0 to the end of the record.
+    type(scene_type), intent(in) :: scene            !! with mode counts
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(inout) :: first
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(lasting_contacts), intent(out) :: contacts
-    type(placed_loads), intent(in), optional :: loads   !! N; absent: none act
+    type(placed_loads), intent(in), optional :: loads   !! N; absent: none
     type(step_type), allocatable :: steps(:)
     type(now_type) :: now
     type(dd) :: time
@@ -108,7 +107,7 @@ contains
   end subroutine follow_contacts
 
   pure logical function nothing_strikes(scene, first) result(nothing)
-    !! There is no mass, or nothing moves.
+    !! Tell whether the mass is 0, or nothing moves.
     type(scene_type), intent(in) :: scene
     type(first_motion), intent(in) :: first
     nothing = scene%impact%mass_ratio == 0.0_dp
@@ -117,7 +116,7 @@ contains
   end function nothing_strikes
 
   pure subroutine begin_without(demand, first, now, contacts)
-    !! The beam moves, or is at rest, and no mass is there.
+    !! Start the motion of a beam without a striking mass, at rest or not.
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(in) :: first
     type(now_type), intent(inout) :: now
@@ -132,12 +131,12 @@ contains
   end subroutine begin_without
 
   subroutine find_flexibility(scene, motion, summed, now, monitor, loads)
-    !! In the configuration at hand, under the force of a contact and under loads.
+    !! Find the residual flexibility of the current configuration under the contact force and under loads.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    integer, intent(in) :: summed                    !! of its modes
+    integer, intent(in) :: summed                    !! modes summed
     type(now_type), intent(inout) :: now
-    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(placed_loads), intent(in), optional :: loads
     now%flexibility = flexibility_of(scene, motion, now%configuration, now%carried, summed, now%bodies)
     if (present(loads)) call place_beside(scene, motion, now%configuration, beam_of(scene, motion, now%configuration), summed, &
@@ -145,7 +144,7 @@ contains
   end subroutine find_flexibility
 
   subroutine take_step(scene, demand, step, time, motion, now, contacts, monitor, loads)
-    !! What the scene makes happen at an instant.
+    !! Apply one change: bodies that come or leave.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
     type(step_type), intent(in) :: step
@@ -199,7 +198,7 @@ contains
   end subroutine take_step
 
   pure type(beam_state) function state_of(run, count) result(state)
-    !! Of the beam.
+    !! Return the state of the beam in a contact or a flight.
     type(contact_run), intent(in) :: run
     integer, intent(in) :: count                     !! modes that take part
     state%count = count
@@ -213,7 +212,7 @@ contains
   end function state_of
 
   subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
-    !! The motion goes over to the modes of the beam with what it carries from now on.
+    !! Project the motion onto the modes of the beam with the bodies that it carries from now on.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
     type(carried_type), intent(in) :: carried
@@ -223,14 +222,14 @@ contains
     type(lasting_contacts), intent(in) :: contacts
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
-    real(dp), allocatable, intent(out) :: error(:, :), beyond(:, :)   !! as those of segment_type
+    real(dp), allocatable, intent(out) :: error(:, :), beyond(:, :)   !! see segment_type
     class(monitor_type), intent(inout), target :: monitor
     type(placed_loads), intent(in), optional :: loads
     real(dp) :: unsummed_at(size(now%bodies), 2, 2), force(2)
-    real(dp) :: follows(now%state%count, 2)          ! what loads move at once, of the modes that hand on their motion
-    real(dp), allocatable :: load(:, :)              ! and their rates, (loads, 2)
+    real(dp) :: follows(now%state%count, 2)          ! quasi-static part of the projected modes, displacements and velocities
+    real(dp), allocatable :: load(:, :)              ! loads and their rates, (loads, 2)
     real(dp), allocatable :: unsummed(:)
-    type(configuration_type), allocatable :: wide(:)   ! with the octave of modes beyond those after the change
+    type(configuration_type), allocatable :: wide(:)   ! with the next octave of modes after the change
     logical, allocatable :: is(:)
     real(dp) :: spin_squared
     integer :: count, i, l, next
@@ -283,17 +282,17 @@ contains
   end subroutine change
 
   subroutine find_beyond(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
-    !! What the motion hands on to the octave of modes beyond those after a change.
+    !! Project the motion onto the next octave of modes after a change.
     type(configuration_type), intent(in) :: wide(:)  !! with that octave
     type(now_type), intent(in) :: now
-    integer, intent(in) :: next                      !! configuration
-    integer, intent(in) :: count                     !! of its modes that take part
-    logical, intent(in) :: is(:)                     !! which bodies are there, (bodies)
+    integer, intent(in) :: next                      !! configuration after the change
+    integer, intent(in) :: count                     !! modes of it that take part
+    logical, intent(in) :: is(:)                     !! bodies that the beam carries then, (bodies)
     real(dp), intent(in) :: spin_squared
-    real(dp), intent(in) :: unsummed_at(:, :, :)     !! as `beyond` of `hand_over`
-    real(dp), allocatable, intent(in) :: unsummed(:) !! as that of `hand_over`
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
-    real(dp), allocatable, intent(out) :: beyond(:, :)      !! as that of segment_type
+    real(dp), intent(in) :: unsummed_at(:, :, :)     !! see `beyond` of `hand_over`
+    real(dp), allocatable, intent(in) :: unsummed(:) !! see `hand_over`
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
+    real(dp), allocatable, intent(out) :: beyond(:, :)      !! see segment_type
     type(body_type), allocatable :: bodies(:)
     type(beam_state) :: later
     type(event_type) :: ignored
@@ -305,17 +304,17 @@ contains
   end subroutine find_beyond
 
   subroutine find_unsummed(given, configuration, summed, force, after, monitor, unsummed, load, loads)
-    !! How modes after a change see those that were not summed, and gave way to forces at once.
-    type(varying_beam), intent(in) :: given          !! before it
+    !! Project the quasi-static deflection of the omitted modes onto the modes after a change.
+    type(varying_beam), intent(in) :: given          !! before the change
     type(configuration_type), intent(in) :: configuration
     integer, intent(in) :: summed
     real(dp), intent(in) :: force                    !! of the contact
     class(mode_set), intent(in) :: after
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     real(dp), allocatable, intent(out) :: unsummed(:)       !! (modes after)
-    real(dp), allocatable, intent(in) :: load(:, :)  !! those of other loads and their rates, (loads, 2)
+    real(dp), allocatable, intent(in) :: load(:, :)  !! other loads and their rates, (loads, 2)
     type(placed_loads), intent(in), optional :: loads
-    integer, parameter :: times_as_many = 4          ! modes as are summed
+    integer, parameter :: times_as_many = 4          ! modes, over those summed
     class(mode_set), allocatable :: before
     real(dp), allocatable :: drive(:, :), nothing(:, :), pressed(:)
     real(dp) :: no_points(0)
@@ -334,7 +333,7 @@ contains
   end subroutine find_unsummed
 
   pure function last_force(contacts) result(force)
-    !! And its rate, at the end of the last segment.
+    !! Return the contact force and its rate at the end of the last segment; 0 in flight.
     type(lasting_contacts), intent(in) :: contacts
     real(dp) :: force(2)
     integer :: n
@@ -349,7 +348,7 @@ contains
   end function last_force
 
   subroutine keep_mass(scene, demand, motion, now, contacts, monitor, loads)
-    !! The mass stays, with its indentation. What the contact has stored, and modes that are not summed, is lost.
+    !! Capture the mass with its indentation. The energy stored in the contact and in omitted modes is lost.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
     type(case_motion), intent(in) :: motion
@@ -376,7 +375,7 @@ contains
       if (present(loads)) call find_flexibility(scene, motion, later%count, now, monitor, loads)
       if (monitor%stop_requested()) return
       event%energy_before = event%energy_before + stored
-      if (now%bodies(size(now%bodies))%pull > 0.0_dp) then       ! its tension finds the beam bent: all of the contact counts it
+      if (now%bodies(size(now%bodies))%pull > 0.0_dp) then  ! its tension acts on the bent beam: the contact's balance includes it
         associate (contact => contacts%events(run%event), brought => event%energy_before - (run%bodies%energy() + stored))
           contact%energy_before = contact%energy_before + brought
           contact%energy_after = contact%energy_after + brought
@@ -388,12 +387,12 @@ contains
   end subroutine keep_mass
 
   logical function advance(motion, time, contacts, now, monitor) result(happens)
-    !! The state at a time, from the last segment; where it has grown out of the range of numbers by then nothing more happens.
+    !! Move the state from the last segment to a time. Returns false if it has overflowed by then: no later event happens.
     type(case_motion), intent(in) :: motion
     type(dd), intent(in) :: time
     type(lasting_contacts), intent(in) :: contacts
     type(now_type), intent(inout) :: now
-    class(monitor_type), intent(inout) :: monitor    !! the state means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor    !! the state is invalid if it requests a stop
     associate (last => contacts%segments(size(contacts%segments)), state => now%state)
       associate (set => motion%modes%configuration(last%configuration)%set)
         happens = .not. leaves_range(set, time - last%start)
@@ -408,7 +407,7 @@ contains
   end function advance
 
   subroutine drive(set, loads, start, until, state, monitor)
-    !! The state at a time, under loads from another on.
+    !! Move the state under loads from one time to another.
     class(mode_set), intent(in) :: set
     type(acting_loads), intent(in) :: loads
     type(dd), intent(in) :: start, until
@@ -423,7 +422,7 @@ contains
     if (allocated(set%damping)) c = set%damping
     parts = oscillators_of(set%beta_squared, c)
     acting = loads
-    acting%drive = loads%drive(:set%count, :)        ! no mass is beside the beam
+    acting%drive = loads%drive(:set%count, :)        ! no mass beside the beam
     acting%drive(state%count + 1:, :) = 0.0_dp
     call acting%begin(parts)
     moved = moving_state(state%q, state%rate, start)
@@ -441,11 +440,11 @@ contains
   end subroutine drive
 
   pure subroutine add_segment(now, later, time, error, beyond, contacts)
-    !! Free motion about the equilibrium.
+    !! Append a segment of free motion about the equilibrium.
     type(now_type), intent(inout) :: now
     type(beam_state), intent(in) :: later
     type(dd), intent(in) :: time
-    real(dp), intent(in) :: error(:, :), beyond(:, :)   !! as those of segment_type
+    real(dp), intent(in) :: error(:, :), beyond(:, :)   !! see segment_type
     type(lasting_contacts), intent(inout) :: contacts
     type(segment_type) :: segment
     now%state = later

@@ -1,9 +1,10 @@
 module bw_contact_errors
-  !! Errors of a motion whose impact lasts. The forces of its contacts are known, and what the modes beyond would add under them is missing
-  !! (bw_neglected_modes); octave by octave it falls as it did from the octave before. What half of the modes lack beyond that is wrong in
-  !! forces and times of contacts, which feel the modes that are missing by the velocity of the place that is struck: so it falls as that
-  !! does. A mass that comes or leaves takes a force of the beam that jumps, by which mode k moves as 1/β_k²: however fast other parts fall,
-  !! those octaves have an eighth of the displacement, and half of the velocity and of the moment, of the octave before.
+  !! Errors of a motion with a lasting impact. Under given contact forces the truncation error is the contribution of
+  !! the omitted modes; that of the next octave is computed (bw_neglected_modes) and extrapolated by its ratio to the
+  !! octave before. The rest of the difference to a run with half the modes is an error of contact forces and times,
+  !! which depend on omitted modes through the velocity of the struck place, and converges as that does. Mode k responds
+  !! as 1/β_k² to the jump of force as a body joins or leaves; then an octave contributes at least an eighth of the
+  !! displacement, and half of velocity and moment, of the octave before.
   use bw_case_contacts, only: run_type
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_result, only: case_motion, history_errors
@@ -18,16 +19,16 @@ module bw_contact_errors
   private
   public :: add_rounding, fall_of_force, find_force_errors, find_history_errors, largest_distance
 
-  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 3.0_dp   !! tuned: how many times what is found of either is told,
-  real(dp), parameter :: of_half = 2.0_dp                            !! tuned: the latter no more than so many times what half of the modes lack
+  real(dp), parameter :: of_neglected = 2.0_dp, of_forces = 3.0_dp   !! tuned: safety factors of the two parts;
+  real(dp), parameter :: of_half = 2.0_dp  !! tuned: the second is at most so many times its part of the difference
   real(dp), parameter :: in_histories = 2.0_dp, in_forces = 20.0_dp
-  !! tuned: of their tolerance, what steps leave in histories, in forces over the largest and in times over the longest contact, unless
-  !! contacts amplify it
+  !! tuned: step errors over their tolerance: in histories; in forces over the largest and in times over the longest
+  !! contact, before contacts amplify them
 
 contains
 
   pure subroutine find_history_errors(run, half, errors)
-    !! Of histories.
+    !! Estimate the errors of histories.
     type(run_type), intent(in) :: run, half
     type(history_errors), intent(inout) :: errors
     real(dp) :: fall, octaves, told
@@ -51,10 +52,10 @@ contains
     call add_step_errors(run, half, errors)
   contains
     pure function error_of(history, fewer, neglected, by_half, power) result(error)
-      !! Of a quantity. Where there are no more modes to look at, it is that of half of the modes.
+      !! Estimate the error of one quantity. Without further modes it is `of_half` times the difference.
       real(dp), intent(in) :: history(:, :), fewer(:, :)   !! (samples, points)
       real(dp), allocatable, intent(in) :: neglected(:), by_half(:)   !! (points)
-      integer, intent(in) :: power                   !! of 1/2, by which octaves of what a jump moves fall
+      integer, intent(in) :: power                   !! of 1/2, by which octaves fall after a jump of force
       real(dp), dimension(size(history, 2)) :: error, least, ratio
       real(dp), parameter :: most = 0.9_dp, hidden = 0.07_dp   ! tuned
       error = largest_distance(history, fewer)
@@ -75,7 +76,7 @@ contains
   end subroutine find_history_errors
 
   pure subroutine add_step_errors(run, half, errors)
-    !! What steps leave in histories, as contacts amplify it.
+    !! Add step errors of histories, as contacts amplify them.
     type(run_type), intent(in) :: run, half
     type(history_errors), intent(inout) :: errors
     real(dp) :: growth
@@ -101,7 +102,7 @@ contains
   end subroutine add_step_errors
 
   pure function growth_of_steps(run, half) result(growth)
-    !! By how much contacts up to each amplify what steps lack in the first: as they do what half of the modes lack in it.
+    !! Return by how much contacts amplify step errors of the first: as they amplify the difference to half the modes.
     type(run_type), intent(in) :: run, half
     real(dp), allocatable :: growth(:)               !! ≥ 1, (contacts)
     integer, allocatable :: these(:), partner(:)
@@ -111,7 +112,7 @@ contains
     partner = partners_of(run, half)
     allocate (growth(size(these)), source=1.0_dp)
     associate (force => run%result%force, lacks => run%step_tolerance*largest_magnitude(run%result%force(:, these)))
-      first = 2.0_dp*lacks                           ! both runs have steps
+      first = 2.0_dp*lacks                           ! both runs have step errors
       do i = 1, size(these)
         if (partner(i) == 0) exit
         apart = maxval(abs(force(:, these(i)) - half%result%force(:, partner(i))))
@@ -122,12 +123,12 @@ contains
   end function growth_of_steps
 
   pure subroutine find_force_errors(run, half)
-    !! Of contacts: their times and their forces. A contact that half of the modes do not show is not known at all, nor is any of a single
-    !! mode, which has no half.
+    !! Estimate the errors of contact times and forces. They are unknown for a contact that half of the modes do not
+    !! show, and with a single mode, which has no half.
     type(run_type), intent(inout) :: run
     type(run_type), intent(in) :: half
     integer, allocatable :: these(:), partner(:)
-    real(dp), allocatable :: grown(:)                ! what steps leave in forces, over the largest
+    real(dp), allocatable :: grown(:)                ! step errors of forces, over the largest force
     real(dp) :: fall, longest
     integer :: i
     these = contacts_of(run)
@@ -152,7 +153,7 @@ contains
         end associate
       end do
       if (size(these) == 0 .or. .not. any(events%kind == capture_event)) return
-      i = these(size(these))                         ! it ends where the force is largest, and hardly changes
+      i = these(size(these))                         ! it ends at the largest force, which hardly changes
       if (kept%largest(i) /= 0.0_dp .and. .not. is_missing(kept%force_error(i))) events(i)%end_error = &
         max(events(i)%end_error, kept%force_error(i)/abs(kept%largest(i))*(events(i)%end_time - events(i)%time))
       where (events%kind == capture_event)
@@ -163,7 +164,7 @@ contains
   end subroutine find_force_errors
 
   pure function contacts_of(run) result(which)
-    !! Of its events.
+    !! Return the indices of contacts among the events.
     type(run_type), intent(in) :: run
     integer, allocatable :: which(:)
     integer :: i
@@ -173,15 +174,14 @@ contains
   end function contacts_of
 
   pure real(dp) function fall_of_force(run, half) result(fall)
-    !! Of what is wrong in forces, when the number of modes doubles. It may not do so at all where the motions do not have the same
-    !! contacts.
+    !! Return the ratio of force errors per doubling of the modes; 1 if the two runs do not have the same contacts.
     type(run_type), intent(in) :: run, half
     fall = 1.0_dp
     if (same_contacts(run, half) == max(size(contacts_of(run)), size(contacts_of(half)))) fall = fall_as_struck(run, half)
   end function fall_of_force
 
   pure integer function same_contacts(run, half) result(same)
-    !! The first of both motions, as far as they overlap in time.
+    !! Count the first contacts that overlap in time in both runs.
     type(run_type), intent(in) :: run, half
     integer, allocatable :: others(:), partner(:)
     others = contacts_of(half)
@@ -192,7 +192,7 @@ contains
   end function same_contacts
 
   pure function partners_of(run, half) result(partner)
-    !! For each contact the event of the other motion that is the same one, the first that overlaps with it in time; 0: none.
+    !! Return for each contact the event of the other run that is the first to overlap with it in time; 0: none.
     type(run_type), intent(in) :: run, half
     integer, allocatable :: partner(:), these(:), others(:)
     integer :: i, j
@@ -215,7 +215,7 @@ contains
   end function partners_of
 
   pure real(dp) function fall_as_struck(run, half) result(fall)
-    !! By how much the velocity of the modes that are missing falls at the place that the mass strikes, when their number doubles.
+    !! Return the ratio, per doubling of the modes, of the velocity that omitted modes contribute at the struck place.
     type(run_type), intent(in) :: run, half
     fall = 1.0_dp
     if (allocated(run%neglected%displacement) .and. run%neglected%struck < half%neglected%struck) &
@@ -223,14 +223,14 @@ contains
   end function fall_as_struck
 
   pure real(dp) function octaves_between(run, half) result(octaves)
-    !! From the modes of one motion to those of the other; 1 of a single mode, which has no half.
+    !! Return the octaves between the mode counts of two runs; 1 for a single mode, which has no half.
     type(run_type), intent(in) :: run, half
     octaves = 1.0_dp
     if (run%summed > half%summed) octaves = log(real(run%summed, dp)/half%summed)/log(2.0_dp)
   end function octaves_between
 
   pure function largest_distance(table, other) result(distance)
-    !! Between two tables, where both are known, (columns that both have).
+    !! Return the largest difference of two tables in each column, up to the first missing value, (columns that both have).
     real(dp), intent(in) :: table(:, :), other(:, :)   !! (rows, columns)
     real(dp) :: distance(min(size(table, 2), size(other, 2)))
     integer :: j, p
@@ -244,12 +244,12 @@ contains
   end function largest_distance
 
   subroutine add_rounding(scene, motion, response, errors, under_loads)
-    !! What rounding leaves of sums and of phases.
+    !! Add the rounding of sums and phases to the errors.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
     type(history_errors), intent(inout) :: errors
-    real(dp), intent(in), optional :: under_loads(:, :)   !! absent: the modes move freely between contacts, (points, quantities)
+    real(dp), intent(in), optional :: under_loads(:, :)   !! absent: modes move freely between contacts, (points, quantities)
     if (response%finite_samples == 0) return
     if (present(under_loads)) then
       errors%displacement = errors%displacement + under_loads(:, 1)

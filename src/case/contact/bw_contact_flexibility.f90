@@ -1,5 +1,5 @@
 module bw_contact_flexibility
-  !! What modes that are not summed give way by where a mass is pressed against a beam, and what that moves elsewhere.
+  !! The residual flexibility of omitted modes under the force of a mass pressed against the beam.
   use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: body_type
   use bw_kinds, only: dp
@@ -16,17 +16,17 @@ module bw_contact_flexibility
   public :: flexibility_of, show_residual
 
   type, public :: flexibility_type
-    !! What modes that are not summed give way by under a force of 1 at the place that the mass strikes.
-    real(dp) :: here = 0.0_dp                        !! that place
-    real(dp), allocatable :: seen(:, :)              !! as that of load_type, (points, 3)
-    real(dp), allocatable :: at_bodies(:, :)         !! deflection and turning, (bodies, 2)
+    !! Residual flexibility under a force of 1 at the struck place.
+    real(dp) :: here = 0.0_dp                        !! of that place
+    real(dp), allocatable :: seen(:, :)              !! see load_type, (points, 3)
+    real(dp), allocatable :: at_bodies(:, :)         !! deflection and rotation, (bodies, 2)
     real(dp), allocatable :: of_loads(:, :, :)       !! the same under loads of 1, (bodies, 2, loads)
   end type flexibility_type
 
 contains
 
   function flexibility_of(scene, motion, configuration, carried, summed, bodies) result(flexibility)
-    !! Of the modes of a configuration beyond those that are summed.
+    !! Return the residual flexibility of the modes of a configuration that are not summed.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: configuration
@@ -49,7 +49,7 @@ contains
   end function flexibility_of
 
   pure subroutine show_residual(flexibility, contacts)
-    !! Of the segments that have none yet.
+    !! Set it in those segments with contact that have none yet.
     type(flexibility_type), intent(in) :: flexibility
     type(lasting_contacts), intent(inout) :: contacts
     integer :: i

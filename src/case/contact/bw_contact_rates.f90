@@ -1,6 +1,6 @@
 module bw_contact_rates
-  !! A beam through contacts that last, as under any other load: when the contacts have been followed their force is known, a polynomial in
-  !! each step. So accelerations and shear forces are found, and where other loads act, all histories.
+  !! Histories of a beam with lasting contacts, as under any other load: once the contacts are followed, their force is
+  !! known, a polynomial in each step. This gives accelerations and shear forces, and under other loads all histories.
   use bw_case_result, only: case_motion
   use bw_double_double, only: dd, to_dd
   use bw_first_motion, only: find_first_motion
@@ -26,38 +26,38 @@ module bw_contact_rates
   public :: add_rates, find_driven, neglected_in, rounding_in, show_in_segments
 
   integer, parameter :: displacement = 1, velocity = 2, acceleration = 3, bending_moment = 4, shear_force = 5, turn_of_hub = 6
-    !! the quantities of bw_load_columns
+    !! quantities of bw_load_columns
 
   type, public :: driven_type
-    !! Histories, in units of bw_segment.
+    !! Histories of given quantities, in units of bw_segment.
     integer, allocatable :: quantity(:), point(:)  !! (columns)
-    integer :: samples = 0                         !! that are known
+    integer :: samples = 0                         !! known samples
     real(dp), allocatable :: history(:, :)         !! (samples, columns)
-    real(dp), allocatable :: rounding(:)           !! what it leaves, (columns)
-    real(dp), allocatable :: neglected(:)          !! what the next octave of modes would add, (columns); unallocated: there is none
-    real(dp) :: struck = 0.0_dp                    !! the same of the velocity where the mass strikes
+    real(dp), allocatable :: rounding(:)           !! rounding error, (columns)
+    real(dp), allocatable :: neglected(:) !! largest contribution of the next octave of modes, (columns); unallocated: no such modes
+    real(dp) :: struck = 0.0_dp                    !! the same for the velocity of the struck place
   end type driven_type
 
   type :: wide_type
-    !! Twice as many modes as are summed, if there are so many, and their state.
-    type(case_motion) :: motion                    !! whose only modes they are
-    integer :: number = alone                      !! of their configuration
+    !! Up to twice the summed modes, and their state.
+    type(case_motion) :: motion                    !! with these modes only
+    integer :: number = alone                      !! their configuration
     integer :: summed = 0
-    real(dp), allocatable :: q(:), v(:)             !! once it is over that of what is missing
+    real(dp), allocatable :: q(:), v(:)             ! at the end of a stretch: the part that is missing from the known motion
   end type wide_type
 
 contains
 
   subroutine find_driven(scene, motion, summed, asked, samples, monitor, driven, loads)
-    !! The motion of the modes under the force of all contacts, and under other loads.
+    !! Find histories of the modes under the force of all contacts and under other loads.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion        !! followed
-    integer, intent(in) :: summed                  !! modes of the first configuration that take part
-    logical, intent(in) :: asked(quantities)       !! which quantities are
-    integer, intent(in) :: samples                 !! that are known
-    class(monitor_type), intent(inout) :: monitor  !! the histories mean nothing where it asks to stop
+    type(case_motion), intent(in) :: motion        !! with contacts
+    integer, intent(in) :: summed                  !! modes of the first configuration that are summed
+    logical, intent(in) :: asked(quantities)       !! requested quantities
+    integer, intent(in) :: samples                 !! known samples
+    class(monitor_type), intent(inout) :: monitor  !! the histories are invalid if it requests a stop
     type(driven_type), intent(out) :: driven
-    type(placed_loads), intent(in), optional :: loads   !! beside the contacts, N
+    type(placed_loads), intent(in), optional :: loads   !! besides the contacts, N
     type(time_grid) :: grid
     type(wide_type) :: wide
     integer :: i, last
@@ -81,13 +81,13 @@ contains
   end subroutine find_driven
 
   subroutine drive_stretch(scene, motion, these, summed, grid, monitor, wide, driven, loads)
-    !! The motion from one change of bodies to the next.
+    !! Find histories from one change of bodies to the next.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    integer, intent(in) :: these(2)                !! the first of its segments and the last
-    integer, intent(in) :: summed                  !! modes of the first configuration that take part
+    integer, intent(in) :: these(2)                !! its first segment and the last
+    integer, intent(in) :: summed                  !! modes of the first configuration that are summed
     type(time_grid), intent(in) :: grid
-    class(monitor_type), intent(inout) :: monitor  !! the histories mean nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor  !! the histories are invalid if it requests a stop
     type(wide_type), intent(inout) :: wide
     type(driven_type), intent(inout) :: driven
     type(placed_loads), intent(in), optional :: loads
@@ -99,8 +99,8 @@ contains
     type(dd) :: until
     type(configuration_type) :: pair(2)
     real(dp), allocatable :: flexibility(:)
-    real(dp), allocatable :: unknown(:, :)         ! state of modes that are summed, (modes, 2),
-    real(dp), allocatable :: missed(:)             ! and its largest part of histories, (columns)
+    real(dp), allocatable :: unknown(:, :)         ! missing motion of the summed modes, (modes, 2),
+    real(dp), allocatable :: missed(:)             ! and its largest contribution to histories, (columns)
     integer :: more, samples(2)
     associate (segments => motion%timeline%segments(these(1):these(2)))
       associate (configuration => motion%modes%configuration(segments(1)%configuration))
@@ -134,7 +134,7 @@ contains
           now%q = now%q/unit_velocity(scene)
           now%v = now%v/unit_velocity(scene)
           allocate (unknown(n, 2), source=0.0_dp)
-          if (segments(1)%configuration /= alone) then   ! a body comes at once
+          if (segments(1)%configuration /= alone) then   ! a body arrives at t = 0
             now%q(:n) = segments(1)%q(:n)
             now%v(:n) = segments(1)%rate(:n)
           end if
@@ -161,7 +161,7 @@ contains
         wide = now
         wide%q(:n) = unknown(:, 1)
         wide%v(:n) = unknown(:, 2)
-        ! The last knot is a sum that was rounded.
+        ! the last knot is a rounded sum
         associate (load => loads_before(view%course, until%hi*(1.0_dp - 8.0_dp*epsilon(1.0_dp))), &
                    soft => spread(1.0_dp/set%beta_squared(n + 1:)%hi, 2, size(acting%kind)))
           wide%q(n + 1:) = wide%q(n + 1:) - matmul(soft*view%drive(n + 1:, :), load(:, 1))
@@ -178,15 +178,15 @@ contains
   end subroutine drive_stretch
 
   subroutine follow_missing(modes, view, grid, samples, start, until, state, monitor, largest)
-    !! The free motion of modes that are summed, beside the motion that is known.
+    !! Follow the free motion that summed modes lack, and find its largest contribution to histories.
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: samples(2)              !! as those of `sum_loaded_modes`
+    integer, intent(in) :: samples(2)              !! see `sum_loaded_modes`
     type(dd), intent(in) :: start, until
     real(dp), intent(inout) :: state(:, :)         !! displacements and velocities at the start, then at the end, (modes, 2)
-    class(monitor_type), intent(inout) :: monitor  !! what is found means nothing where it asks to stop
-    real(dp), allocatable, intent(out) :: largest(:)   !! of what they add, (columns)
+    class(monitor_type), intent(inout) :: monitor  !! results are invalid if it requests a stop
+    real(dp), allocatable, intent(out) :: largest(:)   !! magnitudes, (columns)
     type(load_view) :: free
     type(load_tail) :: ignored
     real(dp), allocatable :: q(:), v(:), history(:, :)
@@ -202,7 +202,7 @@ contains
   end subroutine follow_missing
 
   subroutine show_in_segments(scene, driven, motion)
-    !! Of displacements, velocities and curvatures, what each segment shows at its samples.
+    !! Store histories of displacements, velocities, curvatures and hub rotation in the segments.
     type(scene_type), intent(in) :: scene
     type(driven_type), intent(in) :: driven
     type(case_motion), intent(inout) :: motion
@@ -232,11 +232,11 @@ contains
   end subroutine show_in_segments
 
   subroutine add_rates(scene, motion, driven, response)
-    !! Add accelerations and shear forces, if they are asked for, to the histories of a motion, and to their errors what rounding leaves.
+    !! Add requested accelerations and shear forces to the histories of a motion, and rounding to their errors.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(driven_type), intent(in) :: driven
-    type(response_type), intent(inout) :: response !! of displacements
+    type(response_type), intent(inout) :: response !! with displacements
     call take(acceleration, response%acceleration, response%acceleration_error)
     call take(shear_force, response%shear_force, response%shear_force_error)
   contains
@@ -255,7 +255,7 @@ contains
   end subroutine add_rates
 
   subroutine neglected_in(scene, motion, driven, neglected)
-    !! What modes beyond would add to the quantities that are there.
+    !! Set the contribution of the next octave of modes to each quantity in SI.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(driven_type), intent(in) :: driven
@@ -279,7 +279,7 @@ contains
   end subroutine neglected_in
 
   pure real(dp) function factor_of(scene, motion, quantity) result(factor)
-    !! SI over what the modes show.
+    !! Return the factor to SI units.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity
@@ -287,7 +287,7 @@ contains
   end function factor_of
 
   pure function rounding_in(scene, motion, driven) result(rounding)
-    !! What rounding leaves of histories, SI, (points, quantities).
+    !! Return the rounding errors of histories, SI, (points, quantities).
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(driven_type), intent(in) :: driven
@@ -300,7 +300,7 @@ contains
   end function rounding_in
 
   pure type(load_course) function course_of(segments) result(course)
-    !! The force of all contacts, and none between them.
+    !! Return the force of all contacts as a function of time, 0 between them.
     type(segment_type), intent(in) :: segments(:)
     integer :: i, j, k, steps
     steps = 1
@@ -311,7 +311,7 @@ contains
     course%power = 0.0_dp
     course%tone = spread((0.0_dp, 0.0_dp), 1, steps)
     course%knot = 0.0_dp
-    k = 1                                          ! the interval that begins next
+    k = 1                                          ! next interval
     do i = 1, size(segments)
       if (.not. allocated(segments(i)%load)) cycle
       k = k + 1                                    ! after the flight before it
@@ -324,7 +324,7 @@ contains
         end do
       end associate
     end do
-    if (k == 1) course%knot(2) = 1.0_dp            ! nothing strikes the beam
+    if (k == 1) course%knot(2) = 1.0_dp
   end function course_of
 
 end module bw_contact_rates

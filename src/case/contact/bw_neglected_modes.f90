@@ -1,10 +1,10 @@
 module bw_neglected_modes
-  !! What the modes beyond those that are summed would add to the motion of a beam that is struck: as many modes more, driven by the forces
-  !! of its contacts as they were found, less what follows these forces at once, which is added. Of a motion whose contacts hardly feel
-  !! those modes that is what is missing, but for the modes that come after them.
+  !! The contribution of the next octave of modes to the motion of a struck beam. These modes are driven by the known
+  !! contact forces; their quasi-static part is subtracted, as the histories include it as residual flexibility. If
+  !! contacts hardly feel these modes, this is the truncation error but for higher octaves.
   !!
-  !! Where the beam changes, what they have done goes over to the modes after it, and so does what the motion hands on to the octave that
-  !! is missing there. What of it comes to modes that are summed is missing, too.
+  !! At a change of the beam this motion is projected onto the modes after it, and so is the summed motion onto their
+  !! next octave. Its projection onto summed modes is part of the error.
   use bw_beam_units, only: beam_units
   use bw_case_bodies, only: bodies_of, presence
   use bw_case_histories, only: find_loaded_segments, sum_histories
@@ -31,23 +31,23 @@ module bw_neglected_modes
   public :: find_neglected, hand_on
 
   type, public :: neglected_type
-    !! The largest magnitudes of what the next octave of modes would add, SI; unallocated where there are no more modes.
+    !! Largest contribution of the next octave of modes, SI; unallocated if there are no more modes.
     real(dp), allocatable :: displacement(:), velocity(:), bending_moment(:), acceleration(:), shear_force(:)   !! (points)
-    real(dp) :: struck = 0.0_dp                      !! of the velocity of the place that the mass strikes, in contacts
+    real(dp) :: struck = 0.0_dp                      !! to the velocity of the struck place, in contacts
   end type neglected_type
 
 contains
 
   subroutine find_neglected(scene, motion, summed, monitor, workspace, neglected)
-    !! Beside the forces of all contacts nothing acts on the beam.
+    !! Find the contribution of the next octave of modes under the contact forces alone.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion          !! followed with the modes that are summed
-    integer, intent(in) :: summed                    !! of the first configuration
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(case_motion), intent(in) :: motion          !! of the summed modes
+    integer, intent(in) :: summed                    !! modes of the first configuration
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(neglected_type), intent(out) :: neglected
     type(case_motion) :: beyond
-    integer, allocatable :: first(:)                 ! of the modes beyond, (configurations)
+    integer, allocatable :: first(:)                 ! mode of the next octave, (configurations)
     if (size(motion%timeline%segments) == 0) return
     beyond%units = motion%units
     beyond%timeline%known_until = motion%timeline%known_until
@@ -82,13 +82,13 @@ contains
   end subroutine find_neglected
 
   subroutine find_octaves(scene, motion, summed, configuration, first, monitor)
-    !! The next octave of modes of each configuration; if there are several, behind its summed modes, which forces do not move again.
+    !! Find the next octave of modes of each configuration. If the beam changes, the summed modes come before them, without forces.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: summed
     type(configuration_type), allocatable, intent(out) :: configuration(:)
-    integer, allocatable, intent(out) :: first(:)    !! of the octave in each set; 0: it has no more modes, (configurations)
-    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    integer, allocatable, intent(out) :: first(:)    !! mode of the octave in each set; 0: there are no more modes, (configurations)
+    class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     integer :: c, more, n
     allocate (configuration(size(motion%modes%configuration)))
     allocate (first(size(configuration)), source=1)
@@ -113,14 +113,14 @@ contains
   end subroutine find_octaves
 
   subroutine drive_through(scene, segments, first, beyond, struck, monitor)
-    !! The segments of a motion once more, for other modes: each starts where the one before it left them.
+    !! Follow other modes through all segments of a motion, each from the state at the end of the one before.
     type(scene_type), intent(in) :: scene
     type(segment_type), intent(in) :: segments(:)
-    integer, intent(in) :: first(:)                  !! of the modes that forces move, (configurations)
+    integer, intent(in) :: first(:)                  !! mode that forces drive, (configurations)
     type(case_motion), intent(inout) :: beyond       !! its modes are known
-    real(dp), intent(out) :: struck                  !! largest speed of the struck place at the ends of steps of contacts, less what
-                                                     !! follows the force at once
-    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    real(dp), intent(out) :: struck                  !! largest speed of the struck place at the ends of contact steps, less its
+                                                     !! quasi-static part
+    class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(oscillators) :: parts
     real(dp), allocatable :: q(:), rate(:), following(:, :), soft(:)
     real(dp) :: force(2)                             ! and its rate, at the end of a step
@@ -153,9 +153,9 @@ contains
     end do
   contains
     subroutine change(next)
-      !! To the modes of a segment.
+      !! Project the motion onto the modes of the next segment.
       type(segment_type), intent(in) :: next
-      q = q - force(1)*soft                          ! which the motion itself hands on
+      q = q - force(1)*soft                          ! less the quasi-static part, which the summed motion projects
       rate = rate - force(2)*soft
       call hand_on(scene, beyond%units, beyond%modes%configuration, [now, next%configuration], [now, next%configuration], q, rate, &
                    monitor)
@@ -182,7 +182,7 @@ contains
     end subroutine begin
 
     subroutine press(load)
-      !! To the end of a contact, whose last step may be of any length.
+      !! Move through a contact, whose last step may have any length.
       type(load_type), intent(in) :: load
       integer :: j
       associate (set => beyond%modes%configuration(now)%set, last => size(load%length))
@@ -200,7 +200,7 @@ contains
     end subroutine press
 
     subroutine see(values, length)
-      !! How fast the struck place moves at the end of a step.
+      !! Update the largest speed of the struck place with that at the end of a step.
       real(dp), intent(in) :: values(0:), length
       call force_in_step(polynomial_of(values), 1.0_dp, force(1), force(2))
       force(2) = force(2)/length
@@ -209,7 +209,7 @@ contains
   end subroutine drive_through
 
   pure integer function levels_in(segment) result(levels)
-    !! Of the steps of its load.
+    !! Return the largest level of the steps of a contact.
     type(segment_type), intent(in) :: segment
     levels = 0
     if (.not. allocated(segment%load)) return
@@ -217,9 +217,10 @@ contains
   end function levels_in
 
   pure function what_follows(modes, soft, points) result(shown)
-    !! What modes add at once under a force of 1 where the mass strikes: displacements, curvatures and the turn of the hub.
+    !! Return the quasi-static contribution of modes under a force of 1 at the struck place: displacement, curvature and
+    !! hub rotation.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: soft(:)                  !! their modal displacements then
+    real(dp), intent(in) :: soft(:)                  !! modal displacements under that force
     real(dp), intent(in) :: points(:)                !! ξ
     real(dp) :: shown(size(points), 3)
     integer, parameter :: quantities(3) = [deflections, curvatures, turns]
@@ -230,15 +231,15 @@ contains
   end function what_follows
 
   subroutine hand_on(scene, units, configuration, which, number, q, rate, monitor)
-    !! What modes have done beyond those that are summed, and beyond what follows forces at once, goes over to other modes; springs are at
-    !! rest then, and what bodies bring moves the modes that are summed.
+    !! Project the motion of omitted modes, less its quasi-static part, onto other modes. Springs and the motion that
+    !! bodies bring are left out, as the summed motion includes them.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(configuration_type), intent(in) :: configuration(:)
-    integer, intent(in) :: which(2)                  !! of these, before and after,
-    integer, intent(in) :: number(2)                 !! and of those of the scene
+    integer, intent(in) :: which(2)                  !! indices in `configuration` before and after,
+    integer, intent(in) :: number(2)                 !! and indices in the scene
     real(dp), allocatable, intent(inout) :: q(:), rate(:)   !! (modes before), then (modes after)
-    class(monitor_type), intent(inout) :: monitor    !! the state means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor    !! the state is invalid if it requests a stop
     type(carried_type), allocatable :: carried(:)
     type(body_type), allocatable :: bodies(:)
     type(beam_state) :: beyond, later

@@ -1,7 +1,7 @@
 module bw_case_frequency
-  !! The frequency response of a case. Undamped and with Rayleigh's damping it follows from the boundary problem, without modes
-  !! (bw_forced_beam). With a ratio that all modes share, with tension, with a taper and on a hub that is free it is a sum of modes and what
-  !! these lack (bw_modal_response).
+  !! The frequency response of a case. Undamped or with Rayleigh damping it is the exact solution of the boundary value
+  !! problem (bw_forced_beam). With one damping ratio for all modes, with tension or taper, or on a free hub it is a
+  !! modal sum with a correction for omitted modes (bw_modal_response).
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, extend_source, find_sources
@@ -26,15 +26,15 @@ module bw_case_frequency
   private
   public :: find_frequency_response
 
-  integer, parameter, public :: modes_of_answer = 64 !! at least
+  integer, parameter, public :: modes_of_answer = 64 !! fewest modes of a modal sum
   integer, parameter :: most_modes = 512
-  real(dp), parameter :: beyond = 4.0_dp             !! times the highest frequency that modes reach, where they can be had
-  integer, parameter :: at_once = 256                !! frequencies between two looks at the clock
+  real(dp), parameter :: beyond = 4.0_dp             !! aim for modes up to so many times the highest frequency
+  integer, parameter :: at_once = 256                !! frequencies between two calls of the monitor
 
   type, extends(harmonic_response) :: boundary_response
-    !! By the boundary problem.
+    !! Solves the boundary value problem.
     type(forced_beam) :: forced
-    real(dp) :: mass = 0.0_dp, stiffness = 0.0_dp    !! Rayleigh's damping
+    real(dp) :: mass = 0.0_dp, stiffness = 0.0_dp    !! Rayleigh damping
   contains
     procedure :: at => solve_boundary
   end type boundary_response
@@ -42,12 +42,12 @@ module bw_case_frequency
 contains
 
   subroutine find_frequency_response(scene, units, junctions, with_extremes, monitor, cache, answer, notes, status)
-    !! The answer of all points at all frequencies, in SI units.
+    !! Find the response of all points at all frequencies, SI.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: junctions                 !! room for those of the beam; 0: they are not wanted
-    logical, intent(in) :: with_extremes             !! resonances and antiresonances are wanted
-    class(monitor_type), intent(inout) :: monitor    !! the answer means nothing where it asks to stop
+    integer, intent(in) :: junctions                 !! most junctions of the beam; 0: not requested
+    logical, intent(in) :: with_extremes             !! find resonances and antiresonances
+    class(monitor_type), intent(inout) :: monitor    !! the answer is invalid if it requests a stop
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), allocatable, intent(out) :: answer
     type(string), allocatable, intent(inout) :: notes(:)
@@ -60,7 +60,7 @@ contains
     omega = two_pi*scene%frequency_response%frequency*units%time%hi
     if (junctions > 0) call scatter(pieces%beam, omega, junctions, monitor, answer)
     if (monitor%stop_requested()) return
-    call in_uniform_parts(pieces)                    ! where it tapers
+    call in_uniform_parts(pieces)                    ! replaces taper by steps
     associate (asked => scene%frequency_response)
       allocate (answer%value(size(omega), size(asked%points)))
       factor = factors_of(asked%quantity, two_pi*asked%frequency, units%time%hi**2/units%mass)
@@ -76,11 +76,11 @@ contains
   end subroutine find_frequency_response
 
   subroutine scatter(beam, omega, junctions, monitor, answer)
-    !! The shares of a wave's power that bodies and steps transmit and reflect.
+    !! Find the transmission and reflection coefficients, in power, of bodies and steps.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: omega(:)                 !! in h/l²
-    integer, intent(in) :: junctions                 !! room for them
-    class(monitor_type), intent(inout) :: monitor    !! the shares mean nothing where it asks to stop
+    integer, intent(in) :: junctions                 !! most of them
+    class(monitor_type), intent(inout) :: monitor    !! the shares are invalid if it requests a stop
     type(answer_type), intent(inout) :: answer
     type(dd) :: place
     integer, allocatable :: joints(:)
@@ -105,12 +105,12 @@ contains
   end subroutine scatter
 
   subroutine by_boundary(scene, units, beam, omega, factor, with_extremes, monitor, cache, answer)
-    !! Exactly.
+    !! Solve the boundary value problem at all frequencies.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(piece_beam), intent(in) :: beam             !! in uniform parts
     real(dp), intent(in) :: omega(:)
-    complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
+    complex(dp), intent(in) :: factor(:)             !! to SI units, (frequencies)
     logical, intent(in) :: with_extremes
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), target :: cache
@@ -152,7 +152,7 @@ contains
   end subroutine solve_boundary
 
   subroutine look_for_extremes(scene, units, response, modes, omega, monitor, answer)
-    !! Resonances and antiresonances, in SI units.
+    !! Find resonances and antiresonances, SI.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(harmonic_response), intent(inout) :: response
@@ -173,12 +173,12 @@ contains
   end subroutine look_for_extremes
 
   subroutine by_modes(scene, units, pieces, omega, factor, with_extremes, monitor, cache, answer)
-    !! By all modes that are found, and once more by half of them.
+    !! Sum all modes that are found, and half of them, whose difference estimates the error.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(struck_beam), intent(in) :: pieces
     real(dp), intent(in) :: omega(:)
-    complex(dp), intent(in) :: factor(:)             !! that makes SI units, (frequencies)
+    complex(dp), intent(in) :: factor(:)             !! to SI units, (frequencies)
     logical, intent(in) :: with_extremes
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), target :: cache
@@ -224,10 +224,10 @@ contains
   end subroutine by_modes
 
   subroutine find_enough(scene, units, omega, monitor, cache, set)
-    !! Modes up to a frequency.
+    !! Find modes up to a frequency, as far as there are any.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    real(dp), intent(in) :: omega                    !! that the last should exceed
+    real(dp), intent(in) :: omega                    !! in h/l², to be exceeded
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), target :: cache
     class(mode_set), allocatable, intent(out) :: set
@@ -254,7 +254,7 @@ contains
   end subroutine find_enough
 
   pure function factors_of(quantity, omega, flexibility) result(factor)
-    !! What makes SI units of displacements in l over forces in EI/l², (frequencies).
+    !! Return the factors from displacement in l over force in EI/l² to SI units, (frequencies).
     character(*), intent(in) :: quantity
     real(dp), intent(in) :: omega(:)                 !! rad/s
     real(dp), intent(in) :: flexibility              !! l³/EI, m/N
@@ -267,7 +267,7 @@ contains
   end function factors_of
 
   elemental subroutine keep_numbers(value)
-    !! What is no number is missing.
+    !! Replace values that are not finite by `missing`.
     complex(dp), intent(inout) :: value
     logical :: is_number
     is_number = ieee_is_finite(value%re) .and. ieee_is_finite(value%im)
@@ -276,7 +276,7 @@ contains
   end subroutine keep_numbers
 
   subroutine judge_error(answer, notes, status)
-    !! What modes leave open. An answer that is less than its error is missing.
+    !! Note large truncation errors. A response below its error becomes `missing`.
     type(answer_type), intent(inout) :: answer
     type(string), allocatable, intent(inout) :: notes(:)
     integer, intent(inout) :: status                 !! of the case

@@ -1,15 +1,15 @@
 module bw_modal_response
-  !! The response to a harmonic force by n modes, and what these lack of all:
+  !! The response to a harmonic force by n modes, with a correction r for all others:
   !!
-  !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ),
+  !!     H(Ω) = Σ Φ_kΦ_k(ξ_f)/(M_k(β_k² − Ω² + ic_kΩ)) + r(Ω² − ic_nΩ).
   !!
-  !! r being what the n modes lack of the boundary problem's answer for uniform pieces without tension, damped as the n-th. It has no
-  !! poles near Ω, so that it is the mean of its values above and below the axis, where neither part of it has any. What r takes
-  !! for the missing modes is wrong by their tension and their damping: half as many modes tell how much.
+  !! r is the exact response of uniform pieces without tension less that of their n modes, with the damping of the n-th mode. It
+  !! has no poles near Ω, so it is taken as the mean of its values above and below the real axis, off the poles of both parts. r
+  !! neglects the effect of tension and of differing damping on omitted modes; the sum of n/2 modes estimates that error.
   !!
-  !! On a hub that is free Φ_k(ξ_f) is the whole motion of the place in the frame, which the force works on, and Φ_k(ξ) that from the hub's
-  !! line. There r follows from the answers to forces that grow as e^(st), which have no poles (bw_static_shape): as a polynomial in s², through
-  !! four of them, at s² = −Ω² + ic_nΩ; with Rayleigh's damping at s² = (−Ω² + iaΩ)/(1 + ibΩ), and r over 1 + ibΩ.
+  !! On a free hub Φ_k(ξ_f) is the displacement in the frame, on which the force does work, and Φ_k(ξ) that from the hub's line.
+  !! There r follows from the responses to forces that grow as e^(st), which have no poles (bw_static_shape): a polynomial in s²
+  !! through four of them, at s² = −Ω² + ic_nΩ. With Rayleigh damping s² = (−Ω² + iaΩ)/(1 + ibΩ), and r is divided by 1 + ibΩ.
   use bw_damping, only: damping_law
   use bw_forced_beam, only: forced_beam
   use bw_kinds, only: dp
@@ -22,25 +22,25 @@ module bw_modal_response
   private
   public :: chosen, terms_of
 
-  real(dp), parameter :: off_axis = 0.01_dp          !! of Ω², by which r is looked at beside the axis, whose square its error is; tuned
-  integer, parameter :: nodes = 4                    !! of the polynomial
+  real(dp), parameter :: off_axis = 0.01_dp !! tuned: of Ω², distance from the axis at which r is evaluated; its square is the error
+  integer, parameter :: nodes = 4                    !! of the polynomial in s²
 
   type, public :: modal_terms
-    !! What modes are summed by.
+    !! The terms of a modal sum.
     real(dp), allocatable :: weight(:, :)            !! Φ_k(ξ)Φ_k(ξ_f)/M_k, (modes, points)
     real(dp), allocatable :: square(:)               !! β_k²
     real(dp), allocatable :: damping(:)              !! c_k
   end type modal_terms
 
   type, extends(harmonic_response), public :: modal_response
-    !! By n modes, and what these lack.
-    type(modal_terms) :: own, plain                  !! as the beam is, and as the boundary problem has it
+    !! Sums n modes and adds the correction for all others.
+    type(modal_terms) :: own, plain                  !! of the beam, and of its uniform pieces without tension
     type(forced_beam) :: forced
     integer :: n = 0
-    real(dp), allocatable :: grown(:, :)             !! under forces that grow with s², 2s², …, (points, nodes); of a beam on a free hub
+    real(dp), allocatable :: grown(:, :)             !! responses to forces growing with s², 2s², …, (points, nodes); on a free hub
     real(dp) :: shift = 0.0_dp                       !! s²
     type(damping_law) :: law
-    real(dp), allocatable :: rounding(:, :)          !! of β², and of M over it, (modes, 2); where `grown` is there
+    real(dp), allocatable :: rounding(:, :)          !! errors of β², and of M relatively, (modes, 2); with `grown`
   contains
     procedure :: at => sum_modes
     procedure :: let_grow
@@ -63,7 +63,7 @@ contains
   end subroutine sum_modes
 
   type(modal_terms) function terms_of(scene, set) result(terms)
-    !! Of the modes of a set.
+    !! Collect the terms of the modes of a set.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: set
     real(dp) :: forced(set%count, 2)
@@ -79,11 +79,11 @@ contains
   end function terms_of
 
   pure function sum_of(terms, n, square, omega, point) result(value)
-    !! Of the first n modes, (points), or that of one.
+    !! Sum the first n modes, at all points or at one.
     type(modal_terms), intent(in) :: terms
     integer, intent(in) :: n
-    complex(dp), intent(in) :: square                !! Ω², or beside it
-    real(dp), intent(in) :: omega                    !! Ω of the damping; 0: there is none
+    complex(dp), intent(in) :: square                !! Ω², or a complex value near it
+    real(dp), intent(in) :: omega                    !! Ω of the damping term; 0: undamped
     integer, intent(in) :: point                     !! 0: all
     complex(dp) :: value(merge(1, size(terms%weight, 2), point > 0))
     associate (first => max(1, point))
@@ -93,8 +93,8 @@ contains
   end function sum_of
 
   function rest_of(own, plain, n, omega, point, forced) result(rest)
-    !! r, what the first n modes lack, (points), or that of one.
-    type(modal_terms), intent(in) :: own, plain      !! as the beam is, and as the boundary problem has it
+    !! Return r for the first n modes, at all points or at one.
+    type(modal_terms), intent(in) :: own, plain      !! of the beam, and of its uniform pieces without tension
     integer, intent(in) :: n, point
     real(dp), intent(in) :: omega
     type(forced_beam), intent(inout) :: forced
@@ -111,12 +111,12 @@ contains
   end function rest_of
 
   subroutine let_grow(self, modes, given, position, points, highest)
-    !! Find the answers to forces that grow.
+    !! Find the responses to growing forces.
     class(modal_response), intent(inout) :: self
     class(mode_set), intent(in) :: modes
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: position, points(:)      !! ξ of the force and of the points
-    real(dp), intent(in) :: highest                  !! Ω
+    real(dp), intent(in) :: highest                  !! largest Ω
     real(dp) :: shapes(size(points), 5, 1)
     integer :: i
     if (allocated(modes%law)) self%law = modes%law
@@ -131,7 +131,7 @@ contains
   end subroutine let_grow
 
   pure function rounding_at(self, omega) result(rounding)
-    !! What rounding of the modes is in the response, (points): all that their sum has, where r is as good as exact.
+    !! Return the effect of rounding in the modes on the response, (points); 0 unless r is exact to rounding.
     class(modal_response), intent(in) :: self
     real(dp), intent(in) :: omega
     real(dp) :: rounding(size(self%own%weight, 2)), away(size(self%own%square))
@@ -142,7 +142,7 @@ contains
   end function rounding_at
 
   pure function rest_of_growth(self, omega, point) result(rest)
-    !! r of a beam on a hub that is free, (points), or that of one.
+    !! Return r on a free hub, at all points or at one.
     class(modal_response), intent(in) :: self
     real(dp), intent(in) :: omega
     integer, intent(in) :: point                     !! 0: all
@@ -159,9 +159,9 @@ contains
   end function rest_of_growth
 
   pure complex(dp) function node_at(self, n, omega) result(node)
-    !! s² at which the growing responses are those at Ω.
+    !! Return s² at which the response to a growing force is that at Ω.
     class(modal_response), intent(in) :: self
-    integer, intent(in) :: n                         !! modes that are summed
+    integer, intent(in) :: n                         !! modes summed
     real(dp), intent(in) :: omega
     real(dp) :: rate
     rate = self%law%mass
@@ -170,7 +170,7 @@ contains
   end function node_at
 
   pure function chosen(values, point) result(some)
-    !! That of a point, or all.
+    !! Return the value at one point, or all values.
     complex(dp), intent(in) :: values(:)
     integer, intent(in) :: point                     !! 0: all
     complex(dp), allocatable :: some(:)

@@ -1,11 +1,11 @@
 module bw_response_extremes
-  !! Where the response to a harmonic force is largest, with the width of that, and where its parts cancel. It can be had at any
-  !! frequency, and modes tell where to look, so that nothing depends on the frequencies that were asked for.
+  !! Resonances, with their half-power widths, and antiresonances of the response to a harmonic force. The response can
+  !! be evaluated at any frequency, and modes show where to search, so nothing depends on the requested frequencies.
   !!
-  !! A resonance is a largest value within twice the width c_k of a mode's damping, on either side, if it falls to half of its power on
-  !! one side at least; of an undamped mode it is a pole. Between neighbours, but for these widths, Re H changes sign at
-  !! antiresonances. **Limit**: those that lie within the width of a mode are not found, and neither are two between two samples.
-  !! Frequencies in the units of modes, responses in the caller's.
+  !! A resonance is a maximum within 2c_k of the frequency of a damped mode that falls to half its power on at least one
+  !! side; for an undamped mode it is a pole. At an antiresonance, between these widths, Re H changes sign. **Limit**:
+  !! antiresonances within the width of a mode are not found, nor are two between adjacent samples. Frequencies are in
+  !! the units of modes, responses in the caller's.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_lapack, only: dlasrt
@@ -28,8 +28,8 @@ module bw_response_extremes
       implicit none (type, external)
       class(harmonic_response), intent(inout) :: self
       real(dp), intent(in) :: omega              !! > 0
-      integer, intent(in) :: point               !! that is looked at; 0: all of them
-      complex(dp), intent(out) :: value(:)       !! (points), or that of one
+      integer, intent(in) :: point               !! index of the point; 0: all
+      complex(dp), intent(out) :: value(:)       !! of all points, or of one
     end subroutine at_interface
   end interface
 
@@ -37,24 +37,24 @@ module bw_response_extremes
     integer :: point = 0
     logical :: is_resonance = .false.            !! else an antiresonance
     real(dp) :: omega = missing
-    real(dp) :: amplitude = missing              !! of a damped resonance
-    real(dp) :: ratio = missing                  !! of its damping, by its half-power width, where that is there
+    real(dp) :: amplitude = missing              !! of a damped resonance, else missing
+    real(dp) :: ratio = missing                  !! damping ratio from the half-power width, if that exists
   end type extreme_type
 
-  integer, parameter, public :: most_extremes = 100   !! that are wanted: of further points none are sought
-  integer, parameter :: samples = 33             !! near a mode, and between two of them
-  real(dp), parameter :: beside_pole = 1.0e-7_dp !! relatively, where an undamped resonance is looked at
+  integer, parameter, public :: most_extremes = 100   !! limit after which no further points are searched
+  integer, parameter :: samples = 33             !! near a mode, and between two modes
+  real(dp), parameter :: beside_pole = 1.0e-7_dp !! relative distance from an undamped resonance
 
 contains
 
   subroutine find_extremes(response, square, damping, order, band, points, monitor, found)
-    !! Of the points in their order, each with ascending frequencies.
+    !! Find the extremes of all points in order, each with ascending frequencies.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: square(:), damping(:)   !! β_k² and c_k of modes, ascending
-    integer, intent(in) :: order                 !! derivative of the displacement that is looked at: 0, 1 or 2
+    integer, intent(in) :: order                 !! derivative of the displacement: 0, 1 or 2
     real(dp), intent(in) :: band(2)              !! Ω > 0, ascending
     integer, intent(in) :: points
-    class(monitor_type), intent(inout) :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor   !! results are invalid if it requests a stop
     type(extreme_type), allocatable, intent(out) :: found(:)
     type(extreme_type), allocatable :: own(:)
     integer :: p
@@ -70,9 +70,9 @@ contains
   end subroutine find_extremes
 
   subroutine find_own(response, beta, damping, order, band, point, monitor, found)
-    !! Those of a point.
+    !! Find the extremes of one point.
     class(harmonic_response), intent(inout) :: response
-    real(dp), intent(in) :: beta(:), damping(:)  !! 0 of modes that do not swing
+    real(dp), intent(in) :: beta(:), damping(:)  !! 0 for modes that do not oscillate
     integer, intent(in) :: order, point
     real(dp), intent(in) :: band(2)
     class(monitor_type), intent(inout) :: monitor
@@ -96,7 +96,7 @@ contains
   end subroutine find_own
 
   subroutine find_pole(response, beta, point, found)
-    !! Where the response grows without bound: ten times at least of what it is a hundred times as far away.
+    !! Find a pole: Re H changes sign there, and |H| is over ten times its value a hundred times farther off.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: beta
     integer, intent(in) :: point
@@ -111,7 +111,7 @@ contains
   end subroutine find_pole
 
   subroutine find_resonances(response, beta, c, order, band, point, monitor, found)
-    !! The largest values near damped modes. Those whose widths overlap are looked at together: they may have one peak.
+    !! Find the maxima near damped modes. Modes with overlapping widths are searched together, as they may have one peak.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: beta(:), c(:)
     integer, intent(in) :: order, point
@@ -120,7 +120,7 @@ contains
     type(extreme_type), allocatable, intent(inout) :: found(:)
     real(dp), allocatable :: omega(:)
     type(extreme_type) :: peak
-    real(dp) :: half(2), power(3), width             ! power: of three places that follow each other
+    real(dp) :: half(2), power(3), width             ! power: of three adjacent samples
     integer :: i
     omega = places()
     power = 0.0_dp
@@ -141,7 +141,7 @@ contains
     end do
   contains
     pure function places() result(omega)
-      !! Where the response is looked at, ascending: eight places in the width of a mode, twice that on either side.
+      !! Return the sample frequencies, ascending: eight in the width c_k of a mode, to twice that on either side.
       real(dp), allocatable :: omega(:)
       integer :: j, k, info                        ! info is 0
       omega = [((beta(k) + 4.0_dp*c(k)*(j - (samples + 1)/2)/(samples - 1), j=1, samples), k=1, size(beta))]
@@ -156,7 +156,7 @@ contains
     end function power_at
 
     subroutine refine(ends)
-      !! By parabolas of |H|⁻² in Ω², which it is of one mode, ever closer to the peak.
+      !! Refine a peak by parabolas of |H|⁻² in Ω², exact for one mode, on shrinking intervals.
       real(dp), intent(in) :: ends(3)
       integer, parameter :: times = 4, closer = 8
       real(dp) :: x(3), y(3), wide
@@ -173,11 +173,11 @@ contains
     end subroutine refine
 
     real(dp) function side(way) result(omega_half)
-      !! Where half of the power is left on one side; missing where it rises before.
+      !! Return the half-power frequency on one side; missing if |H| rises before.
       integer, intent(in) :: way
       integer, parameter :: times = 60
       real(dp), parameter :: near = 1.0e-9_dp        ! of the width
-      real(dp) :: level, x(3), y(3)                  ! y: how far |H|⁻² is above twice that of the peak
+      real(dp) :: level, x(3), y(3)                  ! y: |H|⁻² less twice that of the peak
       integer :: i
       omega_half = missing
       level = 2.0_dp/peak%amplitude**2
@@ -211,7 +211,7 @@ contains
   end subroutine find_resonances
 
   complex(dp) function value_at(response, omega, point) result(value)
-    !! Of a point.
+    !! Return the response of one point.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: omega
     integer, intent(in) :: point
@@ -221,7 +221,7 @@ contains
   end function value_at
 
   pure real(dp) function ratio_of(half, omega, order) result(ratio)
-    !! ζ of one mode, by its half-power width, exactly: with Ω² displacements, with Ω velocities, with Ω⁻² accelerations.
+    !! Return ζ from the half-power width, exact for one mode: by Ω² of displacements, Ω of velocities, Ω⁻² of accelerations.
     real(dp), intent(in) :: half(2), omega
     integer, intent(in) :: order
     select case (order)
@@ -232,7 +232,7 @@ contains
   end function ratio_of
 
   pure real(dp) function least_of(x, y) result(at)
-    !! Where the parabola through three points is least.
+    !! Return the minimum of the parabola through three points.
     real(dp), intent(in) :: x(3), y(3)
     real(dp) :: bend, slope(2)
     slope = (y(2:) - y(:2))/(x(2:) - x(:2))
@@ -242,7 +242,7 @@ contains
   end function least_of
 
   subroutine find_antiresonances(response, between, point, found)
-    !! Where Re H changes sign and |H| is less than where a neighbour begins.
+    !! Find sign changes of Re H at which |H| is less than at an end of the interval.
     class(harmonic_response), intent(inout) :: response
     real(dp), intent(in) :: between(2)
     integer, intent(in) :: point
@@ -252,7 +252,7 @@ contains
     complex(dp) :: here, value(samples)
     integer :: j
     if (between(2) <= between(1)) return
-    do j = 1, samples                                ! many near the ends, where poles are
+    do j = 1, samples                                ! denser towards the ends, near the poles
       omega(j) = between(1) + (between(2) - between(1))*sin(0.5_dp*pi*(j - 1)/(samples - 1))**2
       value(j) = value_at(response, omega(j), point)
     end do

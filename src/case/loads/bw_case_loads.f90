@@ -1,10 +1,10 @@
 module bw_case_loads
-  !! The motion of a case under its loads, to its histories and their errors. What moves the beam otherwise is added to it, since all of
-  !! that is linear: the loads act on a beam at rest, through the same changes of its topology.
+  !! The motion of a case under its loads, superposed on its other motion: all is linear, so the loads act on a beam at
+  !! rest through the same changes of the beam.
   !!
-  !! The number of modes is that of the scene, or doubles until the tolerance is kept. With every number what modes beyond it add at once
-  !! is part of the answer; what is missing is how much they lag behind the loads. As many modes more tell that, and for displacements it
-  !! is bounded.
+  !! The number of modes is that of the scene, or doubles until the tolerance is met. The quasi-static contribution of
+  !! omitted modes is included; the truncation error is how much they lag behind it. It is estimated with twice the
+  !! modes, and bounded for displacements.
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
   use bw_case_result, only: add_notes, case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
@@ -26,14 +26,14 @@ module bw_case_loads
   private
   public :: add_loads, applied, place_loads, without_tolerance
 
-  integer, parameter :: first_count = 32           !! modes that a tolerance begins with
-  integer, parameter :: most_count = 1024          !! and the most that it takes, four times as many where it was asked for
-  real(dp), parameter :: bound_times = 100.0_dp    !! a proved bound may be as many tolerances
+  integer, parameter :: first_count = 32           !! modes that a tolerance starts with
+  integer, parameter :: most_count = 1024          !! most modes of a default tolerance; four times as many for a requested one
+  real(dp), parameter :: bound_times = 100.0_dp    !! a proved bound may be so many tolerances
 
 contains
 
   pure type(scene_type) function without_tolerance(scene) result(counted)
-    !! A scene whose modes are found by counts where nothing but loads moves the beam: how many these take is found here.
+    !! Return a scene with mode counts, if only loads move the beam: this module chooses the number under a tolerance.
     type(scene_type), intent(in) :: scene
     counted = scene
     if (allocated(scene%impact) .or. .not. by_tolerance(scene%modes)) return
@@ -44,14 +44,14 @@ contains
   subroutine add_loads(scene, motion, monitor, cache, histories, errors, found, error, before_event)
     !! Add the motion under loads to the histories of a case, and its errors to theirs.
     type(scene_type), intent(in) :: scene            !! with loads
-    type(case_motion), intent(inout) :: motion       !! without the loads, whose notes and plan are added to
-    class(monitor_type), intent(inout), target :: monitor   !! the histories mean nothing where it asks to stop
+    type(case_motion), intent(inout) :: motion       !! without loads; its notes and plan are updated
+    class(monitor_type), intent(inout), target :: monitor   !! the histories are invalid if it requests a stop
     type(case_mode_cache), intent(inout), target :: cache
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
     type(load_result), allocatable, intent(out) :: found
     type(error_type), allocatable, intent(out) :: error
-    type(beam_state), allocatable, intent(out), optional :: before_event(:)   !! the motion under loads before each event after t = 0
+    type(beam_state), allocatable, intent(out), optional :: before_event(:)   !! motion under loads before each event after t = 0
     type(placed_loads) :: loads
     type(loaded_run) :: run
     type(case_modes) :: modes
@@ -103,7 +103,7 @@ contains
     motion%plan%reached = max(motion%plan%reached, part_of_peak(run))
   contains
     pure integer function twice(count)
-      !! As many modes more as there are to be had.
+      !! Return twice a count, as far as there are modes.
       integer, intent(in) :: count
       twice = max(count, min(2*count, 4*most_count))
       if (changes_shapes(scene) .and. .not. by_pieces(scene)) twice = max(count, min(2*count, most))
@@ -111,9 +111,9 @@ contains
   end subroutine add_loads
 
   pure subroutine place_loads(scene, loads)
-    !! Forces come first, each at a place of its own; motions of the base are all of one kind.
+    !! Place the loads: each force is a kind of its own, all base motions are one.
     type(scene_type), intent(in) :: scene
-    type(placed_loads), intent(inout) :: loads     !! with the courses of what the scene gives
+    type(placed_loads), intent(inout) :: loads     !! with the courses
     integer :: l
     allocate (loads%place(0))
     if (allocated(scene%forces)) loads%place = scene%forces%position
@@ -122,9 +122,9 @@ contains
   end subroutine place_loads
 
   pure type(load_result) function applied(scene, courses, units) result(loads)
-    !! What was applied.
+    !! Summarize the applied loads, and note impulses before t = 0.
     type(scene_type), intent(in) :: scene
-    type(load_course), intent(in) :: courses(:)    !! forces, then what accelerations do to the beam
+    type(load_course), intent(in) :: courses(:)    !! forces, then base accelerations as forces on the beam
     type(beam_units), intent(in) :: units
     real(dp), parameter :: worth_saying = 1.0e-3_dp   ! of the impulse
     character(:), allocatable :: name
@@ -151,7 +151,7 @@ contains
   end function applied
 
   pure real(dp) function part_of_peak(run) result(part)
-    !! The largest error of a quantity over its peak, and the bound of that of displacements over what it may be.
+    !! Return the largest error of any quantity over its peak; for displacements also the bound over `bound_times`.
     type(loaded_run), intent(in) :: run
     real(dp) :: peak, error
     integer :: q
@@ -165,7 +165,7 @@ contains
   end function part_of_peak
 
   subroutine take_run(scene, run, histories, errors)
-    !! Into the histories of the case. Where something strikes the beam, what is not known of that is not known of the whole.
+    !! Add a run to the histories of the case. Samples unknown in either become `missing`.
     type(scene_type), intent(in) :: scene
     type(loaded_run), intent(in) :: run
     type(case_histories), intent(inout) :: histories

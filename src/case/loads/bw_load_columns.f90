@@ -1,5 +1,5 @@
 module bw_load_columns
-  !! Which quantities are looked at where beams move under loads, what of the modes shows them, and where the loads act.
+  !! The quantities of histories under loads, the modal weights that give them, and the places of loads.
   use bw_beam_units, only: beam_units
   use bw_case_moments, only: scale_of_moments
   use bw_kinds, only: dp
@@ -17,21 +17,21 @@ module bw_load_columns
   private
   public :: factor_of_quantity, find_drive, list_columns, make_view, residual_at
 
-  integer, parameter, public :: quantities = 6       !! displacement, velocity, acceleration, bending moment, shear force, turn of the hub
+  integer, parameter, public :: quantities = 6  !! displacement, velocity, acceleration, bending moment, shear force, hub rotation
   integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3, 4], order_of(quantities) = [0, 1, 2, 0, 0, 0]
 
   type, public :: placed_loads
-    !! Loads, and where they act.
+    !! Loads and their places.
     type(load_course), allocatable :: course(:)
-    real(dp), allocatable :: place(:)                !! ξ of forces, each a kind of load
-    logical :: accelerated = .false.                 !! the acceleration of the frame is the last kind
+    real(dp), allocatable :: place(:)                !! ξ of forces; each is one kind of load
+    logical :: accelerated = .false.                 !! the last kind is the acceleration of the frame
     integer, allocatable :: kind(:)                  !! of each course
   end type placed_loads
 
 contains
 
   pure subroutine list_columns(response, asked, quantity, point)
-    !! Quantities at all points of the histories, the last at one.
+    !! List the requested quantities at all points; hub rotation, the last, has one column.
     type(response_par), intent(in) :: response
     logical, intent(in) :: asked(quantities)
     integer, allocatable, intent(out) :: quantity(:), point(:)   !! (columns)
@@ -46,7 +46,7 @@ contains
   end subroutine list_columns
 
   pure real(dp) function factor_of_quantity(scene, units, quantity) result(factor)
-    !! SI over what the modes show where displacements are in m.
+    !! Return the factor to SI units, given modal displacements in m.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: quantity
@@ -59,20 +59,20 @@ contains
   end function factor_of_quantity
 
   subroutine make_view(given, modes, summed, loads, points, quantity, point, monitor, view, flexibility)
-    !! What the loads drive and what is looked at.
+    !! Set up the modal loads, and the weights and residuals of the requested quantities.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed
     type(placed_loads), intent(in) :: loads
     real(dp), intent(in) :: points(:)                    !! ξ
     integer, intent(in) :: quantity(:), point(:)         !! (columns)
-    class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor        !! results are invalid if it requests a stop
     type(load_view), intent(out) :: view
-    real(dp), allocatable, intent(out) :: flexibility(:) !! of what is missing: at the points, and as each load sees it, (points + loads)
+    real(dp), allocatable, intent(out) :: flexibility(:) !! residual flexibility at the points and at each load, (points + loads)
     real(dp), allocatable :: drive(:, :), residual(:, :, :), terms(:, :, :), soft(:)
     real(dp) :: weights(modes%count, size(points), maxval(weight_of))
     integer :: c, l, sheared
-    sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points whose shear forces are asked for
+    sheared = merge(size(points), 0, any(weight_of(quantity) == 3))   ! points with requested shear forces
     weights = 0.0_dp
     call find_drive(given, modes, loads%place, loads%accelerated, monitor, drive, points(:sheared), weights(:, :sheared, 3))
     if (monitor%stop_requested()) return
@@ -108,14 +108,14 @@ contains
   end subroutine make_view
 
   subroutine find_drive(given, modes, places, accelerated, monitor, drive, points, shear)
-    !! How each kind of load drives the modes: forces at their places, and the acceleration of the frame by −1 behind them.
+    !! Find the modal loads of each kind: forces at their places, then an acceleration of −1 of the frame.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: places(:)                    !! of forces
-    logical, intent(in) :: accelerated                   !! the frame is
-    class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
+    logical, intent(in) :: accelerated                   !! the frame is accelerated
+    class(monitor_type), intent(inout) :: monitor        !! results are invalid if it requests a stop
     real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
-    real(dp), intent(in) :: points(:)                    !! none: no shear forces are asked for
+    real(dp), intent(in) :: points(:)                    !! empty: no shear forces
     real(dp), intent(out) :: shear(:, :)                 !! shear forces of the modes at the points, (modes, points)
     real(dp) :: participation(modes%count), motion(modes%count, 2)
     integer :: i
@@ -129,7 +129,7 @@ contains
   end subroutine find_drive
 
   function residual_at(given, modes, summed, acting, drive, place) result(residual)
-    !! How a place moves and turns under each load by modes that are not summed, which follow it at once, (2, loads).
+    !! Return the quasi-static displacement and rotation of a place by omitted modes under each load, (2, loads).
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed
@@ -137,7 +137,7 @@ contains
     real(dp), intent(in) :: drive(:, :)            !! that of `find_drive`
     real(dp), intent(in) :: place                  !! ξ
     real(dp) :: residual(2, size(acting%course))
-    integer, parameter :: few = 64                 ! beyond which a static solution takes less time than it does beyond all of them
+    integer, parameter :: few = 64                 ! from here on a static solution is faster than beyond all modes
     real(dp), dimension(size(drive, 2), 1, columns) :: beyond, terms
     real(dp) :: arm, flexibility(1 + size(acting%place)), motion(modes%count, 2), weights(modes%count, 1, columns)
     real(dp), allocatable :: soft(:)
@@ -154,7 +154,7 @@ contains
     beyond(:, 1, deflection) = beyond(:, 1, deflection) + arm*beyond(:, 1, hub_turn)
     residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
     soft = 1.0_dp/(modes%modal_mass(n + 1:summed)*modes%beta_squared(n + 1:summed)%hi)
-    do l = 1, size(acting%course)                  ! of which those after the first few are none
+    do l = 1, size(acting%course)                  ! less modes `few` + 1 to `summed`
       residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:summed, acting%kind(l)), motion(n + 1:summed, :))
     end do
   end function residual_at

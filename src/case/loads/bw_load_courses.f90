@@ -1,5 +1,5 @@
 module bw_load_courses
-  !! The loads of a scene as they vary in time, in SI over the units of the motion; those that a file holds are read.
+  !! The loads of a scene as functions of time: values in SI, times in the unit of the motion. Load files are read here.
   use bw_beam_units, only: beam_units, units_of
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_kinds, only: dp, i8
@@ -25,8 +25,8 @@ module bw_load_courses
 contains
 
   subroutine courses_of(scene, units, courses, error)
-    !! First the forces, N, then the motions of the base, as what they are to the beam: −a times its mass, N, in the order of the
-    !! scene. **Errors**: those of reading a file; `status_bad_input`, with the place, where it does not hold what the scene asks for.
+    !! Return the courses of the forces, N, then of base accelerations a as forces −m_i a, N, in the order of the scene.
+    !! **Errors**: those of reading a file; `status_bad_input`, with the place, if a file does not hold what the scene requests.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(load_course), allocatable, intent(out) :: courses(:)
@@ -69,9 +69,9 @@ contains
 
   subroutine check_load_files(scene, checksums, error)
     !! Read the files of all loads before any work is done.
-    !! **Errors**: as those of `courses_of`; `status_bad_input` where accelerations are asked for that have no limit.
+    !! **Errors**: see `courses_of`; `status_bad_input` if requested accelerations have no limit as modes are added.
     type(scene_type), intent(in) :: scene
-    character(:), allocatable, intent(out) :: checksums   !! of the files, by blanks; unallocated: there are none
+    character(:), allocatable, intent(out) :: checksums   !! of the files, separated by blanks; unallocated: no files
     type(error_type), allocatable, intent(out) :: error
     type(load_course), allocatable :: courses(:)
     type(beam_units) :: units
@@ -117,7 +117,7 @@ contains
   end subroutine check_load_files
 
   subroutine read_load(scene, load, group, times, values, error)
-    !! The samples of a load, SI.
+    !! Read the samples of a load, SI.
     type(scene_type), intent(in) :: scene
     type(load_par), intent(in) :: load
     character(*), intent(in) :: group
@@ -168,7 +168,7 @@ contains
   end subroutine read_load
 
   real(dp) function factor_in_si(unit, group) result(factor)
-    !! SI over a unit; 0 where it is not known. A column without a unit is in SI.
+    !! Return the factor of a unit to SI; 0 if unknown. A column without a unit is in SI.
     character(*), intent(in) :: unit, group
     if (group == 'force') then
       factor = force_factor(unit)
@@ -180,11 +180,11 @@ contains
   end function factor_in_si
 
   subroutine choose_columns(source, load, time, column, name, problem)
-    !! Those that the scene names, or the only ones that can be meant.
+    !! Choose the columns that the scene names, or else the only possible ones.
     class(record_source), intent(in) :: source
     type(load_par), intent(in) :: load
-    integer, intent(out) :: time, column           !! time 0: the sampling rate tells the times
-    character(:), allocatable, intent(out) :: name, problem   !! of an input, where no column can be meant
+    integer, intent(out) :: time, column           !! time 0: the sampling rate gives the times
+    character(:), allocatable, intent(out) :: name, problem   !! of an input, if there is no column for it
     integer, allocatable :: others(:)
     integer :: i
     column = 0
@@ -214,7 +214,7 @@ contains
   end subroutine choose_columns
 
   integer function place_of(source, choice) result(place)
-    !! The column of a name or a number; 0: there is none.
+    !! Return the index of a column by name or number; 0: none.
     class(record_source), intent(in) :: source
     type(column_choice), intent(in) :: choice
     place = choice%number

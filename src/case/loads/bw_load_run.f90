@@ -1,6 +1,6 @@
 module bw_load_run
-  !! The motion of a beam under its loads, with some modes: through the changes of its topology, to histories and what they lack of
-  !! infinitely many modes.
+  !! The motion of a beam under its loads with a given number of modes, through all changes of the beam: histories and
+  !! their truncation errors.
   use bw_beam_units, only: beam_units
   use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_modes
@@ -28,24 +28,24 @@ module bw_load_run
   public :: follow_loads, largest_of
 
   type, public :: loaded_run
-    !! The histories of some modes, SI.
+    !! Histories and their errors, SI.
     real(dp), allocatable :: history(:, :)         !! (samples, columns)
     real(dp), allocatable :: error(:)              !! (columns)
-    real(dp), allocatable :: bound(:)              !! of the displacements, `huge` where there is none, (points)
+    real(dp), allocatable :: bound(:)              !! of displacements; `huge`: none, (points)
     integer, allocatable :: quantity(:), point(:)  !! (columns)
-    integer :: samples = 0                         !! that are known
-    integer :: count = 0                           !! modes
-    type(beam_state), allocatable :: before_event(:)   !! the motion before each event after t = 0
+    integer :: samples = 0                         !! known samples
+    integer :: count = 0                           !! modes summed
+    type(beam_state), allocatable :: before_event(:)   !! motion before each event after t = 0
   end type loaded_run
 
 contains
 
   subroutine follow_loads(scene, units, modes, summed, loads, monitor, run)
-    !! The histories of the modes that are counted.
+    !! Follow the motion under loads and sum its histories.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    type(case_modes), intent(in) :: modes            !! with more than are summed, if there are
-    integer, intent(in) :: summed(2)                 !! modes of the first configuration and of others that are
+    type(case_modes), intent(in) :: modes            !! with more than the summed modes, if there are any
+    integer, intent(in) :: summed(2)                 !! modes summed in the first configuration and in others
     type(placed_loads), intent(in) :: loads
     class(monitor_type), intent(inout) :: monitor
     type(loaded_run), intent(out) :: run
@@ -54,16 +54,16 @@ contains
     type(time_grid) :: grid
     type(step_type), allocatable :: steps(:)
     type(carried_type), allocatable :: configurations(:)
-    type(configuration_type), allocatable :: wide(:)   ! with modes that hand on the motion
+    type(configuration_type), allocatable :: wide(:)   ! with more modes, for projections
     type(varying_beam) :: given
     type(body_type), allocatable :: bodies(:)
     type(beam_state) :: state
     real(dp), allocatable :: doubt(:, :), flexibility(:)
-    real(dp), allocatable :: shown(:), held(:)       ! by all modes at the last change, and by the shape in which the beam rests,
-    real(dp), allocatable :: held_error(:)           ! which holds what modes lacked as it was found
-    real(dp), dimension(size(loads%course), 2) :: load, since   ! at a change, and at that from which on the beam rests in a shape
+    real(dp), allocatable :: shown(:), held(:)  ! histories of all modes at the last change, and of the static shape of segments,
+    real(dp), allocatable :: held_error(:)           ! which includes the truncation error then
+    real(dp), dimension(size(loads%course), 2) :: load, since   ! at a change, and when the static shape was set
     real(dp) :: ends, factor, metre
-    real(dp) :: of_states(size(scene%response%points), 3)   ! errors of displacement, velocity and curvature
+    real(dp) :: of_states(size(scene%response%points), 3)   ! due to state errors: displacement, velocity and curvature
     type(dd) :: start, until, whole
     integer :: c, configuration, i, next, samples(2)
     associate (response => scene%response)
@@ -77,8 +77,8 @@ contains
     steps = steps_of(scene)
     configurations = configurations_of(scene)
     bodies = bodies_of(scene, units)
-    where (.not. is_missing(bodies%velocity)) bodies%velocity = 0.0_dp   ! what they bring moves the beam without loads
-    bodies%pull = 0.0_dp                             ! energies are told there, too
+    where (.not. is_missing(bodies%velocity)) bodies%velocity = 0.0_dp   ! what bodies bring is part of the motion without loads
+    bodies%pull = 0.0_dp                             ! as are energies
     allocate (state%shape(0))
     since = 0.0_dp
     held_error = 0.0_dp*run%error
@@ -121,7 +121,7 @@ contains
         if (monitor%stop_requested()) return
         call add_errors()
         if (run%samples < grid%samples .or. next == 0) exit
-        associate (speed => units%time%hi/units%mass)  ! as bw_change_of_bodies has it, V l²/h and V for V = 1 m/s
+        associate (speed => units%time%hi/units%mass)  ! units of bw_change_of_bodies, V l²/h and V, with V = 1 m/s
           run%before_event = [run%before_event, beam_state(set%count, speed*state%q, speed*state%rate)]
         end associate
         load = loads_before(loads%course, until%hi)
@@ -133,14 +133,14 @@ contains
         since = load
         if (size(state%shape) == 0) then
           since = 0.0_dp
-          deallocate (wide)                          ! no shape is one of their modes
+          deallocate (wide)                          ! as no shape refers to their modes
         end if
         configuration = next
         start = until
         call add_doubt(modes%configuration(next)%set)
       end associate
     end do
-    metre = units%time%hi**2/units%mass                ! of displacements under loads in N
+    metre = units%time%hi**2/units%mass                ! of displacements, loads in N
     do c = 1, size(run%quantity)
       factor = metre*factor_of_quantity(scene, units, run%quantity(c))
       run%history(:, c) = factor*run%history(:, c)
@@ -153,7 +153,7 @@ contains
     where (run%bound < huge(metre)) run%bound = metre*run%bound
   contains
     subroutine add_doubt(after)
-      !! What errors of the state after a change come to.
+      !! Add the effect of state errors after a change.
       class(mode_set), intent(in) :: after
       type(lack_error) :: found
       found = error_of_state(after, after%count, start, doubt, deflections, scene%response%points, grid)
@@ -165,8 +165,7 @@ contains
     end subroutine add_doubt
 
     subroutine add_errors()
-      !! What is missing of infinitely many modes, the most of all segments, and rounding. A motion is bounded while the beam stays the
-      !! same.
+      !! Add the largest truncation error of all segments, and rounding. A bound exists until the first change.
       real(dp) :: bound(size(run%bound))
       real(dp) :: missed(size(run%error), 2), rounding(size(run%error))
       integer, allocatable :: columns(:)
@@ -191,7 +190,7 @@ contains
   end subroutine follow_loads
 
   pure function shown_by(modes, view, q, load) result(shown)
-    !! What all modes that are known show under loads, with those beyond at once, and rates nothing, (columns).
+    !! Return histories at an instant: known modes, omitted modes quasi-statically, and no rates, (columns).
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
     real(dp), intent(in) :: q(:), load(:)
@@ -204,11 +203,11 @@ contains
   end function shown_by
 
   pure function bound_of(modes, view, flexibility, courses, until) result(bound)
-    !! A bound of what the displacements of infinitely many modes differ by: how much the missing ones lag behind each load, times their
-    !! flexibility between its place and the point, by Cauchy and Schwarz. (points)
+    !! Bound the truncation error of displacements: the lag of omitted modes behind each load, times their residual
+    !! flexibility between load and point, by the Cauchy–Schwarz inequality. (points)
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
-    real(dp), intent(in) :: flexibility(:)         !! as that of `make_view`
+    real(dp), intent(in) :: flexibility(:)         !! from `make_view`
     type(load_course), intent(in) :: courses(:)
     real(dp), intent(in) :: until                  !! the end of the segment, l²/h
     real(dp) :: bound(size(flexibility) - size(courses))
@@ -227,7 +226,7 @@ contains
   end function bound_of
 
   pure type(varying_beam) function beam_of(scene, units, carried) result(given)
-    !! What the modes of a configuration are of.
+    !! Return the beam of a configuration.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(carried_type), intent(in) :: carried
@@ -235,21 +234,20 @@ contains
   end function beam_of
 
   subroutine take_change(given, configuration, from, was, onto, is, loads, load, since, monitor, bodies, wide, state, doubt)
-    !! Bodies come and leave: the motion goes over to other modes, with that of modes that were not summed, which follow the loads at
-    !! once.
+    !! Project the motion onto the modes after a change of bodies, with the quasi-static motion of omitted modes.
     type(varying_beam), intent(in) :: given          !! before the change
     type(configuration_type), intent(in) :: configuration(:)
     integer, intent(in) :: from, onto
-    logical, intent(in) :: was(:), is(:)             !! which bodies are there before and after, (bodies)
+    logical, intent(in) :: was(:), is(:)             !! bodies before and after, (bodies)
     type(placed_loads), intent(in) :: loads
-    real(dp), intent(in) :: load(:, :)               !! then, and rates, (loads, 2)
-    real(dp), intent(in) :: since(:, :)              !! the same as the beam came to rest in a shape; 0: it is straight
-    class(monitor_type), intent(inout) :: monitor    !! nothing that is found means anything where it asks to stop
+    real(dp), intent(in) :: load(:, :)               !! loads at the change and their rates, (loads, 2)
+    real(dp), intent(in) :: since(:, :)              !! the same when the static shape was set; 0: there is no shape
+    class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(body_type), intent(inout) :: bodies(:)
     type(configuration_type), intent(inout) :: wide(:)   !! one more than there are configurations
     type(beam_state), intent(inout) :: state
-    real(dp), allocatable, intent(out) :: doubt(:, :)   !! what modes beyond may add to both, (modes after, 2)
-    integer, parameter :: times_as_many = 4          ! modes are handed on as are summed
+    real(dp), allocatable, intent(out) :: doubt(:, :)   !! errors of displacements and velocities, (modes after, 2)
+    integer, parameter :: times_as_many = 4          ! modes are projected
     type(beam_state) :: later
     type(event_type) :: ignored
     real(dp), allocatable :: drive(:, :), follows(:, :), soft(:), nothing(:, :)
@@ -262,7 +260,7 @@ contains
     end associate
     if (monitor%stop_requested()) return
     if (allocated(wide(aside)%set)) deallocate (wide(aside)%set)
-    allocate (wide(aside)%set, source=configuration(onto)%set)   ! fewer than hand on the motion later
+    allocate (wide(aside)%set, source=configuration(onto)%set)   ! fewer than later projections use
     associate (before => wide(from)%set, after => configuration(onto)%set)
       allocate (nothing(before%count, 0))
       call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)

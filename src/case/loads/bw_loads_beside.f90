@@ -1,5 +1,5 @@
 module bw_loads_beside
-  !! Loads as a beam and a mass beside it see them, in the modes of one of the configurations that the beam takes while contacts last.
+  !! Loads in terms of the beam's modes and of a mass beside it, for any configuration of the beam in lasting contacts.
   use bw_acting_loads, only: acting_loads
   use bw_case_result, only: case_motion
   use bw_kinds, only: dp
@@ -20,24 +20,24 @@ module bw_loads_beside
 contains
 
   pure real(dp) function unit_force(scene, motion) result(newton)
-    !! That of bw_segment, N.
+    !! Return the unit of force of bw_segment, N.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     newton = motion%units%mass*unit_velocity(scene)/motion%units%time%hi
   end function unit_force
 
   pure integer function taking_part(motion, configuration, summed) result(count)
-    !! How many modes of a configuration do: as large a part of them as of the first.
+    !! Return how many modes of a configuration take part: the same fraction as of the first.
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: configuration
-    integer, intent(in) :: summed                    !! of the first
+    integer, intent(in) :: summed                    !! modes of the first
     associate (all => motion%modes%configuration)
       count = (summed*all(configuration)%set%count + all(1)%set%count - 1)/all(1)%set%count
     end associate
   end function taking_part
 
   type(varying_beam) function beam_of(scene, motion, configuration) result(given)
-    !! What the modes of a configuration are of.
+    !! Return the beam of a configuration.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: configuration
@@ -49,18 +49,18 @@ contains
   end function beam_of
 
   subroutine place_beside(scene, motion, configuration, given, summed, loads, monitor, acting, places, at_places)
-    !! Loads as the beam and the mass beside it see them.
+    !! Express loads in terms of the beam's modes and of the mass beside it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: configuration
-    type(varying_beam), intent(in) :: given          !! with what it carries then
+    type(varying_beam), intent(in) :: given          !! with the bodies that it carries
     integer, intent(in) :: summed                    !! modes that take part
     type(placed_loads), intent(in) :: loads          !! N
-    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(acting_loads), allocatable, intent(out) :: acting
     real(dp), intent(in), optional :: places(:)      !! ξ
     real(dp), allocatable, intent(out), optional :: at_places(:, :, :)
-      !! deflection and turning there under a load of 1, at once, by modes that are not summed, (places, 2, loads)
+      !! quasi-static deflection and rotation there by omitted modes, under a load of 1, (places, 2, loads)
     real(dp), allocatable :: drive(:, :), nothing(:, :), ignored(:), residual(:, :, :), terms(:, :, :), weights(:, :, :)
     real(dp) :: no_points(0)
     integer :: l, p
@@ -80,7 +80,7 @@ contains
       do l = 1, size(loads%course)
         associate (kind => loads%kind(l))
           acting%drive(:set%count, l) = drive(:, kind)/set%modal_mass
-          acting%drive(set%count + 1, l) = merge(1.0_dp, 0.0_dp, kind > size(loads%place))   ! the frame takes the mass along
+          acting%drive(set%count + 1, l) = merge(1.0_dp, 0.0_dp, kind > size(loads%place))   ! the frame accelerates the mass
           acting%residual(l) = residual(kind, 1, deflection) + arm_of(given%beam, place)*residual(kind, 1, hub_turn)
         end associate
       end do

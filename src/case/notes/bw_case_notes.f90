@@ -1,5 +1,5 @@
 module bw_case_notes
-  !! What there is to say of a case beside its numbers: warnings, and remarks, which give an account of what was done.
+  !! Notes on a case besides its numbers: warnings, and remarks on how it was computed.
   use bw_beam_units, only: beam_units, in_joules
   use bw_case_result, only: case_done, case_ill_conditioned, case_motion, contact_result
   use bw_constants, only: pi
@@ -24,21 +24,21 @@ module bw_case_notes
   public :: note_added_energy, note_contacts, note_lasting_contacts, note_no_change, note_relaxed, note_release, note_rounding
   public :: most_of, out_of_reach, why_untrusted
 
-  integer, parameter, public :: most_modes = 10000000      !! that a tolerance may take
+  integer, parameter, public :: most_modes = 10000000      !! that a tolerance may sum
   integer, parameter, public :: most_released = 10000
-    !! after a change, where each is handed what each before it had
+    !! after a change, where projections are onto each mode from each mode before
   real(dp), parameter :: rpm = 30.0_dp/pi    !! turns a minute in 1 rad/s
-  real(dp), parameter :: noteworthy = 1.0e6_dp     !! an amplification that leaves nothing of data with six digits
+  real(dp), parameter :: noteworthy = 1.0e6_dp     !! amplification that leaves nothing of data with six digits
 
 contains
 
   subroutine note_coupling(scene, units, modes, notes)
-    !! Rayleigh's damping is diagonal in modes of the elastic stiffness alone, which tension and rotation change.
+    !! Note the coupling of modes by Rayleigh damping, which is diagonal only without tension and rotation.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes           !! in force after t = 0
     type(string), allocatable, intent(inout) :: notes(:)
-    real(dp), parameter :: nothing = 1.0e-9_dp     ! rounding of modes that are orthogonal
+    real(dp), parameter :: nothing = 1.0e-9_dp     ! rounding of orthogonal modes
     real(dp), parameter :: worth_a_warning = 0.01_dp
     character(:), allocatable :: text
     real(dp) :: ratio
@@ -61,11 +61,11 @@ contains
   end subroutine note_coupling
 
   subroutine note_growth(units, modes, notes, which)
-    !! Which modes grow.
+    !! Note unstable modes.
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes           !! in force after t = 0
     type(string), allocatable, intent(inout) :: notes(:)
-    character(*), intent(in), optional :: which    !! modes these are; absent: those in force after t = 0
+    character(*), intent(in), optional :: which    !! words after `modes`; absent: those after t = 0
     character(:), allocatable :: reason, of
     integer :: growing
     of = ''
@@ -79,13 +79,13 @@ contains
   end subroutine note_growth
 
   subroutine note_no_effect(notes)
-    !! Rotation acts on nothing.
+    !! Note that rotation has no effect.
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
   end subroutine note_no_effect
 
   subroutine note_empty_bodies(scene, notes)
-    !! Bodies that act on nothing.
+    !! Note bodies without effect.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
     integer :: b
@@ -100,23 +100,23 @@ contains
   end subroutine note_empty_bodies
 
   subroutine note_unresolved(why, notes)
-    !! The modes of one of the beams, or of both, are not to be trusted.
+    !! Note that the modes of a beam are invalid.
     character(*), intent(in) :: why
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'not converged: '//why//'; no number of the case is given')
   end subroutine note_unresolved
 
   subroutine note_failure(failure, lost, notes)
-    !! A mode was not found among those that are found one after the other, and not kept.
+    !! Note that a mode was not found among those that are found in turn and not stored.
     type(search_failure), intent(in) :: failure
-    character(*), intent(in) :: lost               !! what is not given for that
+    character(*), intent(in) :: lost               !! what is not given therefore
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'not converged: one of the modes '//text_of(failure%first)//' to '//text_of(failure%last)// &
                 ' was not found; '//lost)
   end subroutine note_failure
 
   subroutine note_added_energy(scene, motion)
-    !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.
+    !! Note the energy added with e > 0, as the interface conditions 22–26 give the mass the tip's velocity.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion   !! impact and capture are in its timeline
     if (scene%impact%restitution == 0.0_dp) return
@@ -133,7 +133,7 @@ contains
   end subroutine note_added_energy
 
   subroutine note_no_change(scene, motion)
-    !! Why no release comes within the record.
+    !! Note why no release comes within the record.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     logical :: late
@@ -147,7 +147,7 @@ contains
   end subroutine note_no_change
 
   subroutine note_release(scene, release, motion)
-    !! Where the energy went.
+    !! Note the energy balance of a release.
     type(scene_type), intent(in) :: scene
     type(release_type), intent(in) :: release
     type(case_motion), intent(inout) :: motion
@@ -169,7 +169,7 @@ contains
   end subroutine note_release
 
   subroutine note_rounding(motion)
-    !! Energies that are the difference of far larger ones.
+    !! Note energies lost in cancellation.
     type(case_motion), intent(inout) :: motion
     if (.not. any(is_missing([motion%timeline%events%energy_before, motion%timeline%events%energy_after]))) return
     call append(motion%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
@@ -177,7 +177,7 @@ contains
   end subroutine note_rounding
 
   subroutine note_contacts(scene, contacts, motion)
-    !! How the search for contacts ended.
+    !! Note how the search for contacts ended.
     type(scene_type), intent(in) :: scene
     type(contacts_type), intent(in) :: contacts
     type(case_motion), intent(inout) :: motion
@@ -200,19 +200,19 @@ contains
       'recontact: the mass does not come back within the record')
   contains
     pure function from_then_on() result(text)
-      !! From when on nothing is known.
+      !! Return from when on the motion is unknown, in words.
       character(:), allocatable :: text
       text = ' from t = '//known_until()//' s on: the histories hold fill from there, and no later contact is given'
     end function from_then_on
     pure function known_until() result(seconds)
-      !! That time.
+      !! Return that time, s.
       character(:), allocatable :: seconds
       seconds = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
     end function known_until
   end subroutine note_contacts
 
   subroutine note_lasting_contacts(scene, motion, found, cut, out_of_range, failed)
-    !! How the contacts of a finite duration ended.
+    !! Note how lasting contacts ended.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(contact_result), intent(in) :: found
@@ -227,14 +227,14 @@ contains
     if (found%lasting) call remark(motion%notes, 'contact: the last contact has not ended at the end of the record')
   contains
     pure function until() result(seconds)
-      !! When the histories end; there is such a time where one of these notes is.
+      !! Return when the histories end, s; the notes that use it imply such a time.
       character(:), allocatable :: seconds
       seconds = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
     end function until
   end subroutine note_lasting_contacts
 
   pure function why_untrusted(notes) result(reason)
-    !! The first of a case's notes on why it is not done, which every such case has.
+    !! Return the first of a case's notes that explains its status; every case that is not done has one.
     type(string), intent(in) :: notes(:)
     character(:), allocatable :: reason
     character(*), parameter :: kinds(*) = &
@@ -251,7 +251,7 @@ contains
   end function why_untrusted
 
   pure integer function most_of(scene, source) result(most)
-    !! Modes that a tolerance may take: one that was not asked for, those that are found quickly.
+    !! Return how many modes a tolerance may sum; a default one only those that are found quickly.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
     most = min(most_modes, source%at_most)
@@ -259,7 +259,7 @@ contains
   end function most_of
 
   pure function out_of_reach(scene, motion) result(text)
-    !! What to tell of a tolerance that the plan does not keep.
+    !! Explain a tolerance that cannot be met.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     character(:), allocatable :: text
@@ -278,7 +278,7 @@ contains
   end function out_of_reach
 
   subroutine note_relaxed(scene, notes)
-    !! The default tolerance was out of reach.
+    !! Note that the default tolerance was out of reach.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
     if (is_relaxed(scene%modes)) call remark(notes, 'tolerance: the displacement is found to '// &

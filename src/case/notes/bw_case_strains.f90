@@ -1,6 +1,6 @@
 module bw_case_strains
-  !! How far the material of a beam is strained, and where the most: by bending, and by the centrifugal force. Linear theory
-  !! holds for small strains alone.
+  !! The largest strains of a beam, by bending and by the centrifugal force, and where they are. Linear theory holds for
+  !! small strains only.
   use bw_beam_par, only: area_of, beam_par, beam_piece, pieces_of_beam, second_moment_of, section_at
   use bw_beam_piece, only: fibre_of, mass_moments
   use bw_kinds, only: dp, qp
@@ -12,14 +12,14 @@ module bw_case_strains
   public :: centrifugal_strain, largest_bending
 
   type, public :: placed_strain
-    real(dp) :: strain = 0.0_dp                    !! the largest there is, or what is known of it
-    real(dp) :: position = 0.0_dp                  !! ξ at which it is found, 0 at the root
+    real(dp) :: strain = 0.0_dp                    !! largest, or an estimate of it
+    real(dp) :: position = 0.0_dp                  !! ξ of it, 0 at the root
   end type placed_strain
 
   type :: fibre
-    !! The outermost fibre of a section of the beam, which is looked at.
+    !! The outermost fibre of a section.
     real(dp) :: position = 0.0_dp                  !! ξ
-    real(dp) :: strain = 0.0_dp                    !! of a curvature M/(EI of the root piece) of 1/l
+    real(dp) :: strain = 0.0_dp                    !! at a curvature M/(EI of the root piece) of 1/l
   end type fibre
 
   real(dp), parameter :: quarters(3) = [0.25_dp, 0.5_dp, 0.75_dp]
@@ -27,9 +27,9 @@ module bw_case_strains
 contains
 
   function largest_bending(scene, modes, amplitude) result(found)
-    !! The largest strain c v'' of an outermost fibre, by the sum of the amplitudes of the first modes, in V l²/h over l. A uniform
-    !! clamped beam that is struck at its tip is bent the most at its root: of a captured mass of 0.05 to 50 times the beam's the
-    !! sum there is 0.9 to 1.5 times the largest strain. Any other beam is looked at wherever the most may be.
+    !! Estimate the largest strain c v'' of an outermost fibre by the sum of the amplitudes of the first modes, in V l²/h over
+    !! l. A uniform clamped beam struck at its tip bends most at its root: for captured masses of 0.05 to 50 times the beam's
+    !! the sum there is 0.9 to 1.5 times the largest strain. Other beams are searched wherever the largest may be.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: amplitude(:)           !! of the first modes, V l²/h
@@ -46,10 +46,10 @@ contains
   end function largest_bending
 
   pure function places_of(scene) result(places)
-    !! The root, both sides of each joint, body and struck place, where moments jump or end, and some places between these.
+    !! Return the root, both sides of each joint, body and struck place, where moments jump or end, and some places between.
     type(scene_type), intent(in) :: scene
     type(fibre), allocatable :: places(:)
-    real(dp), parameter :: beside = 8.0_dp*epsilon(1.0_dp)     ! so near to a joint is its inner or its outer side
+    real(dp), parameter :: beside = 8.0_dp*epsilon(1.0_dp)     ! relative distance of the sides of a joint
     type(beam_piece), allocatable :: pieces(:)
     real(dp), allocatable :: between(:)
     real(dp) :: inner, outer
@@ -75,8 +75,8 @@ contains
   end function places_of
 
   pure real(dp) function fibre_strain(piece, beam) result(strain)
-    !! c/l over EI of the section by that of the root, c being the distance of the outermost fibre from the axis: given, D/2 of a
-    !! circle, h/2 of a rectangle, and 2√(I/A), D/2 of a circle, of any other section; 0 where nothing tells it.
+    !! Return c/l over EI of the section by that of the root. c is the distance of the outermost fibre from the axis: as
+    !! given, else D/2 of a circle, h/2 of a rectangle, or 2√(I/A), which is D/2 of a circle; 0 if unknown.
     type(beam_piece), intent(in) :: piece
     type(beam_par), intent(in) :: beam
     real(qp) :: c
@@ -88,8 +88,8 @@ contains
   end function fibre_strain
 
   pure function centrifugal_strain(scene) result(found)
-    !! The largest strain T/(EA) of the tension that rotation brings into the beam, whether it is in the equations or not: at the
-    !! inner end of a piece, of all that lies beyond it.
+    !! Find the largest strain T/(EA) due to the centrifugal force, with or without tension in the equations: at the
+    !! inner end of a piece, due to all that lies beyond.
     type(scene_type), intent(in) :: scene
     type(placed_strain) :: found
     type(beam_piece), allocatable :: pieces(:)
@@ -118,7 +118,7 @@ contains
     end do
   contains
     pure real(qp) function force_of(mass, position) result(force)
-      !! Over ω²; none of a body further inwards.
+      !! Return the force of a body beyond the inner end over ω², else 0.
       real(dp), intent(in) :: mass, position
       force = 0.0_qp
       if (position*scene%beam%length > inner) force = mass*(hub + real(position, qp)*scene%beam%length)

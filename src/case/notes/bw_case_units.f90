@@ -1,7 +1,7 @@
 module bw_case_units
-  !! Numbers that no part of a machine has, as slips of units make them: warnings that say the number and which slip would
-  !! explain it. Four quantities tell them: the speed of sound √(E/ρ) and the density, which solids bound; the size of the
-  !! beam; masses over the beam's; and the part of the first period that a record shows.
+  !! Warnings of likely slips of units: numbers that no machine part has, and the slip that would explain them. Four
+  !! tests: speed of sound √(E/ρ) and density against the range of solids; the size of the beam; masses over the beam's;
+  !! and the duration of the record over the first period.
   use bw_beam_par, only: beam_mass, beam_piece, pieces_of_beam
   use bw_beam_units, only: beam_units
   use bw_constants, only: two_pi
@@ -17,18 +17,18 @@ module bw_case_units
     real(dp) :: low, high
   end type number_span
 
-  type(number_span), parameter :: sound = number_span(100.0_dp, 20000.0_dp)     !! √(E/ρ), m/s: of soft rubber to that of diamond
-  type(number_span), parameter :: density = number_span(1.0_dp, 23000.0_dp)     !! ρ, kg/m³: of an aerogel to that of osmium
+  type(number_span), parameter :: sound = number_span(100.0_dp, 20000.0_dp)     !! √(E/ρ), m/s: soft rubber to diamond
+  type(number_span), parameter :: density = number_span(1.0_dp, 23000.0_dp)     !! ρ, kg/m³: aerogel to osmium
   type(number_span), parameter :: usual_sound = number_span(300.0_dp, 20000.0_dp), usual_density = number_span(100.0_dp, 23000.0_dp)
-    !! without what is soft as rubber or light as foam: what a number in another unit is read as
+    !! without rubber and foam: range for numbers in a guessed unit
   real(dp), parameter :: longest = 200.0_dp         !! m: a rotor blade of 2025 has 150
   real(dp), parameter :: heaviest = 1.0e6_dp        !! kg: rotors of large generators have a third of it
-  real(dp), parameter :: largest_ratio = 100.0_dp   !! of a mass in kg to the beam's: beside it a beam is a spring
-  real(dp), parameter :: least_part = 1.0e-4_dp     !! of the period of the first mode that bends
+  real(dp), parameter :: largest_ratio = 100.0_dp   !! of a mass to the beam's, beyond which the beam is a mere spring
+  real(dp), parameter :: least_part = 1.0e-4_dp     !! of the period of the first bending mode
 
   type :: unit_slip
-    real(dp) :: factor = 1.0_dp                     !! what the number was to be multiplied by
-    character(32) :: words = ''                     !! the name with the unit that it looks like
+    real(dp) :: factor = 1.0_dp                     !! that the number lacks
+    character(32) :: words = ''                     !! name and likely unit
   end type unit_slip
 
   type(unit_slip), parameter :: modulus_slips(*) = [unit_slip(), unit_slip(1.0e9_dp, 'youngs_modulus in GPa'), &
@@ -39,10 +39,10 @@ module bw_case_units
 contains
 
   subroutine note_units(scene, units, modes, notes)
-    !! Warn of what a slip of units may have made.
+    !! Warn of likely slips of units.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    class(mode_set), intent(in) :: modes           !! that move, or the first of them
+    class(mode_set), intent(in) :: modes           !! after t = 0, or the first of them
     type(string), allocatable, intent(inout) :: notes(:)
     integer :: b
     if (.not. scene%beam%is_lumped) call note_material(pieces_of_beam(scene%beam), notes)
@@ -63,7 +63,7 @@ contains
   end subroutine note_units
 
   pure subroutine note_material(pieces, notes)
-    !! The first piece that is of no material, and how many more there are.
+    !! Warn of the first piece outside the range of solids, and count the others.
     type(beam_piece), intent(in) :: pieces(:)
     type(string), allocatable, intent(inout) :: notes(:)
     logical :: strange(size(pieces))
@@ -82,7 +82,7 @@ contains
   end subroutine note_material
 
   pure function likely_slip(piece) result(words)
-    !! The units that would make a material of the numbers, as few of them as do; else a question.
+    !! Return the fewest slips that bring a material into the usual range, in words; else a question.
     type(beam_piece), intent(in) :: piece
     character(:), allocatable :: words
     type(beam_piece) :: meant
@@ -118,17 +118,17 @@ contains
   end function lies_in
 
   pure subroutine note_mass(mass, units, group, notes)
-    !! A mass in kg that makes the beam a mere spring.
+    !! Warn of a mass in kg that makes the beam a mere spring.
     real(dp), intent(in) :: mass                   !! kg
     type(beam_units), intent(in) :: units
-    character(*), intent(in) :: group              !! that gives it
+    character(*), intent(in) :: group              !! group of the mass
     type(string), allocatable, intent(inout) :: notes(:)
     if (mass > largest_ratio*units%mass) call append(notes, 'heavy mass: that of &'//group//', '//shortest(mass, 6)//' kg, is '// &
       shortest(mass/units%mass, 3)//' times the beam''s. Is it in kg, not in g, and are length and section of the beam in m?')
   end subroutine note_mass
 
   pure subroutine note_inertia(inertia, units, group, notes)
-    !! The same of a rotary inertia.
+    !! Warn likewise of a rotary inertia.
     real(dp), intent(in) :: inertia                !! kg m²
     type(beam_units), intent(in) :: units
     character(*), intent(in) :: group
@@ -140,7 +140,7 @@ contains
   end subroutine note_inertia
 
   pure subroutine note_record(duration, units, modes, notes)
-    !! A record that is over before the first mode that bends has moved.
+    !! Warn of a record much shorter than the first period of bending.
     real(dp), intent(in) :: duration               !! s
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes

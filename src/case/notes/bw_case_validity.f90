@@ -1,6 +1,6 @@
 module bw_case_validity
-  !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
-  !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
+  !! Warnings if a case is outside the validity of the theory, undersampled, or inaccurate. They name the input that was
+  !! likely meant otherwise, or the effect that is missing.
   use bw_beam_par, only: beam_par
   use bw_beam_units, only: beam_units, slenderness
   use bw_case_result, only: case_motion, contact_result, history_errors
@@ -25,21 +25,21 @@ module bw_case_validity
   private
   public :: note_contact, note_history_errors, note_validity
 
-  integer, parameter :: looked_at = 20                        !! modes, the first
-  real(dp), parameter :: thickest = 0.1_dp                    !! D/l of a slender beam
+  integer, parameter :: looked_at = 20                        !! the first modes
+  real(dp), parameter :: thickest = 0.1_dp                    !! largest D/l of a slender beam
   real(dp), parameter :: largest_deflection = 0.1_dp          !! over the length
   real(dp), parameter :: largest_strain = 0.005_dp
-  real(dp), parameter :: largest_told = 1.0e300_dp            !! per cent of it are numbers still
+  real(dp), parameter :: largest_told = 1.0e300_dp            !! largest strain in warnings: its per cent do not overflow
   real(dp), parameter :: unnoticed = 0.01_dp
-    !! of a history's peak: an error, or what is above half the sampling rate, that needs no warning
+    !! of a history's peak: errors or aliases below it need no warning
 
 contains
 
   subroutine note_validity(scene, motion, response, notes)
-    !! Notes on the beam, and on its motion where a history is asked for.
+    !! Note the validity of the beam, and of its motion if a history is requested.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(response_type), intent(in), optional :: response      !! absent: no history is asked for
+    type(response_type), intent(in), optional :: response      !! absent: no history is requested
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp), allocatable :: q(:), rate(:)         ! of the first modes
     integer :: moves
@@ -59,7 +59,7 @@ contains
       call note_thickness(scene, notes)
       call note_rotation(centrifugal_strain(scene), notes)
       if (.not. present(response)) return
-      if (response%finite_samples == 0) return       ! another note says why
+      if (response%finite_samples == 0) return       ! another note explains it
       if (is_loaded(scene) .and. .not. allocated(scene%impact)) then
         call note_size(scene, largest_magnitude(response%displacement(:response%finite_samples, :)), placed_strain(), notes)
         return
@@ -71,7 +71,7 @@ contains
   end subroutine note_validity
 
   pure subroutine find_strongest(motion, configuration, q, rate)
-    !! The segment that holds the most energy: which modes move in it, and how they begin.
+    !! Find the segment with the most energy: its configuration and initial state.
     type(case_motion), intent(in) :: motion        !! of a beam that changes in time
     integer, intent(out) :: configuration
     real(dp), allocatable, intent(out) :: q(:), rate(:)
@@ -94,8 +94,8 @@ contains
   end subroutine find_strongest
 
   subroutine note_return(scene, motion, response, notes)
-    !! When a mass that rebounded, and that the scene does not follow, would be back: the first sample at which the place that it struck,
-    !! if it is one of the points, is behind it.
+    !! Note when a mass that rebounded, and is not followed, would strike again: the first sample at which the struck
+    !! place, if it is a point, is behind it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
@@ -121,8 +121,8 @@ contains
   end subroutine note_return
 
   subroutine note_contact(scene, units, found, events, notes)
-    !! The hardest contact lasts longer than shear takes to cross the section, so that this moves as a whole, and the indentation is small
-    !! beside the radius of the sphere.
+    !! Warn if the hardest contact is shorter than the time in which shear crosses the section, or if the indentation is
+    !! not small compared with the radius of the sphere.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(contact_result), intent(in) :: found
@@ -144,7 +144,7 @@ contains
   end subroutine note_contact
 
   pure subroutine note_thickness(scene, notes)
-    !! The beam is slender or has shear.
+    !! Warn of a thick beam without shear.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: thickness
@@ -155,7 +155,7 @@ contains
   end subroutine note_thickness
 
   pure subroutine note_rotation(found, notes)
-    !! The strain that the centrifugal force brings into the beam alone is small, with or without its tension in the equations.
+    !! Warn if the centrifugal strain is large, with or without tension in the equations.
     type(placed_strain), intent(in) :: found
     type(string), allocatable, intent(inout) :: notes(:)
     if (found%strain <= largest_strain) return
@@ -165,7 +165,7 @@ contains
   end subroutine note_rotation
 
   pure function place_words(found) result(words)
-    !! Where a strain is.
+    !! Return where a strain is, in words.
     type(placed_strain), intent(in) :: found
     character(:), allocatable :: words
     words = 'the root'
@@ -173,7 +173,7 @@ contains
   end function place_words
 
   pure function thickness_words(beam) result(words)
-    !! What is compared with the length.
+    !! Return which thickness is compared with the length, in words.
     type(beam_par), intent(in) :: beam
     character(:), allocatable :: words
     words = 'the diameter'
@@ -181,8 +181,7 @@ contains
   end function thickness_words
 
   pure subroutine note_size(scene, peak, bending, notes)
-    !! The deflection at the points is small beside the length, and so is the strain. One note says all of that; where a beam is
-    !! deflected by more than its length, its strain is beside the point.
+    !! Warn in one note if deflection or strain is large. Beyond a deflection of the length, the strain is irrelevant.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: peak                   !! m
     type(placed_strain), intent(in) :: bending
@@ -206,19 +205,19 @@ contains
   end subroutine note_size
 
   subroutine note_amplitudes(scene, motion, modes, q, rate, peak, notes)
-    !! What the amplitudes of the first modes say of the strain and of the time between samples.
+    !! Check strain and sampling by the amplitudes of the first modes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    class(mode_set), intent(in) :: modes           !! that move
-    real(dp), intent(in) :: q(:), rate(:)          !! how they begin
+    class(mode_set), intent(in) :: modes           !! after t = 0, or of the strongest segment
+    real(dp), intent(in) :: q(:), rate(:)          !! initial state
     real(dp), intent(in) :: peak                   !! of the displacement at all points, m
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp), parameter :: largest_shape = 2.0_dp
     type(placed_strain) :: bending
     type(time_grid) :: grid
     real(dp), dimension(min(looked_at, modes%count)) :: amplitude, c
-    logical :: above(size(amplitude))              ! half the sampling rate
-    real(dp) :: fast                               ! the largest amplitude of these
+    logical :: above(size(amplitude))              ! the Nyquist frequency
+    real(dp) :: fast                               ! their largest amplitude
     integer :: n
     n = size(amplitude)
     c = 0.0_dp
@@ -240,11 +239,11 @@ contains
   end subroutine note_amplitudes
 
   subroutine note_aliasing(scene, modes, amplitude, above, notes)
-    !! The samples are close enough for every mode whose line stands out of the spectrum of the displacement.
+    !! Warn of aliased modes whose amplitudes are not negligible in the displacement.
     type(scene_type), intent(in) :: scene
-    class(mode_set), intent(in) :: modes           !! none of which grows
+    class(mode_set), intent(in) :: modes           !! all stable
     real(dp), intent(in) :: amplitude(:)           !! of the first modes
-    logical, intent(in) :: above(:)                !! they are above half the sampling rate
+    logical, intent(in) :: above(:)                !! above the Nyquist frequency
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: moved(size(amplitude), size(scene%response%points)), part
     integer :: p, k
@@ -264,12 +263,12 @@ contains
   end subroutine note_aliasing
 
   subroutine note_history_errors(scene, response, errors, foremost, notes)
-    !! Which histories are far off, and what would bring them nearer.
+    !! Note histories with large errors, and what would reduce them.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
-    type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
-    type(string), allocatable, intent(inout) :: foremost(:)    !! of histories that may be nothing but error
-    type(string), allocatable, intent(inout) :: notes(:)       !! of the others
+    type(history_errors), intent(in) :: errors     !! unallocated component: no estimate
+    type(string), allocatable, intent(inout) :: foremost(:)    !! for errors that exceed the history
+    type(string), allocatable, intent(inout) :: notes(:)       !! for others
     integer :: n
     n = response%finite_samples
     if (n == 0) return
@@ -281,17 +280,17 @@ contains
     if (allocated(errors%shear_force)) call note_error('shear force', response%shear_force(:n, :), errors%shear_force)
   contains
     subroutine note_error(quantity, histories, error)
-      !! The point where an error is the largest part of its own peak.
+      !! Note the point with the largest error over its own peak.
       character(*), intent(in) :: quantity
       real(dp), intent(in) :: histories(:, :), error(:)
-      real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: at the root nothing moves
-      real(dp), parameter :: most = 1.0e6_dp       ! that nothing overflows
+      real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: the root does not move
+      real(dp), parameter :: most = 1.0e6_dp       ! avoids overflow
       real(dp) :: part(size(error)), peak(size(error))
       character(:), allocatable :: text
       integer :: p
       peak = [(largest_magnitude(histories(:, p)), p=1, size(error))]
       part = 0.0_dp
-      if (maxval(peak) == 0.0_dp) return             ! nothing has moved yet
+      if (maxval(peak) == 0.0_dp) return             ! no motion yet
       where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
@@ -306,12 +305,12 @@ contains
   end subroutine note_history_errors
 
   subroutine note_sampling(scene, response, errors, notes)
-    !! Which histories may have their peaks between samples, each at the point where its estimate is the largest, and how many
-    !! times the samples would show them to 1 %, if these follow the motion: what they hide falls with the square of their
-    !! distance. Nothing is said where the estimated error is larger.
+    !! Warn of peaks between samples, for each quantity at the point with the largest estimate, and say how many times
+    !! the samples would show them to 1 %: once samples resolve the motion, the loss falls with the square of their
+    !! distance. Silent if the estimated error is larger.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
-    type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
+    type(history_errors), intent(in) :: errors     !! unallocated component: no estimate
     type(string), allocatable, intent(inout) :: notes(:)
     character(:), allocatable :: words
     real(dp) :: worst
@@ -332,7 +331,7 @@ contains
       character(*), intent(in) :: quantity
       real(dp), intent(in) :: histories(:, :)      !! (samples, points)
       real(dp), intent(in), optional :: error(:)   !! (points)
-      real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: at the root nothing moves
+      real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: the root does not move
       real(dp), dimension(size(histories, 2)) :: hidden, peak
       integer :: n, p
       do p = 1, size(hidden)
@@ -351,8 +350,8 @@ contains
   end subroutine note_sampling
 
   pure function remedy(scene, quantity) result(words)
-    !! What would lessen the error of a history. A velocity and a bending moment inside the beam fall with the square root of the
-    !! number of modes (docs/method/errors.md), unless the modes are damped.
+    !! Return what would reduce the error of a history, in words. Velocities and bending moments inside the beam
+    !! converge with the square root of the number of modes (docs/method/errors.md), unless modes are damped.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: quantity
     character(:), allocatable :: words
@@ -370,7 +369,7 @@ contains
   end function remedy
 
   pure function others(count) result(words)
-    !! How many more points there are of which that is said.
+    !! Return how many more points are concerned, in words.
     integer, intent(in) :: count
     character(:), allocatable :: words
     words = ''
@@ -378,7 +377,7 @@ contains
   end function others
 
   pure function part_words(part) result(words)
-    !! A part of a history's peak.
+    !! Return a fraction of a history's peak, in words.
     real(dp), intent(in) :: part
     character(:), allocatable :: words
     words = shortest(100.0_dp*part, 2)//' % of its largest value'

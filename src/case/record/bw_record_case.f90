@@ -1,6 +1,5 @@
 module bw_record_case
-  !! A case whose histories are read from a file: record ► lines ► waves ► result. The main line of records, beside that of simulated
-  !! cases.
+  !! A case whose histories are measured: record ► lines ► waves ► result.
   use bw_belief, only: believed_line, find_believed_lines
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_found_lines, only: found_lines
@@ -25,26 +24,26 @@ module bw_record_case
   private
   public :: keep_record, run_record_case
 
-  integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
+  integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory between cases: 34 MB
 
   type, public :: record_cache
-    !! The record of the last case, and the part of it.
+    !! The record of the last case.
     type(record_type) :: record
-    integer :: file = 0                                !! its number; 0: there is none
-    real(dp) :: part(2) = 0                            !! first and last time, as the scene says them
+    integer :: file = 0                                !! its number; 0: none
+    real(dp) :: part(2) = 0                            !! first and last time, as in the scene
   end type record_cache
 
 contains
 
   subroutine run_record_case(scene, layout, watch, monitor, cache, result, whole)
-    !! The way the data goes.
+    !! Analyse a record.
     type(scene_type), intent(in) :: scene              !! without sweeps
-    type(result_layout), intent(in) :: layout          !! as `plan_record` leaves it
+    type(result_layout), intent(in) :: layout          !! completed by `plan_record`
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout) :: monitor
     type(record_cache), intent(inout) :: cache
-    type(case_result), intent(out) :: result           !! with an error where the record cannot be read
-    logical, intent(out) :: whole                      !! false where the monitor asked to stop before all was done
+    type(case_result), intent(out) :: result           !! with an error if the record cannot be read
+    logical, intent(out) :: whole                      !! false if the monitor requested a stop before the end
     type(record_type) :: record
     type(samples_type) :: samples
     type(found_lines) :: found
@@ -83,7 +82,7 @@ contains
   end subroutine run_record_case
 
   subroutine take_record(scene, cache, record, result)
-    !! The record from the case before, or from its file. A small one stays for the next case.
+    !! Take the record from the cache or read its file. A small one is kept for the next case.
     type(scene_type), intent(in) :: scene
     type(record_cache), intent(inout) :: cache
     type(record_type), intent(out) :: record
@@ -105,9 +104,9 @@ contains
   end subroutine take_record
 
   subroutine keep_record(scene, record, cache)
-    !! Put a record into the cache: that of the scene's case.
+    !! Move the record of the scene's case into the cache.
     type(scene_type), intent(in) :: scene
-    type(record_type), intent(inout) :: record         !! its values are moved away
+    type(record_type), intent(inout) :: record         !! its values are moved
     type(record_cache), intent(inout) :: cache
     call move_record(record, cache%record)
     cache%file = scene%record%file
@@ -115,7 +114,7 @@ contains
   end subroutine keep_record
 
   subroutine move_record(from, to)
-    !! Move a record whose values may be many.
+    !! Move a record, without a copy of its values.
     type(record_type), intent(inout) :: from
     type(record_type), intent(out) :: to
     real(dp), allocatable :: values(:, :)
@@ -125,8 +124,8 @@ contains
   end subroutine move_record
 
   subroutine take_force(record, samples, layout, hammer, result)
-    !! The hammer's blows, during which samples are no free decay, and the frequency response of the record.
-    type(record_type), intent(inout) :: record         !! its force is moved away
+    !! Find the hammer's impacts, during which samples show no free decay, and the frequency response functions of the record.
+    type(record_type), intent(inout) :: record         !! its force is moved
     type(samples_type), intent(inout) :: samples
     type(result_layout), intent(in) :: layout
     type(hammer_type), allocatable, intent(out) :: hammer
@@ -139,7 +138,7 @@ contains
       return
     end if
     force = record%force
-    if (allocated(samples%row)) then                   ! at rows that are missing the hammer rests
+    if (allocated(samples%row)) then                   ! no force in missing rows
       force = spread(quantile_of(record%force, 0.5_dp), 1, samples%count)
       force(samples%row) = record%force
     end if
@@ -162,7 +161,7 @@ contains
   end subroutine take_force
 
   subroutine find_constants_of_lines(hammer, samples, record)
-    !! The modal constants of all lines, at sensors of a motion whose unit is known.
+    !! Find the modal constants of all lines at motion sensors with known units.
     type(hammer_type), intent(in) :: hammer
     type(samples_type), intent(in) :: samples
     type(record_result), intent(inout) :: record       !! whose lines are known
@@ -196,7 +195,7 @@ contains
   end subroutine find_constants_of_lines
 
   subroutine note_blows(record, notes)
-    !! Say when the beam was struck, where that is not at the first sample alone.
+    !! Note when the beam was struck, unless only at the first sample.
     type(record_result), intent(in) :: record
     type(string), allocatable, intent(inout) :: notes(:)
     character(:), allocatable :: text
@@ -215,7 +214,7 @@ contains
   end subroutine note_blows
 
   subroutine note_lines(scene, layout, result)
-    !! What there is to say of the lines.
+    !! Note what concerns the lines.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result

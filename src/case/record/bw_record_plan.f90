@@ -1,6 +1,6 @@
 module bw_record_plan
-  !! What the files of a record hold, as far as the axes of its result depend on it. All files are read before any is analysed,
-  !! so that a bad one is refused before there is any work to lose.
+  !! The axes of a record's result, which depend on its files. All files are read before any analysis, so a bad one is
+  !! rejected before work is lost.
   use bw_error, only: error_type, fail, status_bad_input
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
@@ -18,20 +18,20 @@ module bw_record_plan
   public :: plan_record
 
   integer, parameter :: most_shown = 200000
-    !! numbers of a picture's array that a result holds, all cases together: 1.6 MB
-  integer, parameter :: fewest_shown = 64         !! of a sensor in one case; fewer make no picture, and are left out
-  integer, parameter :: most_even = 64            !! even samples for each that there is  ! tuned
-  real(dp), parameter :: same = 1.0e-12_dp        !! of an interval
+    !! numbers of a plotted array in a result, all cases together: 1.6 MB
+  integer, parameter :: fewest_shown = 64         !! of a sensor in one case; fewer are not plotted
+  integer, parameter :: most_even = 64            !! tuned: samples of the even grid over those that exist
+  real(dp), parameter :: same = 1.0e-12_dp        !! relative tolerance of intervals
 
 contains
 
   subroutine plan_record(scene, layout, extents, record, error)
     !! Read all files of a record, and complete the layout of its result.
-    !! **Errors**: those of `read_record`; `status_bad_input` where repeats have other sensors, or a case too few samples.
+    !! **Errors**: those of `read_record`; `status_bad_input` if repeats have other sensors, or a case too few samples.
     type(scene_type), intent(in) :: scene         !! with a record
     type(result_layout), intent(inout) :: layout
-    type(record_extent), allocatable, intent(out) :: extents(:)   !! (files); of sweeps of the longest part that is used
-    type(record_type), intent(out) :: record      !! the last file's
+    type(record_extent), allocatable, intent(out) :: extents(:)   !! (files); with sweeps of the longest part
+    type(record_type), intent(out) :: record      !! of the last file
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: widest
     real(dp) :: steps(size(scene%record%files))   ! s
@@ -59,10 +59,10 @@ contains
   end subroutine plan_record
 
   pure function values_of(scene, parameter, value) result(values)
-    !! The values that an input takes.
+    !! Return the values of an input.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: parameter
-    real(dp), intent(in) :: value                 !! where it is not swept
+    real(dp), intent(in) :: value                 !! unless it is swept
     real(dp), allocatable :: values(:)
     integer :: i
     values = [value]
@@ -72,16 +72,16 @@ contains
   end function values_of
 
   subroutine check_parts(scene, record, error)
-    !! Every part of a record that a case uses has samples enough. **Errors**: `status_bad_input`.
+    !! Check that the part of each case has enough samples. **Errors**: `status_bad_input`.
     type(scene_type), intent(in) :: scene
-    type(record_type), intent(in) :: record       !! of the longest part
+    type(record_type), intent(in) :: record       !! the longest part
     type(error_type), allocatable, intent(inout) :: error
     real(dp), allocatable :: starts(:), ends(:)
     integer(i8) :: first, last
     integer :: i, j
     starts = values_of(scene, 'record%start', scene%record%first_time)
     ends = values_of(scene, 'record%end', scene%record%last_time)
-    if (size(starts) == 1 .and. size(ends) == 1) return      ! that part is the record
+    if (size(starts) == 1 .and. size(ends) == 1) return      ! the only part is the record
     do i = 1, size(starts)
       do j = 1, size(ends)
         call used_part(record%times, starts(i) - record%origin, ends(j) - record%origin, first, last)
@@ -96,12 +96,12 @@ contains
   end subroutine check_parts
 
   subroutine check_gaps(record, first, last, error)
-    !! Uneven samples fill enough of their time: the search for lines takes as much memory as even ones over all of it.
+    !! Check that uneven samples have no long gaps, as the search for lines needs the memory of an even grid.
     !! **Errors**: `status_bad_input`, with the longest gap.
     type(record_type), intent(in) :: record
     integer, intent(in) :: first, last            !! of the samples
     type(error_type), allocatable, intent(inout) :: error
-    real(dp) :: steps(max(0, last - first)), even ! s; how many even samples fill the time
+    real(dp) :: steps(max(0, last - first)), even ! s; samples of the even grid
     integer :: at
     if (record%interval > 0 .or. last - first < least_samples) return
     steps = record%times(first + 1:last) - record%times(first:last - 1)
@@ -120,7 +120,7 @@ contains
   end subroutine check_gaps
 
   pure function part_text(start, end) result(text)
-    !! A part of a record in words.
+    !! Return a part of a record in words.
     real(dp), intent(in) :: start, end            !! s
     character(:), allocatable :: text
     text = ''
@@ -130,7 +130,7 @@ contains
   end function part_text
 
   subroutine check_sensors(scene, extent, first, error)
-    !! Repeats have the same sensors. **Errors**: `status_bad_input`.
+    !! Check that repeats have the same sensors. **Errors**: `status_bad_input`.
     type(scene_type), intent(in) :: scene
     type(record_extent), intent(in) :: extent, first
     type(error_type), allocatable, intent(inout) :: error
@@ -140,11 +140,10 @@ contains
   end subroutine check_sensors
 
   subroutine set_axes(extents, times, many_starts, layout)
-    !! Sensors, and the axes of what is drawn of a record: all its samples and all frequencies of its transform where these are
-    !! not too many, else stretches of them.
+    !! Set the sensors and the time axis of plots: all samples if there are not too many, else intervals.
     type(record_extent), intent(in) :: extents(:)
     real(dp), intent(in) :: times(:)              !! of the last record
-    logical, intent(in) :: many_starts            !! cases begin with different samples
+    logical, intent(in) :: many_starts            !! cases start at different samples
     type(result_layout), intent(inout) :: layout
     associate (record => layout%record)
       record%sensors = extents(1)%sensors
@@ -159,7 +158,7 @@ contains
   end subroutine set_axes
 
   pure function common_unit(extent) result(unit)
-    !! The unit of all sensors; `1` where they have different ones.
+    !! Return the unit of all sensors; `1` if they differ.
     type(record_extent), intent(in) :: extent
     character(:), allocatable :: unit
     integer :: s
@@ -170,12 +169,12 @@ contains
   end function common_unit
 
   subroutine set_times(extents, times, many_starts, room, record)
-    !! The times that are drawn, since the first sample. Samples that all cases have in common are drawn themselves. Of others
-    !! the least and the largest in each stretch of time: two values, a quarter and three quarters of it from its start.
+    !! Set the plotted times since the first sample. If samples of all cases coincide, they are plotted; else the
+    !! smallest and the largest in each interval, at a quarter and three quarters of it.
     type(record_extent), intent(in) :: extents(:)
     real(dp), intent(in) :: times(:)              !! of the last record
-    logical, intent(in) :: many_starts            !! cases begin with different samples
-    integer, intent(in) :: room                   !! numbers
+    logical, intent(in) :: many_starts            !! cases start at different samples
+    integer, intent(in) :: room                   !! most numbers
     type(record_layout), intent(inout) :: record
     logical :: alike
     integer :: longest, j, n
@@ -196,7 +195,7 @@ contains
   end subroutine set_times
 
   pure subroutine set_frequencies(extents, steps, layout)
-    !! From 0 to half the highest sampling rate, as finely as the longest record tells them apart or there is room.
+    !! Set frequencies from 0 to the highest Nyquist frequency, with the resolution of the longest record, or as many as fit.
     type(record_extent), intent(in) :: extents(:)
     real(dp), intent(in) :: steps(:)              !! between samples, s, (files)
     type(result_layout), intent(inout) :: layout
@@ -213,7 +212,7 @@ contains
   end subroutine set_frequencies
 
   pure integer function room_of(layout) result(room)
-    !! How many numbers of each sensor are drawn in each case, at most.
+    !! Return the most numbers plotted for each sensor and case.
     type(result_layout), intent(in) :: layout
     room = most_shown/(layout%points*max(1, layout%cases))
   end function room_of

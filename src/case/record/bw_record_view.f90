@@ -1,6 +1,5 @@
 module bw_record_view
-  !! What is drawn of a record, on the axes of its result: histories and their fit over time, amplitudes and noise over
-  !! frequency.
+  !! Plotted data of a record on the axes of its result: histories and their fit over time, amplitudes and noise over frequency.
   use bw_amplitude_spectrum, only: window_at
   use bw_case_result, only: record_result
   use bw_found_lines, only: found_lines
@@ -21,7 +20,7 @@ module bw_record_view
 contains
 
   pure real(dp) function step_of(record) result(step)
-    !! The interval of samples [s]; of uneven ones the median.
+    !! Return the sampling interval [s]; for uneven samples the median.
     type(record_type), intent(in) :: record
     step = record%interval
     if (step > 0) return
@@ -31,8 +30,8 @@ contains
   end function step_of
 
   pure function samples_of(record) result(samples)
-    !! The times of a record as the search for lines counts them, and which samples tell the motion, without values. Where rows of an
-    !! even record are missing, there are samples that tell nothing in their place.
+    !! Return the times of a record for the search for lines, without values, and mark valid samples. Missing rows of an
+    !! even record become invalid samples.
     type(record_type), intent(in) :: record
     type(samples_type) :: samples
     logical :: told(size(record%times))
@@ -45,7 +44,7 @@ contains
     do s = 1, size(record%values, 2)
       call mark_flaws(record%values(:, s), told)
     end do
-    if (2*count(told) < size(told)) told = .true.    ! so much is no flaw of a motion
+    if (2*count(told) < size(told)) told = .true.    ! too many for flaws
     if (allocated(samples%row)) then
       allocate (samples%valid(samples%count), source=.false.)
       samples%valid(samples%row) = told
@@ -56,11 +55,11 @@ contains
   end function samples_of
 
   pure subroutine find_rows(times, resolution, samples)
-    !! Find the rows of samples in an even record of which some are missing, or take their times as they are.
+    !! Find the rows of samples on an even grid from which some are missing; else take their times as uneven.
     real(dp), intent(in) :: times(:), resolution     !! s
     type(samples_type), intent(inout) :: samples
-    integer, parameter :: most_missing = 2           !! times as many as there are
-    integer, parameter :: rounding = 4               !! of a time that somebody computed
+    integer, parameter :: most_missing = 2           !! times the existing samples
+    integer, parameter :: rounding = 4               !! of a computed time, in its spacing
     real(dp) :: step, off
     integer :: j, n, row(size(times))
     n = size(times)
@@ -71,7 +70,7 @@ contains
       row(j) = row(j - 1) + nint(samples%place(j) - samples%place(j - 1))
     end do
     step = times(n)/(row(n) - 1)
-    off = min(0.25_dp*step, 2*(resolution + rounding*spacing(times(n))))   ! of a time and the first, and of the step
+    off = min(0.25_dp*step, 2*(resolution + rounding*spacing(times(n))))   ! of two times, and of the step
     if (any(row(2:) <= row(:n - 1)) .or. any(abs(times - (row - 1)*step) > off)) return
     samples%row = row
     samples%step = step
@@ -80,7 +79,7 @@ contains
   end subroutine find_rows
 
   subroutine take_values(record, samples)
-    !! Move the samples of a record into those that are searched.
+    !! Move the values of a record into the samples that are searched.
     type(record_type), intent(inout) :: record
     type(samples_type), intent(inout) :: samples
     real(dp), allocatable :: values(:, :)
@@ -91,7 +90,7 @@ contains
       return
     end if
     allocate (samples%value(samples%count, size(values, 2)))
-    do n = 1, size(samples%row)                      ! what is missing is as the sample before it
+    do n = 1, size(samples%row)                      ! a missing value repeats the one before
       last = samples%count
       if (n < size(samples%row)) last = samples%row(n + 1) - 1
       samples%value(samples%row(n):last, :) = spread(values(n, :), 1, last - samples%row(n) + 1)
@@ -99,13 +98,13 @@ contains
   end subroutine take_values
 
   subroutine view_spectra(samples, layout, window, found, amplitude, noise)
-    !! The amplitude spectrum of each sensor from the blow on: the largest amplitude around each frequency of the result; and what
-    !! noise alone makes of it, the root of the mean square.
+    !! Find the amplitude spectrum of each sensor from the first impact on: the largest amplitude around each frequency
+    !! of the result, and the rms amplitude of the noise.
     type(samples_type), intent(in) :: samples        !! in which the lines were found
     type(result_layout), intent(in) :: layout
-    character(*), intent(in) :: window               !! a word of `&spectrum`
+    character(*), intent(in) :: window               !! of `&spectrum`
     type(found_lines), intent(in) :: found
-    real(dp), allocatable, intent(out) :: amplitude(:, :), noise(:, :)   !! (frequencies, sensors); unallocated where not shown
+    real(dp), allocatable, intent(out) :: amplitude(:, :), noise(:, :)   !! (frequencies, sensors); unallocated if not plotted
     type(real_fourier) :: fourier
     complex(dp), allocatable :: spectrum(:)
     real(dp), allocatable :: weight(:), own(:)
@@ -137,7 +136,7 @@ contains
         end if
       end associate
       own = 2*abs(spectrum)/sum(weight)
-      own(1) = abs(mean)                             ! beside the record's offset nothing is known there
+      own(1) = abs(mean)                             ! the mean of the record is all that is known there
       associate (frequency => layout%record%frequencies)
         amplitude(:, s) = on_axis(own, 1/(length*samples%step), frequency)
         do j = 1, layout%frequencies
@@ -148,19 +147,19 @@ contains
   end subroutine view_spectra
 
   pure function weight_from_blow(samples, window, found) result(weight)
-    !! A window that rises soon after the first blow, so that it keeps the beginning of decays, and falls to the end of the record. It
-    !! is 0 before the blow, and where a sample tells nothing.
+    !! Return a window that rises soon after the first impact, to keep the start of decays, and falls to the end of the
+    !! record. It is 0 before the impact and for invalid samples.
     type(samples_type), intent(in) :: samples
     character(*), intent(in) :: window
     type(found_lines), intent(in) :: found
     real(dp) :: weight(samples%count), since(samples%count), rest
-    real(dp), parameter :: rise = 1.0_dp/32          !! of what is left of the record: else a sudden beginning hides what is weak
+    real(dp), parameter :: rise = 1.0_dp/32          !! of the remaining record: a sudden start would hide weak lines
     integer :: first, n
     first = 1
     associate (stretches => found%model%stretches)
       if (ubound(stretches, 2) > 0) first = stretches(1, 1)
     end associate
-    if (2*first > samples%count) first = 1           ! too little is left to look at
+    if (2*first > samples%count) first = 1           ! too few samples remain
     since = [(place_of(samples, n) - place_of(samples, first), n=1, samples%count)]
     rest = span_of(samples) - place_of(samples, first)
     weight = window_at(window, merge(since/rise, rest + (since - rise*rest)/(1 - rise), since < rise*rest)/2, rest)
@@ -169,10 +168,9 @@ contains
   end function weight_from_blow
 
   pure function on_axis(own, spacing, axis) result(values)
-    !! The largest of the ordinates that are nearer to a frequency of the axis than to the next, or the nearest where there is
-    !! none; `missing` beyond them.
-    real(dp), intent(in) :: own(0:)                  !! ordinates at multiples of …
-    real(dp), intent(in) :: spacing                  !! … this, Hz
+    !! Return the largest ordinate nearest to each frequency of the axis, or the nearest one if there is none; `missing` beyond.
+    real(dp), intent(in) :: own(0:)                  !! ordinates at multiples of `spacing`
+    real(dp), intent(in) :: spacing                  !! Hz
     real(dp), intent(in) :: axis(:)                  !! evenly spaced from 0, Hz
     real(dp) :: values(size(axis)), cell
     integer :: j, first, last
@@ -188,7 +186,7 @@ contains
   end function on_axis
 
   pure subroutine view_histories(record, layout, shown)
-    !! The samples, at the times of the result.
+    !! Return the samples at the times of the result.
     type(record_type), intent(in) :: record
     type(result_layout), intent(in) :: layout
     real(dp), allocatable, intent(out) :: shown(:, :)        !! (times, sensors)
@@ -201,12 +199,12 @@ contains
   end subroutine view_histories
 
   subroutine view_fit(record, samples, layout, found, result)
-    !! What the lines make of the record, at the same times.
-    type(record_type), intent(in) :: record          !! its values do not count
-    type(samples_type), intent(in) :: samples        !! as well
+    !! Find the history of the fitted lines at the same times.
+    type(record_type), intent(in) :: record          !! without values
+    type(samples_type), intent(in) :: samples        !! without values
     type(result_layout), intent(in) :: layout
     type(found_lines), intent(in) :: found
-    type(record_result), intent(inout) :: result     !! gets `fitted`
+    type(record_result), intent(inout) :: result     !! `fitted` is set
     real(dp), allocatable :: history(:)
     integer :: s
     if (layout%samples == 0) return
@@ -219,7 +217,7 @@ contains
   end subroutine view_fit
 
   pure function at_times(times, history, axes) result(shown)
-    !! A history at the times of the result: the samples themselves, or in turn the least and the largest of a stretch.
+    !! Return a history at the times of the result: its samples, or the smallest and the largest of each interval in turn.
     real(dp), intent(in) :: times(:), history(:)     !! since the first sample [s]; (samples)
     type(record_layout), intent(in) :: axes
     real(dp) :: shown(size(axes%times))

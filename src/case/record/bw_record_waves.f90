@@ -1,5 +1,5 @@
 module bw_record_waves
-  !! Waves of the lines of a record: what their amplitudes at sensors of known places say of the beam.
+  !! Waves of a record's lines, from their amplitudes at sensors with known positions.
   use bw_beam_units, only: beam_units, units_of
   use bw_case_result, only: case_result, record_result
   use bw_input_values, only: position_of
@@ -23,12 +23,12 @@ module bw_record_waves
 contains
 
   subroutine find_record_waves(scene, layout, result, monitor)
-    !! Frequencies where results have those of simulated histories, and waves where the sensors fix them; those of a beam with
-    !! unknowns follow once it is identified.
+    !! Set the measured frequencies, and find waves if sensors have positions. If the beam has unknowns, waves follow
+    !! after their identification.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    type(case_result), intent(inout) :: result         !! of a record whose lines are known
-    class(monitor_type), intent(inout) :: monitor      !! the waves mean nothing where it asks to stop
+    type(case_result), intent(inout) :: result         !! with lines
+    class(monitor_type), intent(inout) :: monitor      !! the waves are invalid if it requests a stop
     associate (lines => result%record%lines)
       allocate (result%measured)
       result%measured%peak_count = size(lines%angular_frequency)
@@ -40,10 +40,10 @@ contains
   end subroutine find_record_waves
 
   subroutine find_beam_waves(scene, result, monitor)
-    !! Waves of the lines along the beam of a scene, and what there is to say of them.
+    !! Find the waves of the lines along a beam, and their notes.
     type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result         !! of a record at sensors of known places, with its lines and `measured`
-    class(monitor_type), intent(inout) :: monitor      !! the waves mean nothing where it asks to stop
+    type(case_result), intent(inout) :: result         !! with positions of sensors, lines and `measured`
+    class(monitor_type), intent(inout) :: monitor      !! the waves are invalid if it requests a stop
     type(sensor_waves) :: waves
     call measure_sensor_waves(facts_of(scene, result%record), lines_of(result%record), waves, monitor)
     call join_notes(waves%notes, result)
@@ -58,7 +58,7 @@ contains
   end subroutine find_beam_waves
 
   pure function facts_of(scene, record) result(facts)
-    !! What is known beside the lines.
+    !! Collect what is known besides the lines.
     type(scene_type), intent(in) :: scene
     type(record_result), intent(in) :: record
     type(sensor_facts) :: facts
@@ -88,7 +88,7 @@ contains
   end function facts_of
 
   pure function lines_of(record) result(lines)
-    !! The lines with the deviations that their intervals stand for.
+    !! Return the lines with standard deviations instead of intervals.
     type(record_result), intent(in) :: record
     type(measured_lines) :: lines
     integer, allocatable :: own(:)
@@ -102,7 +102,7 @@ contains
   end function lines_of
 
   pure function own_sensors(record) result(own)
-    !! The sensors that are neither constant nor multiples of others: the others tell nothing of shapes.
+    !! Return the sensors that are neither constant nor multiples of others; only these inform on shapes.
     type(record_result), intent(in) :: record
     integer, allocatable :: own(:)
     integer :: s
@@ -110,8 +110,8 @@ contains
   end function own_sensors
 
   pure subroutine join_notes(notes, result)
-    !! All that there is to say of waves as one warning, of shapes and wave numbers that fit no uniform beam, and one remark, since
-    !! of several notes of one kind a sweep would show the first.
+    !! Join the notes on waves to one warning, for shapes and wave numbers that fit no uniform beam, and one remark, as
+    !! a sweep shows only the first note of a kind.
     type(string), intent(in) :: notes(:)
     type(case_result), intent(inout) :: result
     character(:), allocatable :: text, warnings, remarks
@@ -132,7 +132,7 @@ contains
   end subroutine join_notes
 
   pure subroutine say_why_not(scene, result)
-    !! Sensors with places, and no waves.
+    !! Note why sensors with positions give no waves.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
     if (position_of(scene%groups, 'beam') == 0) then

@@ -1,7 +1,7 @@
 module bw_case_drift
-  !! What rounding comes to by the end of a record: that of the sums, of the first mode's phase, and of frequencies, whose phases drift
-  !! as time goes on. Roots of beams without tension get as many digits as a record asks for; those of beams with tension have the
-  !! digits of binary64.
+  !! Rounding errors at the end of a record: of the sums, of the phase of the first mode, and of frequencies, whose
+  !! phase errors grow with time. Roots of beams without tension have the digits that a record needs; those of beams
+  !! with tension have the digits of binary64.
   use bw_case_modes, only: largest_phase_error
   use bw_case_result, only: case_motion
   use bw_kinds, only: dp
@@ -17,7 +17,7 @@ module bw_case_drift
   public :: drift_errors, drift_of_state, rounding_errors
 
   type :: moving_type
-    !! The state that the first modes in memory start from, and when they are seen; of no modes where nobody sees them.
+    !! The initial state of the first modes in memory and the samples that show them; no modes if there are none.
     real(dp), allocatable :: q(:), rate(:)
     type(stretch_type) :: stretch
   end type moving_type
@@ -25,12 +25,12 @@ module bw_case_drift
 contains
 
   function moving_in(scene, motion, i, grid, most) result(moving)
-    !! In a segment; none where no sample shows it.
+    !! Return the initial state of modes in a segment; none if no sample shows it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: most                 !! modes that are wanted
+    integer, intent(in) :: most                 !! most modes
     type(moving_type) :: moving
     integer :: n, samples(2)
     samples = samples_of_segment(motion, i, grid)
@@ -53,11 +53,12 @@ contains
   end function moving_in
 
   function drift_errors(scene, motion, quantity, velocity) result(errors)
-    !! What the rounding of β² moves the points by at the end of the record, m or m/s: the largest of all segments, (points).
+    !! Return the displacement or velocity errors at the end of the record due to rounding of β², m or m/s: the largest
+    !! of all segments, (points).
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity             !! deflections or curvatures
-    logical, intent(in) :: velocity             !! of the velocity, else of the displacement
+    logical, intent(in) :: velocity             !! errors of the velocity, else of the displacement
     real(dp) :: errors(size(scene%response%points))
     type(moving_type) :: moving
     type(time_grid) :: grid
@@ -77,8 +78,8 @@ contains
   end function drift_errors
 
   pure function drift_of_state(modes, quantity, points, q, rate, stretch, grid, velocity) result(drift)
-    !! The same of modes that start from a state, V l²/h or V: a sum over those whose roots have no more digits than those of binary64;
-    !! of others 0. A phase that is lost altogether moves a point by twice the amplitude.
+    !! Return the same for modes with a given initial state, V l²/h or V: a sum over modes with roots in binary64, else
+    !! 0. A lost phase counts as twice the amplitude.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: quantity             !! deflections or curvatures
     real(dp), intent(in) :: points(:)
@@ -100,12 +101,12 @@ contains
   end function drift_of_state
 
   function rounding_errors(scene, motion, response, velocity) result(errors)
-    !! What the sum of the modes is off by, and the phase of the first mode, whose motion is most of the whole, m or m/s,
-    !! (points). The samples may all be near the zeros of that motion: it counts as far as it swings between them.
+    !! Return the rounding errors of the modal sum and of the phase of the first, dominant mode, m or m/s, (points).
+    !! Samples may lie near zeros of that mode, so its amplitude between them counts.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
-    logical, intent(in) :: velocity             !! of the velocity, else of the displacement
+    logical, intent(in) :: velocity             !! errors of the velocity, else of the displacement
     real(dp) :: errors(size(scene%response%points))
     type(moving_type) :: moving
     type(time_grid) :: grid
@@ -136,12 +137,12 @@ contains
   end function rounding_errors
 
   pure real(dp) function phase_error(scene, modes, grid) result(error)
-    !! Of the first mode: what the rounding of its root comes to at the end of the record, in its phase or as a part of its growth. A
-    !! root that binary64 does not carry so far has more digits; of those that never have more, `drift_errors` tells.
+    !! Return the phase or growth error of the first mode at the end of the record, due to rounding of its root. Roots
+    !! that need more digits than binary64 have them; those that never do are left to `drift_errors`.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: modes
     type(time_grid), intent(in) :: grid
-    real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; where it is less roots have more digits too (bw_refined_root)
+    real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; below it roots have more digits as well (bw_refined_root)
     error = 0.0_dp
     if (allocated(modes%square_rounding)) return
     error = phase_drift(modes, 1, 4.0_dp*epsilon(error)*modes%alpha(1)**4, grid)
@@ -149,7 +150,7 @@ contains
   end function phase_error
 
   pure real(dp) function phase_drift(modes, k, square_error, grid) result(drift)
-    !! What an error of β² comes to at the end of the record, in the phase of mode k or as a part of its growth.
+    !! Return the error at the end of the record due to an error of β²: of the phase of mode k, or relative if it grows.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: k
     real(dp), intent(in) :: square_error
@@ -157,8 +158,8 @@ contains
     real(dp) :: longest, half
     longest = grid%samples*grid%step%hi
     if (allocated(modes%damping) .and. modes%beta_squared(k)%hi > 0.0_dp) then
-      half = 0.5_dp*max(modes%damping(k), tiny(1.0_dp))       ! the motion falls as e^(−ct/2) while phases drift as t,
-      longest = min(longest, max(grid%step%hi, 1.0_dp/half))  ! together the most at 2/c; its peak may be the first sample
+      half = 0.5_dp*max(modes%damping(k), tiny(1.0_dp))       ! amplitudes fall as e^(−ct/2), phase errors grow as t,
+      longest = min(longest, max(grid%step%hi, 1.0_dp/half))  ! the product is largest at 2/c; its peak may be the first sample
       longest = longest*exp(-half*max(0.0_dp, longest - grid%step%hi))
     end if
     drift = 0.5_dp*square_error*longest/max(sqrt(abs(modes%beta_squared(k)%hi)), 1.0_dp/longest)

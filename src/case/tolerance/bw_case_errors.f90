@@ -1,7 +1,7 @@
 module bw_case_errors
-  !! How far the histories of a case may be from the truth. Of a captured mass that is the motion of infinitely many modes: what modes
-  !! that are not summed add, and what those that are lack. Of contacts it is the exact motion of the modes at hand: what
-  !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
+  !! Errors of the histories of a case. With a captured mass they are relative to the limit of infinitely many modes:
+  !! omitted modes, and errors of summed ones. With contacts they are relative to the exact motion of the given modes:
+  !! input errors, as amplified by contacts. Rounding of sums and phases is added to both.
   use bw_case_drift, only: drift_errors, rounding_errors
   use bw_case_notes, only: note_failure
   use bw_case_result, only: block_type, case_done, case_histories, case_motion, case_not_converged, history_errors
@@ -26,19 +26,20 @@ module bw_case_errors
   public :: drop_errors, estimate_errors, errors_of_quantity
 
   type :: segment_error
-    !! Of the displacement, V l²/h: a bound and an estimate; and of the velocity, V, or of curvatures, V l²/h, (points).
+    !! Bound and estimate for the displacement, V l²/h; and for the velocity, V, or curvature, V l²/h, (points).
     real(dp), allocatable :: bound(:), displacement(:), rate(:)
-    real(dp), allocatable :: part(:)       !! of the sum of its amplitudes that a block comes to, (points)
+    real(dp), allocatable :: part(:)       !! |sum of a block| over the sum of its amplitudes, (points)
   end type segment_error
 
 contains
 
   subroutine estimate_errors(scene, motion, histories, monitor, errors)
-    !! There is none of a rebound without contacts, whose impulse depends on the number of modes, nor of histories that overflow.
+    !! Estimate all errors. There are none for a rebound without contacts, whose impulse depends on the number of modes,
+    !! nor after an overflow.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(case_histories), intent(in) :: histories
-    class(monitor_type), intent(inout) :: monitor            !! the errors mean nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor            !! the errors are invalid if it requests a stop
     type(history_errors), intent(out) :: errors
     errors%status = histories%status
     if (.not. allocated(histories%response) .or. histories%status /= case_done) return
@@ -50,7 +51,7 @@ contains
   end subroutine estimate_errors
 
   subroutine errors_of_quantity(scene, motion, quantity, histories, monitor, errors)
-    !! Of displacements and velocities, or of curvatures (m, as displacements).
+    !! Estimate the errors of displacements and velocities, or of curvatures in the unit of displacements, m.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity                          !! deflections or curvatures (bw_mode_set)
@@ -68,7 +69,7 @@ contains
   end subroutine errors_of_quantity
 
   subroutine estimate_truncation(scene, motion, quantity, histories, monitor, errors)
-    !! What is missing of infinitely many modes, and rounding: the largest of all segments.
+    !! Estimate truncation errors with rounding: the largest of all segments.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity
@@ -112,8 +113,7 @@ contains
   end subroutine estimate_truncation
 
   pure function error_at_start(scene, response) result(error)
-    !! What the velocity at the first sample lacks: of infinitely many modes the beam is at rest but for the place that the mass
-    !! strikes, (points).
+    !! Return the velocity error at the first sample. With infinitely many modes only the struck place moves then, (points).
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
     real(dp) :: error(size(scene%response%points)), jump
@@ -122,7 +122,7 @@ contains
   end function error_at_start
 
   subroutine find_segment_error(scene, motion, i, quantity, block, monitor, error)
-    !! Of one segment, V l²/h and V; nothing where no sample after its start shows it.
+    !! Estimate the errors of one segment, V l²/h and V; unallocated if no sample after its start shows it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i, quantity
@@ -171,21 +171,21 @@ contains
   end subroutine find_segment_error
 
   pure integer function configuration_of(motion, i)
-    !! Whose modes move in a segment.
+    !! Return the configuration of a segment.
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i
     configuration_of = motion%timeline%segments(i)%configuration
   end function configuration_of
 
   subroutine take_survey(scene, motion, i, quantity, monitor, survey, samples)
-    !! Of the modes of a segment and as many beyond them, if there are more in the same motion; that by which they were chosen if there
-    !! is one.
+    !! Take the survey by which the modes of a segment were chosen, or survey them, and as many omitted ones if these
+    !! have the same motion.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i, quantity
     class(monitor_type), intent(inout) :: monitor
     type(mode_survey), intent(out) :: survey
-    integer, intent(out) :: samples                !! that show the segment, after its start
+    integer, intent(out) :: samples                !! in the segment after its start
     type(time_grid) :: grid
     real(dp), allocatable :: q(:)
     integer :: ends(2), n
@@ -208,7 +208,7 @@ contains
       else
         call survey%add_source(moving%source, segment%force, n, monitor)
       end if
-      if (segment%force == 0.0_dp) return          ! what those beyond them do is not known
+      if (segment%force == 0.0_dp) return          ! the motion of omitted modes is unknown
       if (n <= looked_ahead) call survey%add_source(moving%source, segment%force, 2*n, monitor)
       do while (survey%bin(survey%bins)%square <= 0.0_dp .and. survey%count() < moving%source%highest)
         if (monitor%stop_requested()) return
@@ -218,7 +218,7 @@ contains
   end subroutine take_survey
 
   pure real(dp) function energy_beside(segment, modes) result(energy)
-    !! Of all modes there are, less what those that are summed should have and do not: the rest of it is that of the others.
+    !! Return the energy of omitted modes: that of all, less what summed modes should have and lack.
     type(segment_type), intent(in) :: segment
     class(mode_set), intent(in) :: modes
     real(dp), allocatable :: q(:), rate(:)
@@ -235,7 +235,7 @@ contains
   end function energy_beside
 
   logical function is_missed(scene, motion, response, errors)
-    !! Whether the sum does not keep its tolerance, by the estimate or by the bound; rounding counts for neither.
+    !! Tell whether the sum misses its tolerance by the estimate or by the bound, both beyond rounding.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
@@ -247,7 +247,7 @@ contains
   end function is_missed
 
   subroutine estimate_contacts(scene, motion, quantity, response, errors)
-    !! What contacts have made of the errors of all that the motion follows from, and rounding.
+    !! Estimate errors as contacts amplify them, with rounding.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity
@@ -288,7 +288,7 @@ contains
   end subroutine estimate_contacts
 
   pure function shapes_in(motion, i, quantity, points) result(values)
-    !! Those of the modes that move in a segment, (modes, points).
+    !! Return the shapes of the modes that move in a segment, (modes, points).
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i, quantity
     real(dp), intent(in) :: points(:)
@@ -299,7 +299,7 @@ contains
   end function shapes_in
 
   pure logical function is_blurred(segment, grid)
-    !! A sample comes so close to the contact with which the segment starts that it may belong to the other side of it.
+    !! Tell whether a sample is so close to the contact at a segment's start that it may belong to the other side.
     type(segment_type), intent(in) :: segment
     type(time_grid), intent(in) :: grid
     type(dd) :: distance
@@ -308,7 +308,7 @@ contains
   end function is_blurred
 
   pure function jump_at(motion, i, points) result(jump)
-    !! By how much the velocity jumps where segment i > 1 starts, V, (points).
+    !! Return the jump of the velocity at the start of segment i > 1, V, (points).
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i
     real(dp), intent(in) :: points(:)
@@ -324,9 +324,9 @@ contains
   end function jump_at
 
   subroutine drop_errors(motion, errors)
-    !! There are no estimates where a mode that they asked for was not found.
+    !! Drop the estimates if a mode that they need was not found.
     type(case_motion), intent(in) :: motion
-    type(history_errors), intent(inout) :: errors          !! all of a case
+    type(history_errors), intent(inout) :: errors          !! of the whole case
     associate (failure => first_failure(motion%modes%configuration))
       if (failure%first == 0 .or. errors%status /= case_done) return
       errors = history_errors(status=case_not_converged)

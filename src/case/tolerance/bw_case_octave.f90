@@ -1,6 +1,6 @@
 module bw_case_octave
-  !! Histories that the highest modes decide. A sum of n modes of which those from n/2 + 1 on add more than the whole sum reaches
-  !! has not begun to converge: nothing of it is given.
+  !! Histories that depend on the highest modes. If modes n/2 + 1 to n contribute more than the sum of all n reaches,
+  !! the sum has not begun to converge and is not given.
   use bw_case_result, only: case_done, case_histories, case_motion, case_not_converged, history_errors, octave_of
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -14,8 +14,7 @@ module bw_case_octave
 contains
 
   subroutine drop_undecided(scene, motion, histories, errors)
-    !! Put fill in the place of such histories, of the points where they are so and where the estimated error exceeds the history,
-    !! and say so.
+    !! Replace such histories by fill, at points where the estimated error also exceeds the history, and note it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(case_histories), intent(inout) :: histories
@@ -31,11 +30,11 @@ contains
     end associate
   contains
     subroutine drop(quantity, added, error, history)
-      !! One quantity.
+      !! Check one quantity.
       character(*), intent(in) :: quantity
-      real(dp), intent(in), optional :: added(:)           !! the largest of the last octave, (points); absent: not asked for
+      real(dp), intent(in), optional :: added(:)           !! largest of the last octave, (points); absent: not requested
       real(dp), intent(in), optional :: error(:)           !! (points)
-      real(dp), intent(inout), optional :: history(:, :)   !! likewise
+      real(dp), intent(inout), optional :: history(:, :)   !! (samples, points)
       logical, allocatable :: lost(:)
       integer :: count_of, p
       count_of = motion%timeline%segments(1)%count
@@ -55,8 +54,8 @@ contains
   end subroutine drop_undecided
 
   function is_doubtful(history, error) result(doubtful)
-    !! The estimated error exceeds the largest value, beside what a point that does not move has of rounding, (points).
-    real(dp), intent(in), optional :: history(:, :)        !! (samples, points); absent: there is none
+    !! Tell whether the estimated error exceeds the peak of a history and the rounding of a point at rest, (points).
+    real(dp), intent(in), optional :: history(:, :)        !! (samples, points); absent: none
     real(dp), intent(in), optional :: error(:)             !! (points)
     logical, allocatable :: doubtful(:)
     real(dp), parameter :: nothing = 1.0e-9_dp             ! of the largest peak
@@ -69,7 +68,7 @@ contains
   end function is_doubtful
 
   pure function others(count) result(words)
-    !! How many more points there are of which that is said.
+    !! Return how many more points are concerned, in words.
     integer, intent(in) :: count
     character(:), allocatable :: words
     words = ''

@@ -1,5 +1,5 @@
 module bw_case_peak
-  !! The largest displacement that a tolerance is a part of, as few modes show it before any history is summed.
+  !! The peak displacement to which a tolerance refers, estimated with few modes before histories are summed.
   use bw_case_modes, only: first_modes
   use bw_case_result, only: case_motion
   use bw_double_double, only: operator(*), operator(-)
@@ -21,14 +21,14 @@ module bw_case_peak
 contains
 
   real(dp) function later_peak(scene, motion, segment, grid, samples, monitor) result(peak)
-    !! The largest displacement after changes, V l²/h, less what missing modes may take off it.
+    !! Return a lower estimate of the largest displacement after changes, V l²/h.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(segment_type), intent(in) :: segment    !! the first
+    type(segment_type), intent(in) :: segment    !! before changes
     type(time_grid), intent(in) :: grid          !! of the record
-    integer, intent(in) :: samples               !! of the first segment, fewer than the record has
-    class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
-    real(dp), parameter :: sure = 0.5_dp         ! part of what few modes show
+    integer, intent(in) :: samples               !! of the first segment, fewer than in the record
+    class(monitor_type), intent(inout), target :: monitor    !! the peak is invalid if it requests a stop
+    real(dp), parameter :: sure = 0.5_dp         ! of the peak with few modes
     type(projection_type), allocatable :: projection
     type(configuration_type) :: few
     type(segment_type) :: next
@@ -52,16 +52,16 @@ contains
   end function later_peak
 
   real(dp) function previewed_peak(scene, configuration, segment, count, grid, unit_time, monitor) result(peak)
-    !! The largest displacement of the first modes at some of the samples, V l²/h; at all of them where a mode grows, whose peak is at
-    !! the end.
+    !! Return the largest displacement of the first modes at some samples, V l²/h; at all samples if a mode grows, whose
+    !! peak is at the end.
     type(scene_type), intent(in) :: scene
     type(configuration_type), intent(in) :: configuration
     type(segment_type), intent(in) :: segment
-    integer, intent(in) :: count                 !! of the modes
+    integer, intent(in) :: count                 !! modes summed
     type(time_grid), intent(in) :: grid          !! of the segment
     real(dp), intent(in) :: unit_time            !! s
     class(monitor_type), intent(inout), target :: monitor
-    integer, parameter :: previewed = 256        ! samples that show the peak well enough to plan with it
+    integer, parameter :: previewed = 256        ! samples that show the peak well enough for a plan
     type(response_type) :: response
     type(part_monitor) :: part
     integer :: stride

@@ -1,6 +1,6 @@
 module bw_case_tolerance
-  !! What a tolerance asks of a scene, before it is run: how many modes are summed, and whether it can be had at all. A run goes on
-  !! from the motion that this leaves.
+  !! The plan of a scene with a tolerance before its run: how many modes are summed, and whether the tolerance can be
+  !! met. A run continues from the planned motion.
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
   use bw_case_notes, only: out_of_reach
@@ -24,13 +24,13 @@ module bw_case_tolerance
 contains
 
   subroutine plan_case(scene, monitor, count, error, reached)
-    !! How many modes a scene with a tolerance will sum; 0 of one that counts them, or whose impact lasts.
-    !! **Errors**: `status_bad_input` where the tolerance is out of reach.
+    !! Return how many modes a scene with a tolerance will sum; 0 if it counts modes or its run finds the number.
+    !! **Errors**: `status_bad_input` if the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
-    class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
-    integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
+    class(monitor_type), intent(inout), target :: monitor  !! nothing is planned if it requests a stop
+    integer, intent(out) :: count                  !! 0 if modes are not resolved, as the run notes
     type(error_type), allocatable, intent(out) :: error
-    real(dp), intent(out), optional :: reached     !! the estimated error over the peak
+    real(dp), intent(out), optional :: reached     !! estimated error over the peak
     type(case_motion), allocatable :: motion
     count = 0
     if (.not. by_tolerance(scene%modes) .or. counts_in_its_run(scene)) return
@@ -39,11 +39,11 @@ contains
   end subroutine plan_case
 
   subroutine plan_motion(scene, monitor, motion, count, error)
-    !! `plan_case`, with the motion up to its histories.
-    !! **Errors**: as those of `plan_case`.
+    !! Do the same as `plan_case`, and keep the motion up to its histories.
+    !! **Errors**: see `plan_case`.
     type(scene_type), intent(in) :: scene          !! without sweeps
     class(monitor_type), intent(inout), target :: monitor
-    type(case_motion), allocatable, intent(inout) :: motion   !! unallocated, or what another tolerance left
+    type(case_motion), allocatable, intent(inout) :: motion   !! unallocated, or planned for another tolerance
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     type(search_failure), target :: failure
@@ -65,12 +65,12 @@ contains
     if (scene%modes%asked) call find_named(scene, monitor, motion%plan)
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
-    if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
+    if (line > 0) place = place//':'//text_of(line)         ! 0: default of an absent group
     call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion))
   end subroutine plan_motion
 
   subroutine try_tolerance(scene, motion, monitor, cache)
-    !! Choose how many modes are summed. Where it is not certain that the tolerance is kept, the sum tells.
+    !! Choose the number of modes. Unless it is certain to meet the tolerance, sum histories to check.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion     !! its modes are known
     class(monitor_type), intent(inout), target :: monitor
@@ -83,11 +83,11 @@ contains
   end subroutine try_tolerance
 
   subroutine find_named(scene, monitor, plan)
-    !! Find a tolerance that can be kept, in the place of one that cannot: near the limit it is planned as a run would, before it is
-    !! named.
+    !! Find a tolerance that can be met, to be named instead of a refused one. Near the limit it is planned as in a run
+    !! before it is named.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout), target :: monitor
-    type(plan_type), intent(inout) :: plan         !! that was refused
+    type(plan_type), intent(inout) :: plan         !! refused
     integer, parameter :: tries = 4
     type(case_motion), allocatable :: motion
     type(motion_cache) :: cache
@@ -108,21 +108,21 @@ contains
   end subroutine find_named
 
   subroutine fix_tolerance(scene, monitor, count, error, motion)
-    !! Plan a scene before it is run. A default tolerance becomes the one that is used; in a sweep each case relaxes its own,
-    !! and one that was asked for is tried at few of the corners: other cases may still not converge.
-    !! **Errors**: `status_bad_input` where a tolerance that was asked for is out of reach, or none can be had.
+    !! Plan a scene before its run. An unreachable default tolerance is relaxed. In a sweep each case relaxes its own,
+    !! and a requested one is tried at a few corners: other cases may still not converge.
+    !! **Errors**: `status_bad_input` if a requested tolerance is out of reach, or there is none that can be met.
     type(scene_type), intent(inout) :: scene
-    class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
-    integer, intent(out) :: count                  !! of modes to be summed by a single case; 0: not known
+    class(monitor_type), intent(inout), target :: monitor  !! nothing is planned if it requests a stop
+    integer, intent(out) :: count                  !! modes summed by a single case; 0: unknown
     type(error_type), allocatable, intent(out) :: error
     type(case_motion), allocatable, intent(out), optional :: motion
-      !! of a single case, up to its histories; unallocated where none is planned
+      !! of a single case, up to its histories; unallocated if not planned
     type(case_motion), allocatable :: planned
     type(scene_type) :: one
     integer(i8), allocatable :: corners(:)
     integer :: i, ignored
     count = 0
-    if (.not. by_tolerance(scene%modes) .or. counts_in_its_run(scene)) return     ! the run finds the count
+    if (.not. by_tolerance(scene%modes) .or. counts_in_its_run(scene)) return     ! the run finds the number
     if (size(scene%sweeps) == 0) then
       call plan_relaxed(scene, monitor, planned, count, error)
       if (present(motion) .and. count > 0 .and. .not. allocated(error)) call move_alloc(planned, motion)
@@ -140,9 +140,9 @@ contains
   end subroutine fix_tolerance
 
   subroutine plan_relaxed(scene, monitor, motion, count, error)
-    !! The same as `plan_motion`, of a scene whose default tolerance becomes the one that is used where it is out of reach.
-    !! **Errors**: as those of `plan_case`, of a tolerance that was asked for or where none can be had.
-    type(scene_type), intent(inout) :: scene       !! as that of `plan_case`
+    !! Do the same as `plan_motion`, and relax a default tolerance that is out of reach.
+    !! **Errors**: those of `plan_case`, for a requested tolerance or if none can be met.
+    type(scene_type), intent(inout) :: scene       !! without sweeps
     class(monitor_type), intent(inout), target :: monitor
     type(case_motion), allocatable, intent(out) :: motion
     integer, intent(out) :: count

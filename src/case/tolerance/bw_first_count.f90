@@ -1,6 +1,6 @@
 module bw_first_count
-  !! How many modes of the first segment a tolerance takes. A survey of the modes tells what those beyond any number may add; it goes
-  !! twice as far as the number that is judged, as long as that costs little.
+  !! How many modes a tolerance sums in the first segment. A survey of the modes estimates the contribution of all
+  !! beyond a count; it covers twice the count that is judged, as long as that is cheap.
   use bw_case_drift, only: drift_of_state
   use bw_case_modes, only: case_mode_cache, extend_source, first_modes
   use bw_case_notes, only: most_modes, most_of
@@ -20,18 +20,18 @@ module bw_first_count
   private
   public :: choose_first, next_count, steepest
 
-  integer, parameter :: most_previewed = 2**16   !! modes that are summed to see the peak
-  real(dp), parameter :: seen_part_of_most = 0.1_dp   !! of the modes that are found quickly, after which errors fall as they go on
-  real(dp), parameter :: near_enough = 1.02_dp   !! times the least count that keeps a tolerance
+  integer, parameter :: most_previewed = 2**16   !! most modes summed to find the peak
+  real(dp), parameter :: seen_part_of_most = 0.1_dp   !! of the modes that are found quickly; from there on errors are extrapolated
+  real(dp), parameter :: near_enough = 1.02_dp   !! accepted count over the least that meets a tolerance
 
 contains
 
   subroutine choose_first(scene, motion, segment, monitor, cache)
-    !! Of the segment that begins at t = 0; it ends with the first change.
+    !! Choose the count for the segment from t = 0 to the first change.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(segment_type), intent(inout) :: segment
-    class(monitor_type), intent(inout), target :: monitor    !! the count means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor    !! the count is invalid if it requests a stop
     type(case_mode_cache), intent(inout), optional :: cache
     type(time_grid) :: grid
     integer :: samples
@@ -52,7 +52,7 @@ contains
   end subroutine choose_first
 
   pure integer function samples_of_first(scene, motion, moving, grid) result(samples)
-    !! Before the first change; all where none comes.
+    !! Return the samples before the first change, or all.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(configuration_type), intent(in) :: moving
@@ -68,7 +68,7 @@ contains
   end function samples_of_first
 
   subroutine find_peak(scene, motion, segment, grid, samples, monitor)
-    !! Of the whole motion, less what missing modes may take off it.
+    !! Find a lower estimate of the peak of the whole motion.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(segment_type), intent(in) :: segment
@@ -85,7 +85,7 @@ contains
         errors = first_errors(motion, segment, count, samples)
         plan%peak = max(0.5_dp*peak, peak - errors(1))
         if (errors(1) <= 0.5_dp*peak .or. 8*count > moving%source%highest .or. 4*count > most_previewed) exit
-        count = 4*count                          ! what is missing is all that is seen: nothing has moved far yet
+        count = 4*count                          ! truncation error as large as the peak: little has moved yet
         call plan%survey(1)%add_source(moving%source, segment%force, 2*count, monitor)
       end do
       if (samples < grid%samples) plan%peak = max(plan%peak, later_peak(scene, motion, segment, grid, samples, monitor))
@@ -93,10 +93,10 @@ contains
   end subroutine find_peak
 
   function first_errors(motion, segment, count, samples) result(errors)
-    !! Largest errors that are expected of the first modes: an estimate, and the bound over what it may be of a tolerance.
-    type(case_motion), intent(inout) :: motion   !! its survey gets what is asked for
+    !! Return the largest expected errors of the first modes: the estimate, and the bound over `bound_times`.
+    type(case_motion), intent(inout) :: motion   !! its survey caches results
     type(segment_type), intent(in) :: segment
-    integer, intent(in) :: count                 !! of the modes, the last of a bin
+    integer, intent(in) :: count                 !! modes, to the end of a bin
     integer, intent(in) :: samples               !! of the segment
     real(dp) :: errors(2)
     type(tail_type) :: tail
@@ -106,11 +106,11 @@ contains
       errors = [maxval(displacement_error(tail, plan%part_of_block(1, count, samples - 1, source%pieces%beam))), &
                 maxval(tail%bound)/bound_times]
     end associate
-    errors = max(errors, 1.0e-100_dp)            ! powers are taken of them
+    errors = max(errors, 1.0e-100_dp)            ! for powers
   end function first_errors
 
   subroutine find_count(scene, motion, segment, grid, samples, monitor, cache)
-    !! The least count within what is aimed at, of as many modes as it takes.
+    !! Find the least count within the aim, with as many modes as that takes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(segment_type), intent(inout) :: segment
@@ -118,7 +118,7 @@ contains
     integer, intent(in) :: samples
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), optional :: cache
-    real(dp), dimension(2) :: before, errors, fall, power   ! of the estimate and of the bound: each falls in its own way
+    real(dp), dimension(2) :: before, errors, fall, power   ! of estimate and bound: each falls at its own rate
     real(dp) :: allowed, drift
     integer :: last, last_before, most
     logical :: exhausted, extended
@@ -145,7 +145,7 @@ contains
         if (last >= min(most, moving%source%highest) .or. last == last_before) then   ! or the survey ends with whole bins
           call extend_source(scene, motion%units, segment%configuration, monitor, moving%source, extended, cache)
           exhausted = .not. extended
-        else if (last >= seen_part_of_most*min(most_modes, moving%source%quickly)) then   ! no need to find millions that are not enough
+        else if (last >= seen_part_of_most*min(most_modes, moving%source%quickly)) then   ! do not find millions of modes in vain
           plan%within = all(errors*(real(last, dp)/most)**fall <= allowed/plan%aim)
         end if
         if (exhausted .or. .not. plan%within) exit
@@ -168,8 +168,8 @@ contains
     end associate
   contains
     integer function least_count(errors) result(count)
-      !! By powers that go through what is not enough and what is.
-      real(dp), intent(in) :: errors(2)            !! of the last, which are enough
+      !! Find the least count, by power laws between a count that fails and one that suffices.
+      real(dp), intent(in) :: errors(2)            !! of `last`, which suffices
       integer :: few, enough, try
       real(dp) :: now, over(2), power              ! errors over what is allowed
       associate (survey => motion%plan%survey(1))
@@ -197,24 +197,24 @@ contains
       end associate
     end function least_count
     real(dp) function over_allowed(bin) result(over)
-      integer, intent(in) :: bin                   !! the modes to whose end are summed
+      integer, intent(in) :: bin                   !! modes to the end of this bin
       over = maxval(first_errors(motion, segment, motion%plan%survey(1)%bin(bin)%last, samples))/allowed
     end function over_allowed
   end subroutine find_count
 
   pure integer function judged(last, most)
-    !! How many of the surveyed modes are judged: half of them, so that as many more are known; all where there are no more, or many.
+    !! Return how many surveyed modes are judged: half, so that as many beyond are known; all if there are no more, or many.
     integer, intent(in) :: last(:)                 !! modes of the bins
-    integer, intent(in) :: most                    !! modes that there may be
+    integer, intent(in) :: most                    !! most modes
     judged = last(size(last))
     if (judged < most .and. judged < 2*looked_ahead) judged = last(findloc(last >= judged/2, .true., dim=1))
   end function judged
 
   pure function steepest(source, square) result(power)
-    !! Powers of the number of modes by which the estimate and the bound fall in the end: amplitudes fall as k⁻³, with shear as k⁻²;
-    !! they add up in the bound, and in the estimate where phases agree; else at random.
+    !! Return the exponents by which estimate and bound finally fall with the number of modes. Amplitudes fall as k⁻³,
+    !! with shear as k⁻². In the bound, and in the estimate if phases agree, they add up; else they add at random.
     class(mode_source), intent(in) :: source
-    real(dp), intent(in) :: square                 !! β² of the last of them
+    real(dp), intent(in) :: square                 !! β² of the last mode
     real(dp) :: power(2)
     associate (beam => source%pieces%beam)
       power = merge(1.0_dp, 2.0_dp, any(beam%piece%compliance%hi > 0.0_dp))
@@ -223,9 +223,9 @@ contains
   end function steepest
 
   pure integer function next_count(last, times, most) result(count)
-    !! So many modes as an error takes that falls as a power of their number, in steps that learn the power.
+    !! Return the count that an error needs which falls as a power of it, in limited steps, so that the power can be updated.
     integer, intent(in) :: last
-    real(dp), intent(in) :: times                !! as many as are surveyed
+    real(dp), intent(in) :: times                !! times the surveyed modes
     integer, intent(in) :: most
     real(dp), parameter :: least = 1.1_dp, largest = 16.0_dp
     count = int(min(real(most, dp), last*max(least, min(largest, times)) + 1.0_dp))

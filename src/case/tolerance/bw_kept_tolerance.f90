@@ -1,6 +1,6 @@
 module bw_kept_tolerance
-  !! The motion of a case and its histories, of as many modes as keep its tolerance. Where the histories show that the modes which were
-  !! chosen do not, more are chosen by what was seen. Of modes that a scene counts it is one sum.
+  !! Motion and histories with as many modes as the tolerance needs. If the histories miss it, the number is chosen anew
+  !! with what they showed. With given counts there is one sum.
   use bw_case_drift, only: drift_errors
   use bw_case_errors, only: estimate_errors
   use bw_case_histories, only: sum_histories, sums_of_segment
@@ -21,7 +21,7 @@ module bw_kept_tolerance
   public :: find_histories, find_motion
 
   type, public :: motion_cache
-    !! Work that motions share, done once.
+    !! Work shared by several motions.
     type(case_mode_cache) :: modes
     type(initial_state_cache) :: initial
     type(nonuniform_sum) :: sums(sums_of_segment)   !! kernels, plans and grids of the last transforms
@@ -30,23 +30,23 @@ module bw_kept_tolerance
 contains
 
   subroutine find_motion(scene, motion, monitor, cache)
-    !! From the impact on, with as many modes as are chosen for it.
+    !! Find the motion from the impact on, with a chosen number of modes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion     !! its modes are known
-    class(monitor_type), intent(inout), target :: monitor   !! the motion means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! the motion is invalid if it requests a stop
     type(motion_cache), intent(inout) :: cache
     type(part_monitor) :: part
     call start_motion(scene, motion, monitor, cache%initial, cache%modes)
     if (monitor%stop_requested()) return
-    part = part_monitor(monitor, 1.0_dp, 0.0_dp)            ! how long later events take is not known
+    part = part_monitor(monitor, 1.0_dp, 0.0_dp)            ! duration of later events is unknown
     call follow_motion(scene, motion, part, cache%modes)
   end subroutine find_motion
 
   subroutine find_histories(scene, motion, monitor, cache, histories, errors, watch)
-    !! Sum a motion until its tolerance is kept. Where there are no more modes to be had, the plan says so, and there are no histories.
+    !! Sum a motion until its tolerance is met. If there are no more modes, the plan notes it, and there are no histories.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion     !! found
-    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(motion_cache), intent(inout) :: cache
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
@@ -70,7 +70,7 @@ contains
     end do
   contains
     subroutine learn()
-      !! What the sum has shown.
+      !! Update the plan with the results of the sum.
       associate (unit => abs(scene%impact%approach_velocity)*motion%units%time%hi, plan => motion%plan)
         call plan%learn(errors%part, largest_magnitude(histories%response%displacement)/unit, errors%segment, &
                         max(maxval(errors%displacement), maxval(errors%displacement_bound)/bound_times)/unit, &

@@ -1,6 +1,5 @@
 module bw_later_count
-  !! How many modes of a segment after a change a tolerance takes: of those that move after it, and of those before it that hand on
-  !! their motion.
+  !! How many modes a tolerance needs at a change: modes after it that are summed, and modes before it that are projected.
   use bw_case_drift, only: drift_of_state
   use bw_case_modes, only: case_mode_cache, extend_source, first_modes
   use bw_case_notes, only: most_modes, most_released
@@ -24,17 +23,17 @@ module bw_later_count
   private
   public :: choose_later
 
-  real(dp), parameter :: doubt_share = 0.3_dp    !! of what is allowed, that the modes after a change may be in doubt by
-  real(dp), parameter :: bound_share = 0.5_dp    !! of what is proved, that either has
+  real(dp), parameter :: doubt_share = 0.3_dp    !! of the allowed error, left to errors of the projected state
+  real(dp), parameter :: bound_share = 0.5_dp    !! of the bound, left to either part
 
 contains
 
   subroutine choose_later(scene, motion, last, next, projection, monitor, cache)
-    !! Of a segment after a change: as many modes before it are handed on, and so many move after it, as keep the tolerance.
+    !! Choose both counts for the segment after a change.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
-    type(segment_type), intent(in) :: last       !! a copy of the segment before it
-    type(segment_type), intent(inout) :: next    !! whose start and configuration are known
+    type(segment_type), intent(in) :: last       !! copy of the segment before
+    type(segment_type), intent(inout) :: next    !! with start and configuration
     type(projection_type), intent(inout) :: projection   !! new
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), optional :: cache
@@ -88,7 +87,7 @@ contains
     end associate
   contains
     integer function more_handed() result(count)
-      !! So many modes before that the doubt is allowed, were it to fall on as a power of their number as it last did.
+      !! Return how many modes to project next, if the projection error keeps falling at its last rate.
       real(dp) :: power
       power = 1.5_dp
       associate (known => projection%place%count)
@@ -100,7 +99,7 @@ contains
       end associate
     end function more_handed
     subroutine survey_next()
-      !! What the modes there are may be off by, and what they are handed, over what is allowed of either.
+      !! Estimate the errors of the summed modes and of their projected state, over what is allowed of either.
       type(lack_error) :: lacking
       real(dp), dimension(size(scene%response%points)) :: part, times
       associate (survey => motion%plan%survey(i), after => motion%modes%configuration(next%configuration), &
@@ -127,7 +126,7 @@ contains
       end associate
     end subroutine survey_next
     real(dp) function error_with(count)
-      !! Of the first of them, over what is left of the tolerance.
+      !! Return the truncation error of the first `count` modes, over its share of the tolerance.
       integer, intent(in) :: count
       type(tail_type) :: tail
       associate (plan => motion%plan, source => motion%modes%configuration(next%configuration)%source)
@@ -139,7 +138,7 @@ contains
       end associate
     end function error_with
     subroutine cut_to_least()
-      !! Drop the modes that the tolerance does not take.
+      !! Drop modes that the tolerance does not need.
       integer :: few, enough, try
       real(dp) :: surest
       surest = surely

@@ -1,6 +1,5 @@
 module bw_plan
-  !! How many modes a tolerance takes, as it is found: what is aimed at, what is known of the modes, and what is expected of their
-  !! sum. Of counts that a scene gives nothing is planned.
+  !! The plan of a tolerance: the aim, the survey of modes, and the expected errors of their sum. Unused with given counts.
   use bw_kinds, only: dp
   use bw_mode_survey, only: mode_survey
   use bw_piece_beam, only: piece_beam
@@ -8,22 +7,22 @@ module bw_plan
   implicit none (type, external)
   private
 
-  integer, parameter, public :: looked_ahead = 4096   !! modes up to whose number twice as many are surveyed as are summed
-  real(dp), parameter, public :: bound_times = 100.0_dp    !! a tolerance, that is proved
-  real(dp), parameter :: known = 0.95_dp     !! aim once a sum has shown what blocks come to
-  real(dp), parameter :: least_kept = 0.02_dp   !! of a tolerance, that is left to missing modes where phases take more than all of it
+  integer, parameter, public :: looked_ahead = 4096   !! count up to which twice as many modes are surveyed as are summed
+  real(dp), parameter, public :: bound_times = 100.0_dp    !! a proved bound may be so many tolerances
+  real(dp), parameter :: known = 0.95_dp     !! aim once a sum has shown the cancellation in blocks
+  real(dp), parameter :: least_kept = 0.02_dp !! least share of a tolerance left to omitted modes by phase errors
 
   type, public :: plan_type
-    real(dp) :: tolerance = 0.0_dp           !! part of the peak; 0: counts are given
-    real(dp) :: peak = 0.0_dp                !! largest displacement, as few modes show it or a sum of fewer has, V l²/h
-    real(dp) :: aim = 0.8_dp                 !! part of the tolerance by which counts are chosen: phases are not known yet
-    real(dp), allocatable :: part(:, :)      !! of the sum of its amplitudes that a block of a sum of fewer came to, (points, segments)
-    type(mode_survey), allocatable :: survey(:)   !! of the modes of each segment; unallocated: counts are given
+    real(dp) :: tolerance = 0.0_dp           !! of the peak; 0: counts are given
+    real(dp) :: peak = 0.0_dp                !! largest displacement with few modes or in the last sum, V l²/h
+    real(dp) :: aim = 0.8_dp                 !! part of the tolerance used to choose counts before phases are known
+    real(dp), allocatable :: part(:, :) !! |sum of a block| over the sum of its amplitudes with fewer modes, (points, segments)
+    type(mode_survey), allocatable :: survey(:)   !! modes of each segment; unallocated: counts are given
     logical, allocatable :: exhausted(:)     !! there are no more modes, (segments)
-    logical :: within = .true.               !! the tolerance can be kept, for all that is known
-    real(dp) :: reached = 0.0_dp             !! expected error of the displacement over the peak
-    real(dp) :: surely = 0.0_dp              !! what it would be of all modes there are, whatever their phases
-    real(dp) :: drift = 0.0_dp               !! the part of that which the rounding of frequencies under tension has
+    logical :: within = .true.               !! as far as is known, the tolerance can be met
+    real(dp) :: reached = 0.0_dp             !! expected displacement error over the peak
+    real(dp) :: surely = 0.0_dp              !! the same with all modes there are, for any phases
+    real(dp) :: drift = 0.0_dp               !! part of it due to rounding of frequencies under tension
   contains
     procedure :: begin
     procedure :: allowed
@@ -37,10 +36,10 @@ module bw_plan
 contains
 
   subroutine begin(self, tolerance, segments)
-    !! Forget what was chosen. The survey and what sums have shown serve on, of the same tolerance or another.
+    !! Reset the plan. Survey and results of sums are kept, also for another tolerance.
     class(plan_type), intent(inout) :: self
     real(dp), intent(in) :: tolerance
-    integer, intent(in) :: segments          !! at most
+    integer, intent(in) :: segments          !! most of them
     self%tolerance = tolerance
     self%within = .true.
     self%reached = 0.0_dp
@@ -52,19 +51,19 @@ contains
   end subroutine begin
 
   elemental real(dp) function allowed(self, drift)
-    !! What modes that are missing may add, V l²/h.
+    !! Return the error allowed for omitted modes, V l²/h.
     class(plan_type), intent(in) :: self
-    real(dp), intent(in) :: drift            !! of phases, V l²/h
+    real(dp), intent(in) :: drift            !! phase errors, V l²/h
     allowed = self%aim*max(self%tolerance*self%peak - drift, least_kept*self%tolerance*self%peak)
   end function allowed
 
   pure subroutine take_segment(self, i, error, surely, drift, exhausted)
-    !! Take in what is expected of the modes that were chosen for a segment, V l²/h.
+    !! Record the expected errors of the modes chosen for a segment, V l²/h.
     class(plan_type), intent(inout) :: self
     integer, intent(in) :: i                 !! of the segment
-    real(dp), intent(in) :: error, surely    !! of missing modes: expected, and proved of all that there may be
-    real(dp), intent(in) :: drift            !! of phases
-    logical, intent(in) :: exhausted         !! there are no more
+    real(dp), intent(in) :: error, surely    !! due to omitted modes: expected, and proved with all modes there may be
+    real(dp), intent(in) :: drift            !! due to phases
+    logical, intent(in) :: exhausted         !! there are no more modes
     self%reached = max(self%reached, (error + drift)/self%peak)
     self%surely = max(self%surely, (surely + drift)/self%peak)
     self%drift = max(self%drift, drift/self%peak)
@@ -72,8 +71,8 @@ contains
   end subroutine take_segment
 
   pure function part_of_block(self, i, count, samples, beam) result(part)
-    !! Of the sum of its amplitudes, that a block of a segment's modes comes to: what it would with random phases, of modes whose waves
-    !! hardly disperse no less than of those below, or what a sum of fewer showed, (points).
+    !! Return the ratio |sum| to sum of amplitudes expected of a block of a segment's modes, (points): that of random
+    !! phases; for modes with little dispersion that of the modes below; and at least that in a sum of fewer modes.
     class(plan_type), intent(in) :: self
     integer, intent(in) :: i, count, samples
     type(piece_beam), intent(in) :: beam
@@ -87,18 +86,18 @@ contains
   end function part_of_block
 
   elemental logical function is_certain(self)
-    !! The tolerance is kept whatever phases are, if not by the modes that were chosen then by more.
+    !! Tell whether more modes surely meet the tolerance, for any phases.
     class(plan_type), intent(in) :: self
-    real(dp), parameter :: of_few = 0.5_dp   ! of a peak as few modes show it, that there is at least
+    real(dp), parameter :: of_few = 0.5_dp   ! least true peak over that with few modes
     is_certain = self%tolerance <= 0.0_dp .or. self%peak <= 0.0_dp .or. self%surely <= of_few*self%tolerance
   end function is_certain
 
   pure subroutine learn(self, part, peak, i, error, drift)
-    !! A sum misses the tolerance: phases agree more than random ones do, or the peak is smaller than few modes showed it. The next plan
-    !! has more modes, unless there are none.
+    !! Learn from a sum that missed the tolerance: phases agree more than random ones, or the peak is smaller than with
+    !! few modes. The next plan has more modes, if there are any.
     class(plan_type), intent(inout) :: self
-    real(dp), allocatable, intent(inout) :: part(:, :)   !! that its blocks came to; used up
-    integer, intent(in) :: i                             !! segment whose error is the largest
+    real(dp), allocatable, intent(inout) :: part(:, :)   !! in its blocks; used up
+    integer, intent(in) :: i                             !! segment with the largest error
     real(dp), intent(in) :: peak, error, drift           !! of the sum, V l²/h
     self%peak = peak
     self%reached = error/peak
@@ -110,7 +109,7 @@ contains
   end subroutine learn
 
   elemental real(dp) function named(self)
-    !! A tolerance that can be kept, in two digits.
+    !! Return a tolerance that can be met, with two digits.
     class(plan_type), intent(in) :: self
     real(dp), parameter :: margin = 1.02_dp
     real(dp) :: digit

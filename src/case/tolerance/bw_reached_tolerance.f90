@@ -1,5 +1,5 @@
 module bw_reached_tolerance
-  !! What a tolerance comes to where the run itself finds the number of modes: kept, missed, or, where it was not asked for, relaxed.
+  !! The final judgement of a tolerance if the run chooses the number of modes: met, missed, or relaxed if it is the default.
   use bw_case_result, only: case_done, case_not_converged, history_errors
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -15,11 +15,11 @@ module bw_reached_tolerance
 contains
 
   subroutine judge_tolerance(modes, reached, count, instead, response, errors)
-    !! Say it, and in the status of the histories where a tolerance is missed.
+    !! Note a tolerance that is not met, and set the status if it is missed.
     type(modes_par), intent(in) :: modes             !! with a tolerance
-    real(dp), intent(in) :: reached                  !! the largest error over its peak
-    integer, intent(in) :: count                     !! modes that were summed
-    character(*), intent(in) :: instead              !! of a tolerance, what else would give histories
+    real(dp), intent(in) :: reached                  !! largest error over its peak
+    integer, intent(in) :: count                     !! modes summed
+    character(*), intent(in) :: instead              !! what else would give histories
     type(response_type), allocatable, intent(in) :: response
     type(history_errors), intent(inout) :: errors
     character(*), parameter :: name(*) = [character(14) :: 'displacement', 'velocity', 'bending moment', 'acceleration', &
@@ -41,14 +41,14 @@ contains
   end subroutine judge_tolerance
 
   pure real(dp) function part_of_peak(response, errors) result(part)
-    !! The largest error of a quantity over its peak.
+    !! Return the largest error of any quantity over its peak.
     type(response_type), intent(in) :: response
     type(history_errors), intent(in) :: errors
     part = maxval(parts_of_peak(response, errors))
   end function part_of_peak
 
   pure function parts_of_peak(response, errors) result(part)
-    !! Of displacement, velocity, bending moment, acceleration and shear force.
+    !! Return these ratios for displacement, velocity, bending moment, acceleration and shear force.
     type(response_type), intent(in) :: response
     type(history_errors), intent(in) :: errors
     real(dp) :: part(5)

@@ -54,7 +54,7 @@ contains
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(closed_form_set), intent(out) :: modes
-    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
     type(shape_type) :: shape(batch)
     type(dd) :: alpha(batch)
     integer :: first, last, m

@@ -43,7 +43,7 @@ contains
     type(root_type), intent(in) :: onto(:), from(:) !! i and k, ascending
     real(dp), intent(in) :: weight(:)               !! w_k, (size(from))
     real(dp), intent(inout) :: sums(:)              !! (size(onto))
-    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     type(interpolation) :: chebyshev
     type(level_type), allocatable :: weights(:)
     real(dp), allocatable :: field(:, :)

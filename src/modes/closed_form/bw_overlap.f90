@@ -34,7 +34,7 @@ contains
     type(root_type), intent(in) :: loaded(:)      !! of modes Φ̄_k with the mass, any
     type(root_type), intent(in) :: free(:)        !! of modes φ_i without it, γ = 0, from the first
     real(dp), intent(in) :: amplitude(:)          !! a_i, (size(free))
-    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     real(dp) :: sums(size(loaded))
     if (carries_mass(loaded)) then
       sums = gap_sums(loaded, free, by_tip(free, 4, amplitude, .false.), .false., monitor)
@@ -110,7 +110,7 @@ contains
     type(root_type), intent(in) :: from(:)           !! k, ascending
     real(dp), intent(in) :: weight(:)                !! (size(from))
     logical, intent(in) :: onto_free                 !! `onto` are without the mass, else `from` are
-    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     real(dp) :: sums(size(onto))
     integer :: first, last
     if (int(size(onto), i8)*size(from) > most_pairs) then

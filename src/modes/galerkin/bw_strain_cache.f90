@@ -33,7 +33,7 @@ contains
     type(strain_problem), intent(in) :: problem
     integer, intent(in) :: count
     type(strain_source), intent(out) :: source
-    class(monitor_type), intent(inout), optional :: monitor   !! none are found, nor cached, where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found or cached if it requests a stop
     integer :: place
     if (.not. allocated(self%entries)) allocate (self%entries(most_sources))
     do place = 1, most_sources

@@ -39,7 +39,7 @@ contains
     integer, intent(in) :: count                   !! ≥ 1
     integer, intent(in) :: struck                  !! the joint at which the mass strikes
     type(strain_set), intent(out) :: set
-    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found if it requests a stop
     type(mode_demand), intent(in), optional :: demand
     type(mode_demand) :: wanted
     integer :: functions(size(given%beam%piece))

@@ -48,7 +48,7 @@ contains
     type(strain_problem), intent(in) :: problem
     integer, intent(in) :: count
     type(strain_source), intent(out) :: source
-    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found if it requests a stop
     associate (given => problem%given, set => source%solved)
       source%highest = count
       source%gamma = problem%captured%mass%hi

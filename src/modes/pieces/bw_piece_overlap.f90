@@ -53,7 +53,7 @@ contains
     real(dp), intent(in) :: amplitude(:)         !! a_i
     logical, intent(in) :: with_mass
       !! the product holds the masses of either beam, but no inertia of a body that only one of them has; else neither
-    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     real(dp) :: sums(size(onto%lambda))
     integer, parameter :: most = 512, most_parts = 4096   ! modes, and their pieces, whose numbers stay in the cache
     type(change_type), allocatable :: changed(:)

@@ -104,7 +104,7 @@ contains
     real(dp), intent(in), optional :: longest      !! the longest time after which phases must still be right
     type(piece_set), intent(out) :: set
     integer, intent(in), optional :: struck        !! the joint at which a mass strikes; absent: the tip
-    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
     logical, intent(in), optional :: roughly       !! frequencies and shapes to three digits; absent: to all
     type(mode_search) :: search
     type(dd) :: lambda

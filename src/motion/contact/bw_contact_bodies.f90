@@ -160,7 +160,7 @@ contains
     real(dp), intent(in) :: damping               !! c of the contact
     real(dp), intent(in) :: last                  !! the end of the search
     logical, intent(out) :: found                 !! a contact before that
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     real(dp) :: until
     do
       until = last

@@ -39,7 +39,7 @@ contains
     class(mode_set), intent(in) :: free        !! of the beam alone
     type(contact_motion), intent(in) :: motion !! of that beam and the mass
     type(contact_set), intent(out) :: modes
-    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
     real(dp), parameter :: at_rest = 1.0e-27_dp    ! of the first frequencies' squares: what nothing holds is held by that much
     real(dp), dimension(free%count) :: pole, weight, inertia, mixed, stiffness
     type(dd) :: square, spin

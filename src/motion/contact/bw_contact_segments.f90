@@ -25,7 +25,7 @@ contains
     logical, intent(in) :: released               !! from a contact that lasted: the force between them has gone to zero
     real(dp), intent(in) :: last                  !! the end of the search
     logical, intent(out) :: found                 !! a contact before that
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     type(moving_state) :: from
     integer :: opening
     from = motion%state
@@ -92,7 +92,7 @@ contains
     type(moving_state), intent(out) :: from, to   !! states of the contact modes then
     real(dp), intent(out) :: impulse              !! on the tip in that time, and as the mass comes to rest on it
     logical, intent(out) :: found                 !! an end before that
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     integer :: order
     associate (parts => motion%parts(together), force => modes%force, blow => motion%separation())
       call motion%lose(0.5_dp*blow**2*motion%yield())

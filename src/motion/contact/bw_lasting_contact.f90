@@ -105,7 +105,7 @@ contains
     type(contact_run), intent(inout) :: run
     real(dp), intent(in) :: until
     type(lasting_contacts), intent(inout) :: contacts
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     type(segment_type) :: segment
     run%last = min(until, run%in_range)
     if (run%captured .or. run%last <= run%bodies%state%time%hi) return

@@ -57,7 +57,7 @@ contains
     real(dp), intent(in) :: longest               !! the record
     integer, intent(in) :: most                   !! contacts that are followed
     type(contacts_type), intent(out) :: contacts
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     type(bundle_type) :: bundle
     type(event_type) :: event
     bundle%run(0) = motion_of(free, mass_ratio, restitution, omega)

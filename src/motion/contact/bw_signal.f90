@@ -60,7 +60,7 @@ contains
     real(dp), intent(in) :: longest                !! where the search ends
     logical, intent(out) :: found
     real(dp), intent(out) :: time                  !! `longest` where none was found
-    class(monitor_type), intent(inout), optional :: monitor   !! none is found where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! none is found if it requests a stop
     integer, parameter :: most_steps = 20000000    ! no search here takes nearly as many
     integer, parameter :: between_questions = 64   ! steps
     real(dp), dimension(size(self%u)) :: change, velocity

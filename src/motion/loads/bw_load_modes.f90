@@ -30,7 +30,7 @@ contains
     real(dp), intent(in) :: xi(:)                  !! (points)
     real(dp), intent(out) :: shear(:, :)           !! (modes, points)
     real(dp), intent(out) :: participation(:)      !! (modes)
-    class(monitor_type), intent(inout) :: monitor  !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor  !! results are invalid if it requests a stop
     real(dp) :: inertia(modes%count), reaction(modes%count), beyond(modes%count), ends(0:size(given%beam%piece))
     real(dp) :: edges(size(xi) + 2)
     type(dd) :: place

@@ -187,7 +187,7 @@ contains
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: last
-    class(monitor_type), intent(inout), optional :: monitor   !! the survey means nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor   !! the survey is invalid if it requests a stop
     class(mode_set), allocatable :: modes
     type(dd) :: beta(batch)
     real(dp), dimension(batch) :: drive, mass, nothing

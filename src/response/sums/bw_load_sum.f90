@@ -49,7 +49,7 @@ contains
     type(time_grid), intent(in) :: grid             !! of the whole record
     integer, intent(in) :: samples(2)               !! the first and the last, from 1
     type(dd), intent(in) :: start, until            !! of the segment
-    class(monitor_type), intent(inout) :: monitor   !! the histories mean nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor   !! the histories are invalid if it requests a stop
     real(dp), intent(inout) :: q(:), v(:)           !! state at the start, then at the end, (modes)
     real(dp), intent(inout) :: history(:, :)        !! of the whole record, (samples, columns)
     type(load_tail), intent(inout) :: tail          !! of the segments before it, too

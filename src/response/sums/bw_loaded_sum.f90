@@ -21,7 +21,7 @@ contains
     type(sampling_type), intent(in) :: sampling      !! of the whole record, with velocities or without
     integer, intent(in) :: samples(2)                !! the first and the last of the segment, from 1
     logical, intent(in) :: curved                    !! curvatures, too
-    class(monitor_type), intent(inout) :: monitor    !! what is found means nothing where it asks to stop
+    class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(segment_type), intent(inout) :: segment     !! with a load, whose residual is that of the points
     type(oscillators) :: parts
     type(dd) :: after

@@ -99,7 +99,7 @@ contains
     class(nonuniform_sum), intent(inout) :: self
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
-    class(monitor_type), intent(inout), optional :: monitor     !! the histories mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor     !! the histories are invalid if it requests a stop
     logical :: cosine(size(self%spectra, 2))
     integer :: kind, skip
     cosine = [(spread(of_cosines(kind), 1, merge(self%points, 0, self%with(kind))), kind=1, 4)]

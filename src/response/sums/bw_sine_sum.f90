@@ -67,7 +67,7 @@ contains
     logical, intent(in) :: cosines(:)              !! columns whose sums are of cosines
     integer, intent(in) :: skip                    !! rows before the first
     real(dp), intent(inout), contiguous, target :: values(0:, :)   !! (n and more, columns)
-    class(monitor_type), intent(inout), optional :: monitor        !! the sums mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor        !! the sums are invalid if it requests a stop
     complex(c_double_complex), pointer :: before(:), after(:)
     real(dp), allocatable, target :: work(:)
     integer :: h
