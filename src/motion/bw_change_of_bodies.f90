@@ -1,16 +1,17 @@
 module bw_change_of_bodies
-  !! Bodies come to a beam that moves, or leave it: its motion goes over to the modes of what it carries then. What it did before is
-  !! projected on them with their own weight, M̄_kq̄_k = ∫ρAΦ̄_kv dx + Σ mΦ̄_kv_b + JΨ̄_kψ_b over all that is there then, and likewise the
-  !! velocities. A body that comes takes the motion of the beam, or it brings a velocity u of its own and no spin: to the momenta of
-  !! modes that adds m(u − v̇_b)Φ̄_k − Jψ̇_bΨ̄_k. What leaves takes along what it has.
+  !! Changes of the bodies on a moving beam. The motion is projected onto the modes of the beam with the bodies that it
+  !! carries afterwards, weighted by the mass that is there before and after: M̄_kq̄_k = ∫ρAΦ̄_kv dx + Σ mΦ̄_kv_b +
+  !! JΨ̄_kψ_b, and likewise for velocities. An arriving body takes the motion of the beam, or brings a velocity u and no
+  !! rotation: this adds m(u − v̇_b)Φ̄_k − Jψ̇_bΨ̄_k to the modal momenta. A leaving body keeps its motion.
   !!
-  !! Springs that come are unstressed at the deflection and the slope that the beam has then. They pull towards these, a constant force
-  !! f_k = Σ k_vv_bΦ̄_k + k_θψ_bΨ̄_k: the beam moves freely about an equilibrium. Its modal displacements, f_k/(M̄_kβ̄_k²), fall slowly where
-  !! springs are stiff, as few modes have the shape in which a joint was locked. The distance from it when they come does not: u_k =
-  !! q̄_k − f_k/(M̄_kβ̄_k²). So the equilibrium is held as what the beam was then, less Σu_kΦ̄_k, and displacements have no jump.
+  !! Arriving springs are unstressed at the current deflection and slope. They pull towards these with a constant force
+  !! f_k = Σ k_vv_bΦ̄_k + k_θψ_bΨ̄_k, so the beam moves freely about an equilibrium. Its modal displacements
+  !! f_k/(M̄_kβ̄_k²) converge slowly for stiff springs, as few modes fit the shape in which a joint was locked. The
+  !! distance from it at that instant, u_k = q̄_k − f_k/(M̄_kβ̄_k²), converges fast. So the equilibrium is stored as the
+  !! shape of the beam then less Σu_kΦ̄_k, and displacements have no jump.
   !!
-  !! Energies are those of bw_release. What the equilibrium has itself follows from the potential energy, which has no jump either.
-  !! Units of bw_segment.
+  !! Energies are those of bw_release. The energy of the equilibrium follows from the continuity of the potential
+  !! energy. Units of bw_segment.
   use bw_double_double, only: accurate_sum
   use bw_event, only: event_type
   use bw_kinds, only: dp
@@ -27,42 +28,43 @@ module bw_change_of_bodies
     real(dp) :: position = 1.0_dp
     real(dp) :: mass = 0.0_dp, inertia = 0.0_dp
     real(dp) :: stiffness = 0.0_dp, turning_stiffness = 0.0_dp
-    real(dp) :: velocity = missing          !! that it brings; missing: that of the beam
-    real(dp) :: pull = 0.0_dp               !! Ω²m(R + ξ): the tension that it brings into the beam inside of it
-    real(dp) :: unstressed(2) = 0.0_dp      !! deflection and turning at which its springs are so
-    real(dp) :: beside = 0.0_dp             !! how far across the beam it sits from the axis
+    real(dp) :: velocity = missing          !! at arrival; missing: that of the beam
+    real(dp) :: pull = 0.0_dp               !! Ω²m(R + ξ): tension due to the body, inwards of it
+    real(dp) :: unstressed(2) = 0.0_dp      !! deflection and rotation at which its springs are so
+    real(dp) :: beside = 0.0_dp             !! offset from the beam's axis, across the beam
   end type body_type
 
   type, public :: beam_state
-    !! A shape in which the beam rests, and a motion of the first modes of its configuration about it, all others being at rest.
-    integer :: count = 0                    !! how many
-    real(dp), allocatable :: q(:), rate(:)  !! (modes of the set), 0 beyond the count
-    type(shape_term), allocatable :: shape(:)       !! of size 0: straight
-    real(dp) :: level = 0.0_dp              !! energy of that shape, which forces at bodies hold
+    !! An equilibrium shape, and a motion of the first modes of a configuration about it.
+    integer :: count = 0                    !! number of these modes
+    real(dp), allocatable :: q(:), rate(:)  !! (modes of the set), 0 beyond `count`
+    type(shape_term), allocatable :: shape(:)       !! empty: straight
+    real(dp) :: level = 0.0_dp              !! energy of the shape
   end type beam_state
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
-  real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! of integrals of two shapes, relatively
+  real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! relative error of integrals of two shapes
 
 contains
 
   subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond, &
                        unsummed)
-    !! The state of the modes after a change, and the balance of the event; its kind and its time are the caller's.
-    type(configuration_type), intent(in) :: configuration(:)   !! whose modes were found in the same way, of the same pieces
-    integer, intent(in) :: from, onto               !! the configurations before and after
+    !! Project the state at a change of bodies, and find the event's energies and momenta. Its kind and time are left to
+    !! the caller.
+    type(configuration_type), intent(in) :: configuration(:)   !! modes found in the same way, for the same pieces
+    integer, intent(in) :: from, onto               !! configurations before and after
     type(beam_state), intent(in) :: state
-    logical, intent(in) :: was(:), is(:)            !! which bodies are there before and after, (bodies)
-    integer, intent(in) :: count                    !! modes after that take part
-    type(body_type), intent(inout) :: bodies(:)     !! springs of those that come are unstressed from now on
-    real(dp), intent(in) :: spin_squared            !! ω² in the plane of the motion, else 0
+    logical, intent(in) :: was(:), is(:)            !! bodies before and after, (bodies)
+    integer, intent(in) :: count                    !! modes after the change that take part
+    type(body_type), intent(inout) :: bodies(:)     !! `unstressed` is set for arriving bodies
+    real(dp), intent(in) :: spin_squared            !! ω² in the plane of motion, else 0
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
     class(monitor_type), intent(inout), optional :: monitor   !! the state is invalid if it requests a stop
     real(dp), intent(in), optional :: beyond(:, :, :)
-      !! deflection and turning at the bodies, and their rates, that the state lacks and that is known, (bodies, 2, 2)
+      !! known deflection and rotation at the bodies that the state lacks, and their rates, (bodies, 2, 2)
     real(dp), allocatable, intent(in), optional :: unsummed(:)
-      !! the same of the beam between them, ∫ρAΦ_kv dx of its displacement, (modes after); unallocated: nothing
+      !! the same for the beam between bodies, ∫ρAΦ_kv dx of its displacement, (modes after); unallocated: none
     type(shape_term), allocatable :: whole(:)       ! the displacement
     type(shape_term) :: motion(1)                   ! the velocity
     real(dp), dimension(size(bodies), 2) :: moved, moving, push, stretch
@@ -81,7 +83,7 @@ contains
     end if
     push = blows(bodies, is .and. .not. was, moving)
     associate (before => configuration(from)%set, after => configuration(onto)%set)
-      bent = state%q(:state%count)                  ! all of the displacement, in these modes
+      bent = state%q(:state%count)                  ! all of the displacement in these modes
       if (size(state%shape) > 0 .and. any(bodies%pull > 0.0_dp)) &
         bent = seen_by(before, was, bodies, configuration, whole, monitor)/before%modal_mass
       coming = brought(before, bent, bodies, is .and. .not. was, moved, moving, spin_squared)
@@ -123,7 +125,7 @@ contains
         later%level = -0.5_dp*(sum(after%modal_mass(:count)*after%beta_squared(:count)%hi*rest**2) &
                                + spin_squared*sum(bodies%mass*bodies%beside**2, mask=is))
       end if
-      if (any(is_bent(bodies) .and. is)) then       ! it holds all of the shape
+      if (any(is_bent(bodies) .and. is)) then       ! its shape is included
         left = part_of_energy(after, later, .false.)
         later%level = potential%value - left%value
       end if
@@ -132,7 +134,7 @@ contains
       event%momentum_before = missing
       event%momentum_after = missing
       associate (k => first_struck(after))
-        if (abs(after%struck(k)) > epsilon(1.0_dp)) then   ! else the place is held: shapes are of size 1
+        if (abs(after%struck(k)) > epsilon(1.0_dp)) then   ! else the point is held, and shapes have size 1
           event%momentum_before = (momenta(1) + momenta(2))/after%struck(k)
           event%momentum_after = (after%modal_mass(k)*later%rate(k) + momenta(2))/after%struck(k)
         end if
@@ -142,7 +144,7 @@ contains
   end subroutine hand_over
 
   function seen_by(modes, is, bodies, configuration, terms, monitor) result(sums)
-    !! ∫ρAΦ_kv dx + Σ mΦ_kv_b + JΨ_kψ_b of a motion, with all bodies that are there now, (modes).
+    !! Return ∫ρAΦ_kv dx + Σ mΦ_kv_b + JΨ_kψ_b of a motion, with the bodies before and after, (modes).
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: is(:)
     type(body_type), intent(in) :: bodies(:)
@@ -162,7 +164,7 @@ contains
     end do
   contains
     function set_seen(onto, set, amplitude) result(seen)
-      !! With what both configurations have.
+      !! Return the part of the beam.
       class(mode_set), intent(in) :: onto, set
       real(dp), intent(in) :: amplitude(:)
       real(dp) :: seen(onto%count)
@@ -171,7 +173,7 @@ contains
   end function seen_by
 
   pure function pushed_by(modes, bodies, push) result(sums)
-    !! What momenta and spins, or forces and moments, at the bodies are to modes, (modes).
+    !! Return the modal loads of forces and moments, or impulses, at the bodies, (modes).
     class(mode_set), intent(in) :: modes
     type(body_type), intent(in) :: bodies(:)
     real(dp), intent(in) :: push(:, :)              !! (bodies, 2)
@@ -184,8 +186,8 @@ contains
   end function pushed_by
 
   subroutine find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
-    !! Of the first mode after that is struck, times its displacement there: of what goes over to it, by what the modes before see of
-    !! it, and of what leaves.
+    !! Find the generalised momenta of the first struck mode after the change, times its displacement there: of what it
+    !! takes over, with the modes before, and of what leaves.
     class(mode_set), intent(in) :: before, after
     type(beam_state), intent(in) :: state
     logical, intent(in) :: was(:), is(:)
@@ -209,12 +211,12 @@ contains
   end subroutine find_momenta
 
   function motions_at(bodies, configuration, terms, while_there) result(motion)
-    !! Deflection and turning at the bodies, or their rates, (bodies, 2).
+    !! Return deflection and rotation at the bodies, or their rates, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
     type(configuration_type), intent(in) :: configuration(:)
     type(shape_term), intent(in) :: terms(:)
     logical, intent(in), optional :: while_there
-      !! of terms that have the body: what stretches its springs, which are unstressed at what the others are
+      !! only terms during which the body was there: they strain its springs, which are unstressed in the others
     real(dp) :: motion(size(bodies), 2)
     real(dp), allocatable :: shape(:, :)
     integer :: b, i
@@ -234,8 +236,8 @@ contains
   end function motions_at
 
   pure function gains(bodies, was, is) result(gain)
-    !! By how much mass and inertia at a place grow or fall, told with the first body there, (bodies, 2): as one body comes where another
-    !! leaves, what both have stays.
+    !! Return the increase of mass and inertia at a place, stored with the first body there, (bodies, 2). If a body
+    !! replaces another, only the difference counts.
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: was(:), is(:)
     real(dp) :: gain(size(bodies), 2)
@@ -251,10 +253,10 @@ contains
   end function gains
 
   pure function blows(bodies, comes, moving) result(push)
-    !! Momentum and spin that bodies with a velocity of their own bring beyond those of the beam's motion, (bodies, 2).
+    !! Return the momentum, linear and angular, of bodies that arrive with a velocity, relative to the beam, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: comes(:)
-    real(dp), intent(in) :: moving(:, :)            !! velocities of the beam at them
+    real(dp), intent(in) :: moving(:, :)            !! velocities of the beam there
     real(dp) :: push(size(bodies), 2)
     integer :: b
     push = 0.0_dp
@@ -265,15 +267,14 @@ contains
   end function blows
 
   function brought(modes, bent, bodies, these, moved, moving, spin_squared, stretch) result(energy)
-    !! Kinetic and potential energy of some bodies: of what they bring as they come with springs that are unstressed, or take along as
-    !! they leave.
+    !! Return kinetic and potential energy of some bodies, which arrive with unstressed springs, or leave.
     class(mode_set), intent(in) :: modes            !! before the change
     real(dp), intent(in) :: bent(:)                 !! modal displacements then
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: these(:)
     real(dp), intent(in) :: moved(:, :), moving(:, :)
     real(dp), intent(in) :: spin_squared
-    real(dp), intent(in), optional :: stretch(:, :) !! of the springs of those that leave; absent: they come
+    real(dp), intent(in), optional :: stretch(:, :) !! of the springs of leaving bodies; absent: they arrive
     type(energy_type) :: energy(2)
     real(dp) :: part(5)
     integer :: b
@@ -295,11 +296,11 @@ contains
   end function brought
 
   pure function energy_at(modes, bent, body, moved, spin_squared) result(energy)
-    !! What a body has where it is of the centrifugal force: across the beam, and along it, as bending and turning have drawn it inwards.
+    !! Return a body's centrifugal potential: across the beam, and along it, as bending and rotation move it inwards.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: bent(:)                 !! modal displacements
     type(body_type), intent(in) :: body
-    real(dp), intent(in) :: moved(2)                !! deflection and turning of the beam at it
+    real(dp), intent(in) :: moved(2)                !! deflection and rotation of the beam there
     real(dp), intent(in) :: spin_squared
     real(dp) :: energy(2)
     energy = [-0.5_dp*body%mass*spin_squared*(moved(1) + body%beside)**2, 0.0_dp]
@@ -307,14 +308,14 @@ contains
   end function energy_at
 
   pure type(energy_type) function energy_of(modes, state) result(energy)
-    !! ½ΣM(q̇² + β²q²) about the equilibrium, and what that has itself.
+    !! Return ½ΣM(q̇² + β²q²) about the equilibrium, and the energy of the latter.
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(in) :: state
     energy = part_of_energy(modes, state, .true.) + part_of_energy(modes, state, .false.) + energy_type(state%level, 0.0_dp)
   end function energy_of
 
   pure type(energy_type) function part_of_energy(modes, state, kinetic) result(energy)
-    !! ½ΣMq̇², or ½ΣMβ²q².
+    !! Return ½ΣMq̇², or ½ΣMβ²q².
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(in) :: state
     logical, intent(in) :: kinetic
@@ -330,13 +331,13 @@ contains
   end function part_of_energy
 
   elemental logical function is_bent(body)
-    !! Its springs are unstressed elsewhere than in a straight beam.
+    !! Tell whether a body's springs are strained in a straight beam.
     type(body_type), intent(in) :: body
     is_bent = any([body%stiffness, body%turning_stiffness]*body%unstressed /= 0.0_dp)
   end function is_bent
 
   pure function spring_forces(bodies, there) result(forces)
-    !! Those on a straight beam, and their moments, (bodies, 2).
+    !! Return the spring forces on a straight beam, and their moments, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: there(:)
     real(dp) :: forces(size(bodies), 2)
@@ -345,7 +346,7 @@ contains
   end function spring_forces
 
   pure function offset_forces(bodies, there, spin_squared) result(forces)
-    !! The centrifugal forces across the beam on what bodies sit beside its axis, and the moments of those along it, (bodies, 2).
+    !! Return the centrifugal forces across the beam on bodies beside its axis, and the moments of those along it, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: there(:)
     real(dp), intent(in) :: spin_squared
@@ -355,11 +356,11 @@ contains
   end function offset_forces
 
   pure function equilibrium_of(modes, count, bodies, forces) result(rest)
-    !! f_k/(M_kβ_k²), (count). A mode that nothing holds is not bent.
+    !! Return f_k/(M_kβ_k²), (count); 0 for a mode with β = 0.
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: count
     type(body_type), intent(in) :: bodies(:)
-    real(dp), intent(in) :: forces(:, :)            !! and moments at them, (bodies, 2)
+    real(dp), intent(in) :: forces(:, :)            !! and moments, (bodies, 2)
     real(dp) :: rest(count)
     real(dp) :: pushed(modes%count)
     pushed = pushed_by(modes, bodies, forces)
@@ -372,11 +373,11 @@ contains
   end function equilibrium_of
 
   subroutine strike_beam(modes, state, mass, velocity, restitution, place, speed_after, jump, event)
-    !! A mass strikes the beam, which may move, and rebounds: H = (1 + e)(V − v̇)/(1/m + ΣΦ_k²/M_k) of the modes that take part.
+    !! Let a mass strike a beam, at rest or not, and rebound: H = (1 + e)(V − v̇)/(1/m + ΣΦ_k²/M_k) over the modes that take part.
     class(mode_set), intent(in) :: modes
     type(beam_state), intent(inout) :: state
     real(dp), intent(in) :: mass, velocity, restitution
-    real(dp), intent(in) :: place                   !! energy of the mass beside that of its motion
+    real(dp), intent(in) :: place                   !! potential energy of the mass
     real(dp), intent(out) :: speed_after            !! of the mass
     real(dp), allocatable, intent(out) :: jump(:)   !! of modal velocities, (modes)
     type(event_type), intent(inout) :: event

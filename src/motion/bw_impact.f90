@@ -1,16 +1,15 @@
 module bw_impact
-  !! What a mass does that strikes the tip of a beam at rest: the blow (Eqs 11 and 12, reference [8] of the paper), the capture
-  !! where it stays (Eqs 22–26), and the limit of both for infinitely many modes.
+  !! The impact of a mass on a beam at rest (Eqs 11 and 12, reference [8] of the paper), its capture if it stays (Eqs
+  !! 22–26), and the limit of both for infinitely many modes.
   !!
-  !! The hub's speed is prescribed, so only the modal velocities jump. With H the impulse on the tip,
-  !! M_iΔq̇_i = φ_i(1)H, m_j(v_j⁺ − V) = −H and v_tip⁺ − v_j⁺ = eV:
-  !! H = (1+e)V/(1/m_j + Σφ_i(1)²/M_i). **Limit**: the sum grows with the number of modes, so H belongs to its
-  !! truncation. Without dimensions: masses in m_i, velocities in V; the mass then comes with velocity 1.
+  !! The hub's speed is prescribed, so only modal velocities jump. With the impulse H on the tip, M_iΔq̇_i = φ_i(1)H, m_j(v_j⁺ −
+  !! V) = −H and v_tip⁺ − v_j⁺ = eV: H = (1+e)V/(1/m_j + Σφ_i(1)²/M_i). **Limit**: the sum grows with the number of modes, so H
+  !! depends on the truncation. Without dimensions: masses in m_i, velocities in V, so the mass arrives with velocity 1.
   !!
-  !! Of infinitely many modes before the capture the beam is at rest and only the mass moves: the impulse of the impact goes to
-  !! 0 and the jump gathers at the tip, so the modes of beam and mass start with q̄̇_k(0) = (1+e)γΦ̄_k(1)/M̄_k. This is what
-  !! tolerance-driven runs approximate, and what the error of a truncation is measured against. Where bodies with the mass m are at
-  !! the place of the blow, Σφ_i²/M_i goes to 1/m there: both masses strike as if there were no beam, and q̄̇_k(0) is the same.
+  !! In the limit of infinitely many modes before the capture only the mass and the struck point move: the impulse tends
+  !! to 0, and the modes of beam and mass start with q̄̇_k(0) = (1+e)γΦ̄_k(1)/M̄_k. Runs with a tolerance converge to
+  !! this limit, and truncation errors refer to it. If bodies of mass m are at the struck point, Σφ_i²/M_i tends to 1/m:
+  !! both masses collide as if there were no beam, and q̄̇_k(0) is the same.
   use bw_double_double, only: accurate_sum
   use bw_event, only: capture_event, event_type, impact_event
   use bw_kinds, only: dp
@@ -22,7 +21,7 @@ module bw_impact
 
   type, public :: impact_type
     !! The state just after the impact.
-    real(dp) :: gamma = 0.0_dp                 !! mass ratio γ of the mass that struck
+    real(dp) :: gamma = 0.0_dp                 !! mass ratio γ of the striking mass
     real(dp) :: restitution = 0.0_dp           !! e
     real(dp) :: impulse = 0.0_dp               !! H
     real(dp) :: mass_velocity = 0.0_dp         !! v_j⁺
@@ -40,7 +39,7 @@ module bw_impact
 contains
 
   pure type(impact_type) function strike(modes, gamma, restitution) result(impact)
-    !! Eqs 11 and 12 with restitution: the impulse, and the velocities just after it.
+    !! Return the impulse, and the velocities just after it, by Eqs 11 and 12 with restitution.
     class(mode_set), intent(in) :: modes       !! of the beam alone
     real(dp), intent(in) :: gamma              !! m_j/m_i ≥ 0; 0 moves nothing
     real(dp), intent(in) :: restitution        !! 0 ≤ e ≤ 1
@@ -59,7 +58,7 @@ contains
   end function strike
 
   pure type(event_type) function impact_balance(modes, impact) result(event)
-    !! Kinetic energy and the first mode's generalised momentum, M_1Δq̇_1/φ_1(ξ₀) + m_jv_j, before and after.
+    !! Return kinetic energy and the first mode's generalised momentum, M_1Δq̇_1/φ_1(ξ₀) + m_jv_j, before and after the impact.
     class(mode_set), intent(in) :: modes
     type(impact_type), intent(in) :: impact
     integer :: k
@@ -75,8 +74,8 @@ contains
   end function impact_balance
 
   type(capture_type) function capture_mass(before, impact, after, monitor) result(capture)
-    !! Eq. 26. With restitution e > 0 Eqs 22–26 give the mass the tip's velocity: the capture then adds the
-    !! momentum m_j e V, and energy.
+    !! Capture the mass by Eq. 26. With restitution e > 0 Eqs 22–26 give it the tip's velocity: this adds the momentum
+    !! m_j e V, and energy.
     class(mode_set), intent(in) :: before  !! modes of the beam alone
     type(impact_type), intent(in) :: impact      !! the state just after the impact
     class(mode_set), intent(in) :: after   !! modes of beam and mass
@@ -88,11 +87,11 @@ contains
   end function capture_mass
 
   type(event_type) function capture_balance(before, impact, after, velocity) result(event)
-    !! Kinetic energy, and the generalised momentum of the first mode after, ∫Φ̄_1v dξ + γΦ̄_1(ξ₀)v_j over Φ̄_1(ξ₀).
+    !! Return kinetic energy, and the generalised momentum of the first mode after, (∫Φ̄_1v dξ + γΦ̄_1(ξ₀)v_j)/Φ̄_1(ξ₀).
     class(mode_set), intent(in) :: before, after
     type(impact_type), intent(in) :: impact
     real(dp), intent(in) :: velocity(:)
-    real(dp) :: seen(before%count)             ! what the modes before see of the first mode after
+    real(dp) :: seen(before%count)             ! overlaps with the first mode after
     integer :: i, k
     k = first_struck(after)
     seen = before%overlap_of_beam(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)])
@@ -104,7 +103,7 @@ contains
   end function capture_balance
 
   pure function continuum_velocity(modes, gamma, restitution) result(velocity)
-    !! q̄̇_k(0), (modes).
+    !! Return q̄̇_k(0), (modes).
     class(mode_set), intent(in) :: modes       !! of beam and mass
     real(dp), intent(in) :: gamma              !! mass ratio
     real(dp), intent(in) :: restitution        !! e
@@ -113,10 +112,10 @@ contains
   end function continuum_velocity
 
   pure type(impact_type) function continuum_impact(gamma, restitution, held) result(impact)
-    !! The state just after the impact: all of the beam is at rest but the place of the blow.
+    !! Return the state just after the impact in the limit: the beam is at rest except at the struck point.
     real(dp), intent(in) :: gamma, restitution
-    real(dp), intent(in) :: held               !! mass of bodies at the place of the blow
-    real(dp) :: share                          !! of the mass that strikes, in what then moves
+    real(dp), intent(in) :: held               !! mass of bodies at the struck point
+    real(dp) :: share                          !! of the striking mass in all that moves then
     share = 1.0_dp
     if (held > 0.0_dp) share = gamma/(gamma + held)
     impact%gamma = gamma
@@ -134,9 +133,9 @@ contains
   end function continuum_impact
 
   pure type(event_type) function continuum_capture(impact, held) result(event)
-    !! The capture gives the mass the velocity of the struck place: all modes together hold the momentum and energy of that place.
+    !! Return the capture in that limit. The mass takes the velocity of the struck point, which has all momentum and energy.
     type(impact_type), intent(in) :: impact
-    real(dp), intent(in) :: held               !! as in `continuum_impact`
+    real(dp), intent(in) :: held               !! see `continuum_impact`
     event%kind = capture_event
     event%energy_before = impact%event%energy_after
     event%energy_after = 0.5_dp*(impact%gamma + held)*impact%tip_velocity**2

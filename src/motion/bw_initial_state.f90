@@ -1,9 +1,9 @@
 module bw_initial_state
-  !! The state of the modes after all that happens at t = 0: the impact, and the capture if the mass stays. Without dimensions:
-  !! masses in m_i, velocities in the approach velocity V.
+  !! The state of the modes after all events at t = 0: the impact, and the capture if the mass stays. Without
+  !! dimensions: masses in m_i, velocities in the approach velocity V.
   !!
-  !! It follows from the shapes of the modes, the mass ratio and the restitution alone: cases of a sweep in which these are the
-  !! same work it out once and find it in a cache, three times as fast where nothing but the rotation is swept.
+  !! It depends only on shapes, mass ratio and restitution. Cases of a sweep that share these share a cached state; a
+  !! sweep of the rotation alone is three times as fast.
   use bw_double_double, only: dd
   use bw_event, only: event_type
   use bw_impact, only: capture_mass, capture_type, continuum_capture, continuum_impact, continuum_velocity, impact_type, strike
@@ -17,16 +17,16 @@ module bw_initial_state
   public :: continuum_initial_state, continuum_state, find_initial_state, find_jump
 
   type, public :: initial_state
-    !! What impact and capture leave.
+    !! The state after impact and capture.
     type(impact_type) :: impact
     real(dp), allocatable :: modal_velocity(:)    !! after the last event, (modes)
-    real(dp), allocatable :: modal_displacement(:)   !! of a beam that is let go, over the unit of time; else unallocated, (modes)
+    real(dp), allocatable :: modal_displacement(:)   !! initial, over the unit of time, (modes); unallocated: 0
     real(dp), allocatable :: velocity_jump(:)     !! at the impact along the beam, Fig. 3, (profile)
     type(event_type), allocatable :: events(:)
   end type initial_state
 
-  integer, parameter :: most_states = 128         !! in the cache at a time
-  integer, parameter :: most_numbers = 4096       !! of a state in the cache: all together take less than 5 MB
+  integer, parameter :: most_states = 128         !! most states in the cache
+  integer, parameter :: most_numbers = 4096       !! most numbers of a cached state: together less than 5 MB
 
   type :: cached_state
     type(initial_state) :: state
@@ -34,22 +34,22 @@ module bw_initial_state
   end type cached_state
 
   type, public :: initial_state_cache
-    !! In the order in which they came; the oldest makes room for the newest.
+    !! States in the order of their entry. The newest replaces the oldest.
     private
     type(cached_state), allocatable :: states(:)
-    integer :: found = 0                          !! that were ever put into it
+    integer :: found = 0                          !! entries made so far
   end type initial_state_cache
 
 contains
 
   subroutine work_out(free, loaded, given, monitor, state)
-    !! With finitely many modes.
+    !! Compute the state with finitely many modes.
     class(mode_set), intent(in) :: free                !! modes of the beam alone
     class(mode_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
     type(impact_par), intent(in) :: given
     class(monitor_type), intent(inout), target :: monitor    !! the state is invalid if it requests a stop
     type(initial_state), intent(out) :: state
-    real(dp), parameter :: handed_on = 10.0_dp               ! a mode takes as long as its shape at so many points
+    real(dp), parameter :: handed_on = 10.0_dp               ! an overlap costs as much as a shape at so many points
     type(capture_type) :: capture
     type(part_monitor) :: part
     real(dp) :: share
@@ -73,10 +73,10 @@ contains
   end subroutine work_out
 
   pure subroutine continuum_initial_state(loaded, given, held, state)
-    !! With infinitely many modes before the capture: only the place that the mass strikes jumps.
+    !! Return the state in the limit of infinitely many modes before the capture: only the struck point changes its velocity.
     class(mode_set), intent(in) :: loaded              !! modes of beam and mass
     type(impact_par), intent(in) :: given
-    real(dp), intent(in) :: held                       !! mass of bodies at the place of the blow
+    real(dp), intent(in) :: held                       !! mass of bodies at the struck point
     type(initial_state), intent(out) :: state
     real(dp) :: place
     state%impact = continuum_impact(given%mass_ratio, given%restitution, held)
@@ -89,14 +89,14 @@ contains
   end subroutine continuum_initial_state
 
   subroutine continuum_state(source, force, time, longest, monitor, loaded, q, rate)
-    !! The first modes of beam and mass a time after that, and their state, V l²/h and V.
+    !! Find the first modes of beam and mass and their state at a later time, V l²/h and V.
     class(mode_source), intent(in) :: source        !! of beam and mass
     real(dp), intent(in) :: force                   !! modal velocities at t = 0 are this times Φ_k(1)/M_k
     type(dd), intent(in) :: time                    !! l²/h
-    real(dp), intent(in) :: longest                 !! the record, for which phases are to be right, l²/h
+    real(dp), intent(in) :: longest                 !! the record, over which phases are accurate, l²/h
     class(monitor_type), intent(inout) :: monitor   !! the state is invalid if it requests a stop
     class(mode_set), allocatable, intent(out) :: loaded
-    real(dp), intent(out) :: q(:), rate(:)          !! as many as these are long
+    real(dp), intent(out) :: q(:), rate(:)          !! of as many modes as their size
     call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
     q = 0.0_dp
     rate = force*loaded%struck/loaded%modal_mass
@@ -104,7 +104,7 @@ contains
   end subroutine continuum_state
 
   subroutine find_jump(free, modal_velocity, profile_points, monitor, jump)
-    !! Σφ_i(ξ)Δq̇_i along the beam, so many shapes at a time that memory is bounded.
+    !! Find Σφ_i(ξ)Δq̇_i along the beam, in blocks of bounded memory.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: modal_velocity(:)
     integer, intent(in) :: profile_points
@@ -128,7 +128,7 @@ contains
   end subroutine find_jump
 
   subroutine find_initial_state(free, loaded, given, monitor, cache, state)
-    !! With finitely many modes: from the cache, or worked out and put there where its modes can be known again.
+    !! Take the state for finitely many modes from the cache, or compute it, and cache it if its modes can be recognised.
     class(mode_set), intent(in) :: free                !! modes of the beam alone
     class(mode_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
     type(impact_par), intent(in) :: given
@@ -160,7 +160,7 @@ contains
   end subroutine find_initial_state
 
   pure integer function place_of(cache, counts, given) result(place)
-    !! Where a state is in the cache, 0 where it is not.
+    !! Return the index of a state in the cache; 0: none.
     type(initial_state_cache), intent(in) :: cache
     integer, intent(in) :: counts(2)
     type(impact_par), intent(in) :: given

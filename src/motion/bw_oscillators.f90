@@ -1,7 +1,6 @@
 module bw_oscillators
-  !! Oscillators that move without each other, ü + cu̇ + β²u = 0: the modes of a beam and the mass beside it, or the modes of
-  !! both together. Weighted sums over them are the gap between tip and mass, or the force that presses them together.
-  !! Units of bw_segment.
+  !! Uncoupled oscillators ü + cu̇ + β²u = 0: the modes of a beam and the mass beside it, or the modes of both together.
+  !! Weighted sums over them are the gap between tip and mass, or the contact force. Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd, sqrt, to_dd, operator(*), operator(+), operator(-)
   use bw_kinds, only: dp
   use bw_modal_flow, only: angle_of, flow, turning_square
@@ -23,8 +22,8 @@ module bw_oscillators
     type(dd), allocatable :: beta_squared(:)      !! β²
     real(dp), allocatable :: c(:)                 !! ≥ 0
     type(dd), allocatable :: root(:)              !! √|β² − c²/4|
-    logical, allocatable :: turning(:)            !! β² > c²/4
-    real(dp), allocatable :: rate(:)              !! as many times as this a derivative may be larger than the one before it
+    logical, allocatable :: turning(:)            !! β² > c²/4: oscillates
+    real(dp), allocatable :: rate(:)              !! bound of the ratio of successive derivatives
   contains
     procedure :: advance
     procedure :: motion
@@ -40,7 +39,7 @@ module bw_oscillators
 contains
 
   pure type(oscillators) function oscillators_of(beta_squared, c) result(parts)
-    !! From β² and c.
+    !! Return oscillators with given β² and c.
     type(dd), intent(in) :: beta_squared(:)
     real(dp), intent(in) :: c(:)
     type(dd) :: square(size(c))
@@ -54,7 +53,7 @@ contains
   end function oscillators_of
 
   pure subroutine advance(self, time, u, v, change, velocity)
-    !! By how much displacements change in a time, of which nothing is lost near its start, and the velocities at its end.
+    !! Return the change of displacements in a time, without cancellation, and the velocities at its end.
     class(oscillators), intent(in) :: self
     real(dp), intent(in) :: time                  !! ≥ 0
     real(dp), intent(in) :: u(:), v(:)            !! at the start
@@ -69,13 +68,13 @@ contains
   end subroutine advance
 
   pure function motion(self, k, time) result(by)
-    !! Of one oscillator after a time: the change of its displacement by displacement and velocity at the start, and its velocity by
-    !! both.
+    !! Return for one oscillator the change of displacement per displacement and per velocity at the start, and the
+    !! velocity at the end per both.
     class(oscillators), intent(in) :: self
     integer, intent(in) :: k
     real(dp), intent(in) :: time                  !! ≥ 0
     real(dp) :: by(4)
-    real(dp), parameter :: many = 1.0e7_dp        ! rad, below which the square of what rounding takes off a phase is none
+    real(dp), parameter :: many = 1.0e7_dp        ! rad, below which the square of a phase's rounding error is negligible
     type(dd) :: half
     real(dp) :: c, cosine, less, sine, square
     c = self%c(k)
@@ -101,7 +100,7 @@ contains
     end if
     by = [less, sine, -square*sine, 1.0_dp + less]
     if (c == 0.0_dp) return
-    by(1) = less + 0.5_dp*c*sine                  ! of a motion without its decay
+    by(1) = less + 0.5_dp*c*sine                  ! without decay
     by(3) = 0.5_dp*c*(1.0_dp + less) - square*sine
     less = decay_less_one(0.5_dp*c*time)
     by(1) = by(1) + less*(1.0_dp + by(1))
@@ -110,7 +109,7 @@ contains
   end function motion
 
   pure real(dp) function decay_less_one(x) result(less)
-    !! e⁻ˣ − 1 without cancellation, for x ≥ 0 of any size.
+    !! Return e⁻ˣ − 1 without cancellation, for any x ≥ 0.
     real(dp), intent(in) :: x
     if (x < 1.0_dp) then
       less = -2.0_dp*exp(-0.5_dp*x)*sinh(0.5_dp*x)
@@ -120,7 +119,7 @@ contains
   end function decay_less_one
 
   pure subroutine move(self, time, state)
-    !! The state a time later.
+    !! Move the state forward in time.
     class(oscillators), intent(in) :: self
     real(dp), intent(in) :: time                  !! ≥ 0
     type(moving_state), intent(inout) :: state
@@ -132,7 +131,7 @@ contains
   end subroutine move
 
   pure function accelerations(self, u, v) result(a)
-    !! ü, or any derivative from the two before it.
+    !! Return ü, or any derivative from the two before it.
     class(oscillators), intent(in) :: self
     real(dp), intent(in) :: u(:), v(:)
     real(dp) :: a(size(u))
@@ -140,7 +139,7 @@ contains
   end function accelerations
 
   pure real(dp) function derivative(self, sum_of, state, order)
-    !! Of a sum, 0 for itself.
+    !! Return a derivative of a sum; order 0 is the sum.
     class(oscillators), intent(in) :: self
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(in) :: state
@@ -158,7 +157,7 @@ contains
   end function derivative
 
   pure function amplitude(self, u, v)
-    !! Of those that turn; of others their displacement.
+    !! Return the amplitudes of oscillating parts, and |u| of others.
     class(oscillators), intent(in) :: self
     real(dp), intent(in) :: u(:), v(:)
     real(dp) :: amplitude(size(u))
@@ -167,8 +166,8 @@ contains
   end function amplitude
 
   pure function extent(self, u, v, time)
-    !! How large displacements and velocities may be within a time from a state, of oscillators that turn: their amplitude, or
-    !! what a displacement comes to at its speed where the time is short. Of those that do not turn, what they are.
+    !! Bound displacements and velocities of oscillating parts within a time: by their amplitude, or in a short time by
+    !! |u| plus speed times time. Others keep their values.
     class(oscillators), intent(in) :: self
     real(dp), intent(in) :: u(:), v(:), time
     real(dp) :: extent(size(u), 2)                !! of displacements and velocities

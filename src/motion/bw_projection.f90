@@ -1,13 +1,14 @@
 module bw_projection
-  !! A motion goes over to the modes of another configuration, when a body leaves: displacement and velocity of the beam go on as
-  !! they were, so that the new state is their projection with the beam's own weight. A mode k of beam and body and one i of the beam
-  !! alone overlap by −(m Λ_kΦ_kφ_i + J β_k²Ψ_kψ_i)/(β_k² − β_i²), all at the body, Λ = β² (+ ω² in plane) (Green's identity).
+  !! The projection of a motion onto the modes of another configuration, as a body leaves. Displacement and velocity of
+  !! the beam are continuous, so the new state is their projection weighted by the mass of the beam alone. A mode k of
+  !! beam and body and a mode i of the beam alone overlap by −(m Λ_kΦ_kφ_i + J β_k²Ψ_kψ_i)/(β_k² − β_i²), all at the
+  !! body, with Λ = β² (+ ω² in plane), by Green's identity.
   !!
-  !! Modes k far above i are a blow on the beam alone, −m φ_i times what they move the body by, whatever they are: a million of
-  !! them cost little. And so is what those beyond all that are looked at may add: with their energy E_N and their mobility at
-  !! the body, μ_N = Σ_{k>N}Φ_k²/M_k, both known as differences, they move it with √(2E_Nμ_N) at most. Which part of that is likely
-  !! the last two octaves of those that are looked at tell, as in bw_truncation_error. **Limit**: the tension that leaves with a
-  !! body is in the overlaps, but not in that bound, where it is smaller by 1/β_N².
+  !! Modes k far above i act on the beam alone as an impulse, −m φ_i times the motion of the body in them, so a million
+  !! of them cost little. The same bounds the contribution of modes beyond the last, N: with their energy E_N and their
+  !! mobility at the body, μ_N = Σ_{k>N}Φ_k²/M_k, both known as differences, they move the body by at most √(2E_Nμ_N).
+  !! The likely part of this follows from the last two octaves, as in bw_truncation_error. **Limit**: the tension that
+  !! leaves with a body is in the overlaps, but not in that bound, where it is smaller by 1/β_N².
   !!
   !! Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
@@ -22,58 +23,58 @@ module bw_projection
   private
   public :: project
 
-  real(dp), parameter :: nearest = 2.5_dp       !! times the modes after, and modes at least, whose overlaps are taken one by one: three
-  integer, parameter :: least_near = 1024       !! terms of a series in (i/k)⁴ leave 1e-5 of the overlap of any other
-  integer, parameter :: chunk = 256             !! modes held at a time beyond these
+  real(dp), parameter :: nearest = 2.5_dp       !! modes with individual overlaps over modes after, and their least number:
+  integer, parameter :: least_near = 1024       !! beyond them three terms of a series in (i/k)⁴ have an error of 1e-5
+  integer, parameter :: chunk = 256             !! further modes held at a time
 
   type, public :: place_type
-    !! What the modes that are looked at move the body's place by, and what others may.
+    !! The motion of the body in the modes considered, and bounds for all others.
     integer :: count = 0                        !! N
     real(dp) :: displacement = 0.0_dp, velocity = 0.0_dp
-    real(dp) :: energy = 0.0_dp                 !! of all modes there are
+    real(dp) :: energy = 0.0_dp                 !! of all modes
     real(dp) :: missing_energy = 0.0_dp         !! E_N
     real(dp) :: mobility = 0.0_dp               !! μ_N
-    real(dp) :: turning_mobility = 0.0_dp       !! the same of Ψ², where the body has inertia
+    real(dp) :: turning_mobility = 0.0_dp       !! the same with Ψ², if the body has inertia
     real(dp) :: square = 0.0_dp                 !! β_N²
-    real(dp) :: part = 1.0_dp                   !! of the sum of its amplitudes, that one of the last octaves comes to
-    real(dp) :: left = 1.0_dp                   !! that damping leaves of amplitudes of modes beyond them
+    real(dp) :: part = 1.0_dp                   !! |sum of an octave| over the sum of its amplitudes, for the last octaves
+    real(dp) :: left = 1.0_dp                   !! factor by which damping reduces amplitudes of modes beyond
   end type place_type
 
   type :: far_modes
-    !! Those whose overlaps are not taken one by one.
-    integer :: first = 1, last = 0              !! that are known
-    real(dp), allocatable :: of(:, :)           !! numbers of each mode, from the first, and room for more, (modes, kinds)
+    !! Modes without individual overlaps.
+    integer :: first = 1, last = 0              !! those known
+    real(dp), allocatable :: of(:, :)           !! data of each mode, from the first, with room for more, (modes, kinds)
   end type far_modes
 
-  ! Kinds of numbers of far modes: β², Φ²/M at the body, the energy at the start and what damping leaves of it, what they move the
-  ! body by then and with which velocity, the amplitude of that, and what damping leaves of amplitudes beyond.
+  ! Kinds of data of far modes: β², Φ²/M at the body, energy at the start and after damping, displacement and velocity
+  ! of the body, velocity amplitude, and the factor of damping for amplitudes beyond.
   integer, parameter :: square = 1, mobility = 2, energy = 3, kept = 4, moved = 5, rate_moved = 6, reach = 7, left = 8, kinds = 8
 
   type, public :: projection_type
     class(mode_set), allocatable :: before      !! the first modes before
-    real(dp), allocatable :: q(:), rate(:)      !! their state then, as it is summed
-    real(dp), allocatable :: q_after(:), rate_after(:)   !! of the modes after
+    real(dp), allocatable :: q(:), rate(:)      !! their state at the change, as summed
+    real(dp), allocatable :: q_after(:), rate_after(:)   !! state of the modes after
     type(lack_type) :: lack
     type(place_type) :: place
-    type(far_modes), private :: far             !! known from a projection of the same motion with fewer modes
-    real(dp), allocatable, private :: near_q(:), near_rate(:)   !! what is handed on by those taken one by one, (modes after)
-    type(place_type), private :: near_place     !! what these move the body by
+    type(far_modes), private :: far             !! from a projection of the same motion with fewer modes
+    real(dp), allocatable, private :: near_q(:), near_rate(:)   !! part of modes with individual overlaps, (modes after)
+    type(place_type), private :: near_place     !! motion of the body in these modes
   end type projection_type
 
 
 contains
 
   subroutine project(segment, configuration, time, longest, wanted, after, projection, monitor)
-    !! The state of the modes after, from a segment's motion a time after its start.
+    !! Project a segment's motion, at a time after its start, onto the modes of the beam without the body.
     type(segment_type), intent(in) :: segment
     type(configuration_type), intent(in) :: configuration    !! of the segment
     type(dd), intent(in) :: time                 !! since its start, l²/h
-    real(dp), intent(in) :: longest              !! the record, for which phases are to be right, l²/h
-    integer, intent(in) :: wanted                !! N at least, where the segment has no state of its own and there are so many
+    real(dp), intent(in) :: longest              !! the record, over which phases are accurate, l²/h
+    integer, intent(in) :: wanted                !! least N, if the segment has no state of its own, as far as there are modes
     class(mode_set), intent(in) :: after         !! modes of the beam without the body
-    type(projection_type), intent(inout) :: projection   !! new, or that of the same motion onto fewer modes or from fewer
+    type(projection_type), intent(inout) :: projection   !! new, or of the same motion with fewer modes
     class(monitor_type), intent(inout), optional :: monitor   !! the projection is invalid if it requests a stop
-    real(dp), allocatable :: q(:), rate(:)       ! of the continuum's modes
+    real(dp), allocatable :: q(:), rate(:)       ! of the modes in the limit
     integer :: n
     associate (p => projection, source => configuration%source)
       if (.not. is_near_known(p, segment, source, after)) then
@@ -118,7 +119,7 @@ contains
   end subroutine project
 
   pure logical function is_near_known(p, segment, source, after) result(known)
-    !! Of modes whose overlaps are taken one by one nothing has changed since the last projection of a motion.
+    !! Tell whether overlaps of individual modes are known from the last projection of the same motion.
     type(projection_type), intent(in) :: p
     type(segment_type), intent(in) :: segment
     class(mode_source), intent(in) :: source
@@ -128,14 +129,14 @@ contains
   end function is_near_known
 
   pure real(dp) function spin(source)
-    !! ω² where it acts on translations.
+    !! Return ω² if it acts on translations, else 0.
     class(mode_source), intent(in) :: source
     spin = 0.0_dp
     if (source%pieces%beam%in_plane) spin = source%pieces%beam%spin_squared%hi
   end function spin
 
   subroutine take_start(segment, configuration, longest, wanted, modes_after, p, q, rate, monitor)
-    !! The first modes before, the state that they start from, and that of the continuum.
+    !! Find the first modes before the change, their initial state, and that in the limit of infinitely many modes.
     type(segment_type), intent(in) :: segment
     type(configuration_type), intent(in) :: configuration
     real(dp), intent(in) :: longest
@@ -168,9 +169,9 @@ contains
   end subroutine take_start
 
   subroutine take_place(before, q, rate, time, energy, source, place)
-    !! What the first modes move the body's place by, and how much energy and mobility they leave to others.
+    !! Find the motion of the body in the first modes, and the energy and mobility of all others.
     class(mode_set), intent(in) :: before
-    real(dp), intent(inout) :: q(:), rate(:)     !! the continuum's state at the start, and then
+    real(dp), intent(inout) :: q(:), rate(:)     !! state in the limit, at the start and then at the change
     type(dd), intent(in) :: time
     real(dp), intent(in) :: energy               !! of all modes at the start
     class(mode_source), intent(in) :: source
@@ -198,7 +199,7 @@ contains
   end subroutine take_place
 
   pure function amplitudes(modes, q, rate) result(amplitude)
-    !! Of the velocities that modes which turn give the place, (modes).
+    !! Return the amplitudes of velocity at the body in oscillating modes, (modes).
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q(:), rate(:)
     real(dp) :: amplitude(size(q))
@@ -206,7 +207,7 @@ contains
   end function amplitudes
 
   pure real(dp) function left_of(before, time) result(left)
-    !! What damping leaves at most of the amplitude of modes beyond these.
+    !! Return the largest factor by which damping reduces amplitudes of modes beyond these.
     class(mode_set), intent(in) :: before
     type(dd), intent(in) :: time
     left = 1.0_dp
@@ -217,8 +218,8 @@ contains
   end function left_of
 
   pure subroutine take_part(terms, reach, place)
-    !! The part of the sum of its amplitudes that an octave of modes comes to then.
-    real(dp), intent(in) :: terms(:), reach(:)   !! Φq̇, and its amplitude, of modes up to the last
+    !! Find the ratio of sum to sum of amplitudes for the last octaves of modes.
+    real(dp), intent(in) :: terms(:), reach(:)   !! Φq̇, and its amplitude
     type(place_type), intent(inout) :: place
     real(dp) :: octave(2), sums(2)
     integer :: n
@@ -233,14 +234,14 @@ contains
   end subroutine take_part
 
   subroutine add_far(source, force, time, longest, last, place, far, monitor)
-    !! Add further modes up to number `last`, all of a continuum that starts from rest position.
+    !! Add further modes up to number `last`, all in the limit and without initial displacement.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     type(dd), intent(in) :: time
     real(dp), intent(in) :: longest
     integer, intent(in) :: last
     type(place_type), intent(inout) :: place
-    type(far_modes), intent(inout) :: far        !! those that an earlier call found
+    type(far_modes), intent(inout) :: far        !! those from earlier calls
     class(monitor_type), intent(inout), optional :: monitor
     integer :: first, n
     if (place%count >= last) return
@@ -266,7 +267,7 @@ contains
   end subroutine add_far
 
   pure subroutine make_room(far, first, last)
-    !! For modes up to number `last`; those before the first are of no use any more.
+    !! Make room for modes up to number `last`, and drop those before the first.
     type(far_modes), intent(inout) :: far
     integer, intent(in) :: first, last
     real(dp), allocatable :: of(:, :)
@@ -282,7 +283,7 @@ contains
   end subroutine make_room
 
   subroutine find_far(source, force, time, longest, number, of)
-    !! Modes of these numbers at that time.
+    !! Find the data of modes with given numbers at the change.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force, longest
     type(dd), intent(in) :: time
@@ -304,14 +305,14 @@ contains
       of(:, kept) = 0.5_dp*mass*(rate**2 + of(:, square)*q**2)
       of(:, reach) = amplitudes(modes, q, rate)
       of(:, left) = left_of(modes, time)
-    else                                         ! all of them turn
+    else                                         ! all oscillate
       call source%terms(number, [real(dp) ::], longest, beta, drive, none, mass)
       angle = phase_angles(beta*(time/(dd_pi*2.0_dp)), 1)
       q = force*drive*sin(angle)/beta%hi
       rate = force*drive*cos(angle)
       of(:, square) = beta%hi**2
       of(:, energy) = 0.5_dp*mass*(force*drive)**2
-      of(:, kept) = 0.0_dp                       ! the energy is that of the start
+      of(:, kept) = 0.0_dp                       ! the energy at the start counts
       of(:, reach) = abs(mass*force)*drive**2
       of(:, left) = 1.0_dp
     end if
@@ -321,13 +322,12 @@ contains
   end subroutine find_far
 
   pure subroutine find_doubt(source, after, place, lack)
-    !! How far the modes after may be off by what those beyond all that are looked at would hand on: not known where none of these
-    !! swings.
+    !! Bound the errors of the projected state due to modes beyond the last; unknown if none of the modes oscillates.
     class(mode_source), intent(in) :: source
     class(mode_set), intent(in) :: after
     type(place_type), intent(in) :: place
     type(lack_type), intent(inout) :: lack
-    real(dp), parameter :: likely = 2.0_dp       ! tuned: nearly as that of bw_truncation_error
+    real(dp), parameter :: likely = 2.0_dp       ! tuned: close to that of bw_truncation_error
     real(dp) :: blow(after%count), near(after%count), size_of(2)
     if (place%square <= 0.0_dp) then
       lack%bounded = 0

@@ -1,11 +1,10 @@
 module bw_release
-  !! The captured mass leaves, with the velocity of the place where it is: what it takes along, and what is left to the modes of the
-  !! beam alone, on which the motion is projected (bw_projection).
+  !! The release of the captured mass, which leaves with the velocity of its place on the beam: its energy, and that of
+  !! the modes of the beam alone, onto which the motion is projected (bw_projection).
   !!
-  !! Energies are those that a rotating frame keeps: kinetic and elastic, less ½ω² times the second moment of what
-  !! turns in the plane of the motion, and with tension the work against the centrifugal force along the beam. What a body
-  !! has of that leaves with it, and so does its spin. What a projection on finitely many modes loses is never negative where
-  !! none of those that are left out grows.
+  !! Energies are those conserved in a rotating frame: kinetic and elastic, less ½ω² times the second moment of mass in the
+  !! plane of motion, and with tension the work against the centrifugal force along the beam. A body takes its part with it, and
+  !! its rotation. The projection onto finitely many modes never gains energy if all omitted modes are stable.
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
@@ -19,22 +18,22 @@ module bw_release
   real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! of integrals of two shapes, relatively
 
   type, public :: release_type
-    !! Units of bw_segment.
-    real(dp) :: energy_leaving = missing         !! that the mass takes with it; missing where rounding has left no digits
-    real(dp) :: kinetic_leaving = 0.0_dp         !! the same without the part of the centrifugal force
-    real(dp) :: energy_lost = missing            !! that the modes of the beam alone do not hold; missing as above
+    !! The release of a mass. Units of bw_segment.
+    real(dp) :: energy_leaving = missing         !! of the mass; missing if rounding leaves no digits
+    real(dp) :: kinetic_leaving = 0.0_dp         !! without the centrifugal potential
+    real(dp) :: energy_lost = missing            !! not in the modes of the beam alone; missing as above
     type(event_type) :: event
   end type release_type
 
 contains
 
   type(release_type) function release_mass(projection, after, speed, energy, whole) result(release)
-    !! Where the motion has all modes, they hold what does not leave.
+    !! Release the mass, and find the event's energies and momenta. With all modes the beam keeps what does not leave.
     type(projection_type), intent(in) :: projection
     class(mode_set), intent(in) :: after         !! modes of the beam alone
-    real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
-    type(energy_type), intent(in) :: energy      !! of beam and mass until then
-    logical, intent(in) :: whole                 !! the motion is that of all modes, not of those before
+    real(dp), intent(in) :: speed                !! angular velocity in the plane of motion, else 0
+    type(energy_type), intent(in) :: energy      !! of beam and mass before
+    logical, intent(in) :: whole                 !! the motion is that of all modes, not only of those before
     type(energy_type) :: leaving, left
     real(dp) :: place(2)
     integer :: i, k
@@ -57,7 +56,7 @@ contains
   end function release_mass
 
   pure subroutine take_body(projection, place, speed, leaving, release)
-    !! What the body takes with it.
+    !! Find the energy of the leaving body.
     type(projection_type), intent(in) :: projection
     real(dp), intent(in) :: place(2)             !! displacement and velocity of the body
     real(dp), intent(in) :: speed
@@ -75,17 +74,17 @@ contains
   end subroutine take_body
 
   pure real(dp) function energy_after(projection, after, speed) result(energy)
-    !! An upper bound of what all modes of the beam alone hold, with what is not known of the body's motion and rounding.
+    !! Return an upper bound of the energy in all modes of the beam alone, with errors of the body's motion and rounding.
     type(projection_type), intent(in) :: projection
     class(mode_set), intent(in) :: after
-    real(dp), intent(in) :: speed                !! as that of `release_mass`
+    real(dp), intent(in) :: speed                !! see `release_mass`
     real(dp) :: doubt(2)
     type(energy_type) :: leaving, rounding
     type(release_type) :: release
     associate (place => projection%place, gamma => projection%before%gamma)
       call take_body(projection, [place%displacement, place%velocity], speed, leaving, release)
       doubt(2) = sqrt(2.0_dp*place%missing_energy*place%mobility)
-      doubt(1) = 0.0_dp                          ! where find_doubt says that nothing is known
+      doubt(1) = 0.0_dp                          ! if unknown, see find_doubt
       if (place%square > 0.0_dp) doubt(1) = doubt(2)/sqrt(place%square)
       rounding = state_energy(after, projection%q_after, projection%rate_after, projection_rounding)
       energy = place%energy - leaving%value + leaving%rounding + rounding%rounding + gamma*(abs(place%velocity)*doubt(2) &

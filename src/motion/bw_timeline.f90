@@ -1,8 +1,8 @@
 module bw_timeline
-  !! The motion of a case as one list: segments, in which the modes of a configuration move on exactly, and changes between them, at
-  !! which the state jumps or goes over to other modes. What a scene makes happen, and when, is asked here alone.
+  !! The timeline of a case: segments, in which the modes of one configuration move, and events between them, at which
+  !! the state jumps or is projected onto other modes. The events of a scene, and their times, are found only here.
   !!
-  !! A configuration is which bodies the beam carries. One that strikes and is captured is one of them: the last.
+  !! A configuration is the set of bodies on the beam. A captured mass is the last of them.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd, to_dd, operator(/)
   use bw_event, only: event_type, release_event
@@ -16,21 +16,21 @@ module bw_timeline
   public :: changes_of, comes_back, configurations_of, happens, most_configurations, most_events, number_of, start_of, steps_of
 
   type, public :: change_type
-    !! A change at a time that the scene gives.
+    !! A change at a given time.
     integer :: kind = release_event                 !! of the event
-    integer :: configuration = alone                !! that moves from then on
+    integer :: configuration = alone                !! from then on
     real(dp) :: seconds = 0.0_dp
     type(dd) :: time                                !! l²/h
   end type change_type
 
   type, public :: carried_type
     !! What the beam carries.
-    logical, allocatable :: body(:)                 !! which bodies of the scene are there, (bodies)
-    logical :: captured = .false.                   !! the mass that struck is there, too
+    logical, allocatable :: body(:)                 !! bodies of the scene on the beam, (bodies)
+    logical :: captured = .false.                   !! the striking mass is on it, too
   end type carried_type
 
   type, public :: step_type
-    !! What happens at an instant: bodies come and leave, all at once.
+    !! An instant at which the mass strikes, or bodies arrive or leave, all at once.
     real(dp) :: seconds = 0.0_dp
     type(carried_type) :: carried                   !! from then on
     logical :: is_impact = .false.                  !! the mass strikes
@@ -39,15 +39,15 @@ module bw_timeline
   end type step_type
 
   type, public :: timeline_type
-    type(event_type), allocatable :: events(:)      !! in the order of time
-    type(segment_type), allocatable :: segments(:)  !! in the order of time; none where nothing moves the beam
-    real(dp) :: known_until = huge(1.0_dp)          !! l²/h; nothing is known of the motion from then on
+    type(event_type), allocatable :: events(:)      !! in order of time
+    type(segment_type), allocatable :: segments(:)  !! in order of time; empty: no motion
+    real(dp) :: known_until = huge(1.0_dp)          !! l²/h; the motion is unknown from then on
   end type timeline_type
 
 contains
 
   pure function changes_of(scene, units) result(changes)
-    !! After t = 0, in the order of time.
+    !! Return the changes after t = 0, in order of time.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(change_type), allocatable :: changes(:)
@@ -57,7 +57,7 @@ contains
   end function changes_of
 
   pure function steps_of(scene) result(steps)
-    !! All that the scene makes happen, in the order of time; the first says what the beam carries before t = 0.
+    !! Return all events of a scene in order of time. The first entry is the configuration before t = 0.
     type(scene_type), intent(in) :: scene
     type(step_type), allocatable :: steps(:)
     real(dp), allocatable :: times(:)
@@ -90,7 +90,7 @@ contains
   end function steps_of
 
   pure function times_of(scene) result(times)
-    !! At which bodies come or leave, each once, ascending.
+    !! Return the times at which bodies arrive or leave, ascending and distinct.
     type(scene_type), intent(in) :: scene
     real(dp), allocatable :: times(:)
     real(dp), allocatable :: all(:)
@@ -105,8 +105,8 @@ contains
   end function times_of
 
   pure function configurations_of(scene) result(configurations)
-    !! What the beam carries in each configuration that its modes are found of: of a beam that changes in time each one once, in the order
-    !! in which they come; else alone, and with the mass if that is captured.
+    !! Return the configurations of a case. If the beam changes in time, each occurs once, in order of occurrence; else
+    !! the beam alone, and with the mass if that is captured.
     type(scene_type), intent(in) :: scene
     type(carried_type), allocatable :: configurations(:)
     type(step_type), allocatable :: steps(:)
@@ -117,7 +117,7 @@ contains
     end if
     steps = steps_of(scene)
     allocate (configurations(0))
-    if (allocated(scene%contact)) then             ! which captures the mass nobody knows when
+    if (allocated(scene%contact)) then             ! the time of capture is not known yet
       steps%carried%captured = .false.
       call add_new(steps, configurations)
       steps%carried%captured = allocated(scene%capture)
@@ -135,13 +135,13 @@ contains
   end function configurations_of
 
   pure type(carried_type) function start_of(scene) result(carried)
-    !! What the beam carries after all that happens at t = 0.
+    !! Return what the beam carries after all events at t = 0.
     type(scene_type), intent(in) :: scene
     carried = carried_type(at_start(scene), allocated(scene%capture))
   end function start_of
 
   pure integer function number_of(configurations, carried) result(number)
-    !! Of a configuration; 0 where it is not among them.
+    !! Return the index of a configuration; 0: none.
     type(carried_type), intent(in) :: configurations(:)
     type(carried_type), intent(in) :: carried
     do number = size(configurations), 1, -1
@@ -151,23 +151,23 @@ contains
   end function number_of
 
   pure logical function happens(seconds, scene, since, modes)
-    !! A change counts where it comes before the record ends, and before a growing mode leaves the range of numbers.
-    real(dp), intent(in) :: seconds                 !! when
+    !! Tell whether a change comes before the end of the record and before a growing mode overflows.
+    real(dp), intent(in) :: seconds                 !! its time
     type(scene_type), intent(in) :: scene
-    type(dd), intent(in) :: since                   !! from the start of the segment before it, l²/h
-    class(mode_set), intent(in) :: modes            !! that move until then
+    type(dd), intent(in) :: since                   !! since the start of the segment before, l²/h
+    class(mode_set), intent(in) :: modes            !! of that segment
     happens = .not. leaves_range(modes, since)
     if (allocated(scene%response)) happens = happens .and. seconds < scene%response%duration
   end function happens
 
   pure logical function comes_back(scene)
-    !! Whether the beam moves without the mass again, after it has captured it.
+    !! Tell whether a captured mass is released later.
     type(scene_type), intent(in) :: scene
     comes_back = allocated(scene%release)
   end function comes_back
 
   pure integer function most_configurations(scene) result(configurations)
-    !! That a scene that changes in time may have.
+    !! Return the most configurations of any case of a scene that changes in time.
     type(scene_type), intent(in) :: scene
     configurations = size(configurations_of(scene))
     if (size(scene%sweeps) == 0) return
@@ -176,15 +176,15 @@ contains
   end function most_configurations
 
   pure integer function most_events(scene, contacts) result(events)
-    !! That a scene may have.
+    !! Return the most events of any case of a scene.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: contacts                 !! that are followed, at most
+    integer, intent(in) :: contacts                 !! most contacts followed
     events = count([allocated(scene%impact), allocated(scene%capture), allocated(scene%release)])
     if (has_configurations(scene)) then
       events = size(steps_of(scene)) - 1
       if (size(scene%sweeps) > 0 .and. allocated(scene%bodies)) events = count([allocated(scene%impact), &
         allocated(scene%capture), allocated(scene%release), .not. is_missing(scene%bodies%from), &
-        .not. is_missing(scene%bodies%until)])     ! cases may have fewer, two at once being one
+        .not. is_missing(scene%bodies%until)])     ! cases may have fewer, as two at once are one
     end if
     if (allocated(scene%recontact)) events = events + contacts
   end function most_events

@@ -1,13 +1,13 @@
 module bw_unhanded
-  !! What the modes after a change may be off by, as only so many modes before it hand on their motion. Those beyond, k, are far above the
-  !! modes after that matter, j: what each of them hands on is a blow (m − k_v/β_k²)Φ̄_jΦ_kq̇_k of a body that comes or leaves, with
-  !! mass m and stiffness k_v, and likewise of its turning. Their phases are as good as random by then. So their squares add up, and fall
-  !! on from octave to octave as those of the last two that are known do. Runs with fewer modes do not tell this: where phases happen to
-  !! cancel, they agree, and all of them are wrong.
+  !! Errors of the state after a change of bodies, as only finitely many modes before it are projected. The omitted
+  !! modes k lie far above the modes j after the change that matter, and each contributes an impulse (m −
+  !! k_v/β_k²)Φ̄_jΦ_kq̇_k of an arriving or leaving body with mass m and stiffness k_v, and likewise for rotation. Their
+  !! phases are practically random, so squares add up; their sum per octave falls as in the last two octaves. Runs with
+  !! fewer modes do not show this error: if phases happen to cancel, they agree although all are wrong.
   !!
-  !! A mass with a velocity of its own takes none of the beam's, but what it is deflected by. Springs that come are unstressed at a
-  !! deflection that lacks the missing modes. **Limit**: the tension that comes or leaves with a body is left out; it is less by 1/β_k².
-  !! Units of bw_segment.
+  !! A body that arrives with a velocity takes none from the beam, only its deflection. Arriving springs are unstressed
+  !! at a deflection without the omitted modes. **Limit**: tension that arrives or leaves with a body is neglected; its
+  !! effect is smaller by 1/β_k². Units of bw_segment.
   use bw_change_of_bodies, only: body_type
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
@@ -19,15 +19,15 @@ module bw_unhanded
 contains
 
   pure function unhanded_motion(before, q, rate, after, bodies, was, is) result(doubt)
-    !! Of modal displacements and velocities after the change, twice their root mean square, (modes after, 2).
+    !! Return twice the rms errors of modal displacements and velocities after the change, (modes after, 2).
     class(mode_set), intent(in) :: before, after
-    real(dp), intent(in) :: q(:), rate(:)          !! of the modes before that hand on their motion
+    real(dp), intent(in) :: q(:), rate(:)          !! of the projected modes before
     type(body_type), intent(in) :: bodies(:)
-    logical, intent(in) :: was(:), is(:)           !! which of them are there before and after, (bodies)
+    logical, intent(in) :: was(:), is(:)           !! bodies before and after, (bodies)
     real(dp) :: doubt(after%count, 2)
     real(dp) :: inert(2), elastic(2), seen(before%count, 2), shape(after%count, 2), blow(size(q)), reach(size(q))
-    logical :: brings                              ! a velocity of its own
-    real(dp), parameter :: lowest = 1.0_dp          ! β² below that is of rigid modes, which no spring bends
+    logical :: brings                              ! a velocity
+    real(dp), parameter :: lowest = 1.0_dp          ! β² below it belongs to rigid modes, which springs do not bend
     integer :: b, c
     doubt = 0.0_dp
     associate (square => max(abs(before%beta_squared(:size(q))%hi), lowest), &
@@ -53,9 +53,9 @@ contains
   end function unhanded_motion
 
   pure real(dp) function beyond(amplitude) result(sum_of_others)
-    !! Twice the root mean square of the sum of all terms beyond these, whose phases are random.
+    !! Return twice the rms of the sum of all terms beyond the given ones, with random phases.
     real(dp), intent(in) :: amplitude(:)
-    real(dp), parameter :: least = 0.01_dp, most = 0.7_dp      ! tuned: of squares, from octave to octave
+    real(dp), parameter :: least = 0.01_dp, most = 0.7_dp      ! tuned: ratio of squares per octave
     real(dp) :: last, ratio
     integer :: n
     n = size(amplitude)

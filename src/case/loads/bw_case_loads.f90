@@ -122,7 +122,7 @@ contains
   end subroutine place_loads
 
   pure type(load_result) function applied(scene, courses, units) result(loads)
-    !! Summarize the applied loads, and note impulses before t = 0.
+    !! Summarise the applied loads, and note impulses before t = 0.
     type(scene_type), intent(in) :: scene
     type(load_course), intent(in) :: courses(:)    !! forces, then base accelerations as forces on the beam
     type(beam_units), intent(in) :: units

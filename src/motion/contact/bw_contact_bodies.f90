@@ -1,7 +1,7 @@
 module bw_contact_bodies
-  !! A beam and a mass that touches it for some time or flies beside it: the modes of the beam and the mass are oscillators that
-  !! a force between them drives, by Φ_k(ξ₀)/M_k and −1/m_j. The mass comes last; it runs in a guide that turns with the hub, y'' = ω²y
-  !! in the plane of rotation. The gap v(ξ₀) − y is the sum with Φ_k(ξ₀) and −1. Units of bw_segment.
+  !! A beam and a mass in lasting contact or flying beside it: modes and mass are oscillators, on which a contact force
+  !! acts with Φ_k(ξ₀)/M_k and −1/m_j. The mass is the last; it moves in a guide that rotates with the hub, y'' = ω²y in
+  !! the plane of rotation. The gap v(ξ₀) − y is the sum with weights Φ_k(ξ₀) and −1. Units of bw_segment.
   use bw_acting_loads, only: acting_loads, gap_degree
   use bw_change_of_bodies, only: beam_state
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
@@ -17,15 +17,15 @@ module bw_contact_bodies
 
   type, public :: contact_bodies
     type(oscillators) :: parts
-    real(dp), allocatable :: weight(:)            !! in the gap, 0 of a mode that takes no part, (modes + 1)
+    real(dp), allocatable :: weight(:)            !! in the gap; 0: mode takes no part, (modes + 1)
     real(dp), allocatable :: inertia(:)           !! M_k, and m_j
-    integer :: first = 1                          !! mode that the mass strikes
-    real(dp) :: turn_of_hub = 0.0_dp              !! in the first mode, of a hub that is free
+    integer :: first = 1                          !! first mode with motion at the struck point
+    real(dp) :: turn_of_hub = 0.0_dp              !! hub rotation of the first mode, on a free hub
     type(moving_state) :: state
-    type(acting_loads), allocatable :: loads      !! unallocated: nothing but the contact acts
-    real(dp) :: held = 0.0_dp                     !! how far the beam rests from its line where it is struck
-    real(dp) :: level = 0.0_dp                    !! energy of the shape in which it does
-    type(shape_term), allocatable :: shape(:)     !! that shape; unallocated: the line
+    type(acting_loads), allocatable :: loads      !! unallocated: only the contact acts
+    real(dp) :: held = 0.0_dp                     !! equilibrium deflection of the struck point
+    real(dp) :: level = 0.0_dp                    !! energy of the equilibrium shape
+    type(shape_term), allocatable :: shape(:)     !! that shape; unallocated: straight
   contains
     procedure :: gap
     procedure :: rounding
@@ -38,21 +38,21 @@ module bw_contact_bodies
   end type contact_bodies
 
   type, public :: first_motion
-    !! What moves when the mass is let go beside the beam.
+    !! The initial motion of beam and mass.
     real(dp), allocatable :: q(:), rate(:)        !! of the modes
     real(dp) :: speed = 1.0_dp                    !! of the mass
-    real(dp) :: others = 0.0_dp                   !! the largest speed of what comes later
-    type(acting_loads), allocatable :: loads      !! unallocated: none act
+    real(dp) :: others = 0.0_dp                   !! largest speed of bodies that arrive later
+    type(acting_loads), allocatable :: loads      !! unallocated: none
   end type first_motion
 
-  integer, parameter :: most_orders = 4           !! of derivatives of a gap that is closed
+  integer, parameter :: most_orders = 4           !! of derivatives of a closed gap
 
 contains
 
   pure type(contact_bodies) function bodies_of(free, taking_part, mass_ratio, omega, first) result(bodies)
-    !! The mass touches the beam, as bent as it is then.
+    !! Set the initial state: the mass touches the beam, deflected or not.
     class(mode_set), intent(in) :: free           !! modes of the beam alone
-    integer, intent(in) :: taking_part            !! how many of them do; the others stay at rest
+    integer, intent(in) :: taking_part            !! modes; the others stay at rest
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
@@ -82,15 +82,15 @@ contains
   end function bodies_of
 
   pure type(contact_bodies) function bodies_after(modes, count, mass_ratio, omega, state, struck, beside, loads) result(bodies)
-    !! After a change of the beam; the mass goes on as it was. Before it moves it touches the beam, wherever that is.
-    class(mode_set), intent(in) :: modes          !! of the beam alone, as it is now
-    integer, intent(in) :: count                  !! how many of them take part
+    !! Set the state after a change of the beam. The mass keeps its state; before t > 0 it touches the beam.
+    class(mode_set), intent(in) :: modes          !! of the beam alone after the change
+    integer, intent(in) :: count                  !! modes that take part
     real(dp), intent(in) :: mass_ratio
     type(dd), intent(in) :: omega
-    type(beam_state), intent(in) :: state         !! of them
-    real(dp), intent(in) :: struck                !! how far that shape is from the line where the mass strikes
-    type(moving_state), intent(in) :: beside      !! the mass, and when
-    type(acting_loads), allocatable, intent(in) :: loads   !! as these modes see them; unallocated: none act
+    type(beam_state), intent(in) :: state         !! of these modes
+    real(dp), intent(in) :: struck                !! deflection of the equilibrium shape at the struck point
+    type(moving_state), intent(in) :: beside      !! state of the mass, and the time
+    type(acting_loads), allocatable, intent(in) :: loads   !! for these modes; unallocated: none
     type(first_motion) :: first
     first%q = state%q
     first%rate = state%rate
@@ -108,40 +108,40 @@ contains
   end function bodies_after
 
   pure real(dp) function pace(self)
-    !! How fast the mass and the place that it strikes may meet: the mass at its speed, and all modes at their amplitudes, out of phase.
+    !! Estimate the largest closing speed: the mass at its speed, and all modes at their amplitudes, out of phase.
     class(contact_bodies), intent(in) :: self
     pace = norm2(self%weight*hypot(self%state%v, sqrt(max(0.0_dp, self%parts%beta_squared%hi))*self%state%u))
     if (allocated(self%loads)) pace = hypot(pace, self%loads%pace(self%parts, self%weight))
   end function pace
 
   pure real(dp) function gap(self)
-    !! Negative where mass and beam are pressed into each other.
+    !! Return the gap; negative if mass and beam overlap.
     class(contact_bodies), intent(in) :: self
     gap = accurate_sum(self%weight*self%state%u) + self%held
     if (allocated(self%loads)) gap = gap + self%loads%gap(self%state%time%hi, 0)
   end function gap
 
   pure real(dp) function rounding(self)
-    !! What of a gap no sum over the modes tells.
+    !! Return the rounding error of the gap.
     class(contact_bodies), intent(in) :: self
     rounding = 16*epsilon(rounding)*(sum(abs(self%weight*self%state%u)) + abs(self%held))
   end function rounding
 
   pure real(dp) function separation(self)
-    !! Rate of the gap: positive where it opens.
+    !! Return the rate of the gap; positive if it opens.
     class(contact_bodies), intent(in) :: self
     separation = accurate_sum(self%weight*self%state%v)
     if (allocated(self%loads)) separation = separation + self%loads%gap(self%state%time%hi, 1)
   end function separation
 
   pure real(dp) function energy(self)
-    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²).
+    !! Return the Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²).
     class(contact_bodies), intent(in) :: self
     energy = 0.5_dp*accurate_sum(self%inertia*(self%state%v**2 + self%parts%beta_squared%hi*self%state%u**2)) + self%level
   end function energy
 
   pure real(dp) function momentum(self)
-    !! Generalised, of the first mode that the mass strikes, per unit of its displacement there.
+    !! Return the generalised momentum of the first struck mode, per unit of its displacement there.
     class(contact_bodies), intent(in) :: self
     associate (mass => size(self%weight), k => self%first)
       momentum = self%inertia(k)*self%state%v(k)/self%weight(k) + self%inertia(mass)*self%state%v(mass)
@@ -149,17 +149,17 @@ contains
   end function momentum
 
   pure real(dp) function hub_rate(self)
-    !! The mean angular velocity of a hub that is free.
+    !! Return the mean angular velocity of a free hub.
     class(contact_bodies), intent(in) :: self
     hub_rate = self%turn_of_hub*self%state%v(1)
   end function hub_rate
 
   subroutine fly(self, damping, last, found, monitor)
-    !! Free motion, or that under loads, until a force acts again, or to the end.
+    !! Move in flight until a contact force acts again, or to the end.
     class(contact_bodies), intent(inout) :: self
     real(dp), intent(in) :: damping               !! c of the contact
-    real(dp), intent(in) :: last                  !! the end of the search
-    logical, intent(out) :: found                 !! a contact before that
+    real(dp), intent(in) :: last                  !! end of the search
+    logical, intent(out) :: found                 !! a contact starts before it
     class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     real(dp) :: until
     do
@@ -173,8 +173,8 @@ contains
   end subroutine fly
 
   subroutine fly_calmly(self, damping, last, found, monitor)
-    !! Over a time in which loads are smooth. Where damping has taken a contact's force away while the bodies are still
-    !! pressed into each other, it comes back when 1 + cδ̇ is positive again.
+    !! Move over an interval with smooth loads. If damping made the contact force 0 while the bodies still overlap, the
+    !! force returns once 1 + cδ̇ > 0.
     type(contact_bodies), intent(inout) :: self
     real(dp), intent(in) :: damping
     real(dp), intent(in) :: last
@@ -183,7 +183,7 @@ contains
     type(signal_type) :: signal
     type(oscillators) :: parts
     type(moving_state) :: free
-    real(dp), allocatable :: polynomial(:), other(:)   ! of the gap, beside free motions; unallocated: no loads act
+    real(dp), allocatable :: polynomial(:), other(:)   ! added to the sums of free motions; unallocated: no loads
     real(dp) :: back, time
     logical :: comes_back
     integer :: m, order
@@ -208,11 +208,11 @@ contains
         end if
         order = 1
         call take_out_loads(self, free, polynomial)
-      else if (self%gap() <= 0.0_dp .or. self%state%time%hi <= 0.0_dp) then   ! closed at first, but for rounding
+      else if (self%gap() <= 0.0_dp .or. self%state%time%hi <= 0.0_dp) then   ! closed to rounding at the start
         order = opening(self, free, polynomial)
         found = order == 0
         if (found) return
-        if (order > most_orders) then              ! nothing moves
+        if (order > most_orders) then              ! no motion
           call move(self, left)
           return
         end if
@@ -224,10 +224,10 @@ contains
   end subroutine fly_calmly
 
   subroutine take_out_loads(self, free, polynomial)
-    !! Motion that is free from now on, and what loads add to the gap in a calm time.
+    !! Split the gap into free motions and a polynomial due to loads, valid for a short interval.
     type(contact_bodies), intent(in) :: self
     type(moving_state), intent(out) :: free
-    real(dp), allocatable, intent(out) :: polynomial(:)   !! in the time from now on; unallocated: none, (0:degree)
+    real(dp), allocatable, intent(out) :: polynomial(:)   !! in the time from now on; unallocated: 0, (0:degree)
     if (allocated(self%loads)) then
       allocate (polynomial(0:gap_degree))
       call self%loads%take_out(self%parts, self%weight, self%state, free, polynomial)
@@ -241,7 +241,7 @@ contains
   end subroutine take_out_loads
 
   subroutine move(self, time)
-    !! The state a time later, up to the end of a calm time.
+    !! Move the state forward within an interval of smooth loads.
     type(contact_bodies), intent(inout) :: self
     real(dp), intent(in) :: time
     if (allocated(self%loads)) then
@@ -252,11 +252,11 @@ contains
   end subroutine move
 
   pure integer function opening(self, free, polynomial) result(order)
-    !! Of the first derivative of the gap that is not 0 where it is closed; 0 where that closes it further, and one more than is looked at
-    !! where nothing moves.
+    !! Return the order of the first nonzero derivative of a closed gap; 0 if that closes it further, `most_orders` + 1
+    !! if nothing moves.
     type(contact_bodies), intent(in) :: self
     type(moving_state), intent(in) :: free
-    real(dp), allocatable, intent(in) :: polynomial(:)    !! as those of `take_out_loads`
+    real(dp), allocatable, intent(in) :: polynomial(:)    !! see `take_out_loads`
     real(dp) :: derivative
     do order = 1, most_orders
       derivative = self%parts%derivative(weighted_sum(self%weight, 0.0_dp*self%weight), free, order)

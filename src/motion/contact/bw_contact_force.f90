@@ -1,6 +1,6 @@
 module bw_contact_force
-  !! The force of a contact as a polynomial in each of its steps: where it is largest, what it is at some times, and where in a step it or
-  !! the rate of the indentation ends. Units of bw_segment.
+  !! The contact force, a polynomial in each step: its maximum, its values, and the zero of it or of the indentation
+  !! rate in a step. Units of bw_segment.
   use bw_force_response, only: force_degree
   use bw_force_step, only: force_in_step, node_places, polynomial_of
   use bw_kinds, only: dp
@@ -12,8 +12,8 @@ module bw_contact_force
 contains
 
   pure real(dp) function first_zero(values) result(x)
-    !! Where a polynomial that falls from a positive value at the start of a step is 0, as a part of the step, by halving.
-    real(dp), intent(in) :: values(0:)            !! at the points
+    !! Return the zero of a polynomial that is positive at the start of a step, as a fraction of the step, by bisection.
+    real(dp), intent(in) :: values(0:)            !! at the Chebyshev points
     real(dp) :: above, below, value
     integer :: i, j
     i = findloc(values(1:) <= 0.0_dp, .true., dim=1)
@@ -31,7 +31,7 @@ contains
   end function first_zero
 
   pure real(dp) function end_in_step(length, indentation, force) result(time)
-    !! Where the indentation or the force falls to 0 in a step that is short: by a straight line.
+    !! Return when indentation or force first vanishes in a short step, by linear interpolation.
     real(dp), intent(in) :: length, indentation(:), force(0:)
     integer :: i
     i = findloc(indentation <= 0.0_dp .or. force(1:) <= 0.0_dp, .true., dim=1)
@@ -42,7 +42,7 @@ contains
   end function end_in_step
 
   pure subroutine find_largest(load, force, time)
-    !! The largest force of a contact, and when after its start it is so large.
+    !! Find the largest force of a contact, and its time since the start.
     type(load_type), intent(in) :: load
     real(dp), intent(out) :: force, time
     integer, parameter :: parts = 40, refinements = 50
@@ -81,7 +81,7 @@ contains
   end subroutine find_largest
 
   pure function force_at(load, times) result(force)
-    !! The force of a contact at times after its start, up to its end.
+    !! Return the force of a contact at times since its start, up to its end.
     type(load_type), intent(in) :: load
     real(dp), intent(in) :: times(:)              !! ascending, l²/h
     real(dp) :: force(size(times)), start

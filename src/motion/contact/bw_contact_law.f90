@@ -1,9 +1,9 @@
 module bw_contact_law
-  !! The force between two bodies that are pressed into each other: F = Kδ^p(1 + cδ̇) while the indentation δ is positive, and never
-  !! negative. p = 3/2 is Hertz's contact, p = 1 a linear stop, c the damping of Hunt and Crossley.
+  !! The force law of a contact: F = Kδ^p(1 + cδ̇) while the indentation δ is positive, and never negative. p = 3/2 is a
+  !! Hertzian contact, p = 1 a linear stop, c the damping of Hunt and Crossley.
   !!
-  !! The modes that are not summed give way with F at once: to their residual flexibility R, in series with the contact. So F is
-  !! sought together with δ = δ_n − RF, δ_n being the approach of the mass and the modes that are summed. Units of bw_segment.
+  !! Omitted modes respond quasi-statically, with their residual flexibility R in series with the contact. So F is
+  !! solved for with δ = δ_n − RF, where δ_n is the approach of the mass and the summed modes. Units of bw_segment.
   use bw_beam_units, only: beam_units
   use bw_contact_par, only: contact_par
   use bw_force_response, only: force_degree
@@ -18,13 +18,13 @@ module bw_contact_law
     real(dp) :: stiffness = 0.0_dp                 !! K
     real(dp) :: exponent = 1.5_dp                  !! p ≥ 1
     real(dp) :: damping = 0.0_dp                   !! c
-    real(dp) :: residual = 0.0_dp                  !! R at the place that the mass strikes
+    real(dp) :: residual = 0.0_dp                  !! R at the struck point
   end type contact_law
 
 contains
 
   pure type(contact_law) function contact_law_of(contact, units, speed) result(law)
-    !! Without dimensions, for a mass that comes with a speed. The residual flexibility is left to the caller.
+    !! Return the law without dimensions for a given speed. The caller sets the residual flexibility.
     type(contact_par), intent(in) :: contact
     type(beam_units), intent(in) :: units
     real(dp), intent(in) :: speed                  !! |V|, m/s
@@ -36,7 +36,7 @@ contains
   end function contact_law_of
 
   pure subroutine usual_contact(law, mass_ratio, speed, indentation, force)
-    !! The largest indentation and force of a mass that strikes a place that does not move.
+    !! Find the largest indentation and force of a mass striking a fixed point.
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: mass_ratio
     real(dp), intent(in) :: speed                  !! of the mass
@@ -46,7 +46,7 @@ contains
   end subroutine usual_contact
 
   pure real(dp) function stored_energy(law, indentation) result(energy)
-    !! That a contact gives back: Kδ^(p+1)/(p + 1).
+    !! Return the recoverable energy Kδ^(p+1)/(p + 1).
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: indentation
     energy = 0.0_dp
@@ -54,7 +54,7 @@ contains
   end function stored_energy
 
   pure real(dp) function held_force(law, approach) result(force)
-    !! The force F of a contact that does not damp, from the approach of mass and modes: F = K(δ_n − RF)^p, by halving.
+    !! Return the force of a contact without damping, F = K(δ_n − RF)^p, by bisection.
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: approach               !! δ_n
     real(dp) :: above, below, middle
@@ -76,7 +76,7 @@ contains
   end function held_force
 
   elemental subroutine find_force(law, indentation, rate, force, by_indentation, by_rate)
-    !! The force, and its derivatives.
+    !! Return the force and its derivatives.
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: indentation, rate
     real(dp), intent(out) :: force, by_indentation, by_rate
@@ -93,22 +93,22 @@ contains
   end subroutine find_force
 
   pure subroutine solve_contact(law, step, u, v, force, indentation, rate, converged, by_loads)
-    !! The force at the points of a step and the indentation there, by Newton's iteration, which keeps its matrix as long as changes fall fast.
-    !! In a short step the force hardly changes the motion, and the matrix is the unit matrix.
+    !! Find force and indentation at the points of a step by Newton's iteration, with a new matrix if convergence is
+    !! slow. In a short step the force hardly changes the motion, and the matrix is the identity.
     type(contact_law), intent(in) :: law
     type(force_step), intent(in) :: step
-    real(dp), intent(in) :: u(:), v(:)             !! of all oscillators, at the start of the step
-    real(dp), intent(inout) :: force(0:)           !! the first is known, the others are near it, (0:points)
+    real(dp), intent(in) :: u(:), v(:)             !! of all oscillators at the start
+    real(dp), intent(inout) :: force(0:)           !! the first is known, the others are a guess, (0:points)
     real(dp), intent(out) :: indentation(force_degree), rate(force_degree)
     logical, intent(out) :: converged
-    real(dp), intent(in), optional :: by_loads(:, :)   !! what other loads add to the approach and to its rate, (points, 2)
+    real(dp), intent(in), optional :: by_loads(:, :)   !! contribution of other loads to approach and rate, (points, 2)
     integer, parameter :: most = 60
-    real(dp), parameter :: enough = 1.0e-11_dp     ! of the largest force: the error is then smaller by `fast`, or by the square
-    real(dp), parameter :: fast = 1.0e-2_dp        ! from one change to the next
+    real(dp), parameter :: enough = 1.0e-11_dp     ! of the largest force; the error is smaller by `fast` or squared
+    real(dp), parameter :: fast = 1.0e-2_dp        ! ratio of successive changes
     real(dp), dimension(force_degree) :: free, free_rate, law_force, by_indentation, by_rate
     real(dp), dimension(force_degree, 0:force_degree) :: compliance, rate_compliance
     real(dp) :: system(force_degree, force_degree), change(force_degree, 1), changed, before
-    logical :: is_unit                             ! the matrix, as good as
+    logical :: is_unit                             ! the matrix is nearly the identity
     integer :: i, info, iteration, pivot(force_degree)
     call step%approach(u, v, free, free_rate)
     if (present(by_loads)) then
@@ -122,7 +122,7 @@ contains
     end do
     converged = .false.
     before = huge(before)
-    info = -1                                      ! there is no matrix yet
+    info = -1                                      ! no matrix yet
     is_unit = .false.
     do iteration = 1, most
       indentation = free - matmul(compliance, force)

@@ -1,10 +1,10 @@
 module bw_contact_modes
-  !! Modes of the beam with a mass that is pressed against its tip: the n modes of the beam alone under v_tip = y, mass
-  !! matrix M + m_jφφᵀ, stiffness that of the beam alone.
+  !! Modes of a beam with a mass pressed against its tip: the n modes of the beam alone with the constraint v_tip = y,
+  !! mass matrix M + m_jφφᵀ, and the stiffness of the beam alone.
   !!
-  !! With λ = β² + ω², M's square roots taken out and x = D^(−½)t, D = diag λ_i, the eigenproblem is that of
-  !! D⁻¹ + m_jψψᵀ, ψ_i = φ_i(1)/√(M_iλ_i): a rank-one update, whose secular equation 1 + Σm_jψ_i²/(1/λ_i − μ) = 0 is
-  !! solved for the distance of μ from the nearer pole. **Limits**: of the damping that couples them only the diagonal is taken.
+  !! With λ = β² + ω², mass-normalised, and x = D^(−½)t, D = diag λ_i, this is the eigenproblem of D⁻¹ + m_jψψᵀ, ψ_i =
+  !! φ_i(1)/√(M_iλ_i): a rank-one update. Its secular equation 1 + Σm_jψ_i²/(1/λ_i − μ) = 0 is solved for the distance
+  !! of μ from the nearer pole. **Limits**: only the diagonal of the modal damping matrix is used.
   use bw_contact_motion, only: contact_motion
   use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-)
   use bw_kinds, only: dp
@@ -19,10 +19,10 @@ module bw_contact_modes
 
   type, extends(mode_set), public :: contact_set
     class(mode_set), allocatable :: free       !! modes of the beam alone
-    real(dp), allocatable :: mixing(:, :)      !! how much of each mode of the beam alone is in a mode, (free modes, modes)
-    real(dp), allocatable :: onto(:, :)        !! weights of a state's projection: MΦ/M̄, m_jΦ_k(1)/M̄, (free modes + 1, modes)
-    real(dp), allocatable :: rates(:)          !! c_k, 0 where nothing damps, (modes)
-    type(weighted_sum) :: force                !! what presses the mass against the tip (see `force_of`)
+    real(dp), allocatable :: mixing(:, :)      !! coefficients of the modes of the beam alone, (free modes, modes)
+    real(dp), allocatable :: onto(:, :)        !! weights for projecting a state: MΦ/M̄, m_jΦ_k(1)/M̄, (free modes + 1, modes)
+    real(dp), allocatable :: rates(:)          !! c_k, 0 if undamped, (modes)
+    type(weighted_sum) :: force                !! force between mass and tip (see `force_of`)
   contains
     procedure :: some_shapes => contact_shapes
     procedure :: some_curvatures => contact_curvatures
@@ -35,12 +35,12 @@ module bw_contact_modes
 contains
 
   subroutine find_contact_modes(free, motion, modes, monitor)
-    !! All modes that the beam's own allow.
+    !! Find as many modes as the beam alone has.
     class(mode_set), intent(in) :: free        !! of the beam alone
     type(contact_motion), intent(in) :: motion !! of that beam and the mass
     type(contact_set), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
-    real(dp), parameter :: at_rest = 1.0e-27_dp    ! of the first frequencies' squares: what nothing holds is held by that much
+    real(dp), parameter :: at_rest = 1.0e-27_dp    ! of the lowest squared frequencies: least stiffness for rigid modes
     real(dp), dimension(free%count) :: pole, weight, inertia, mixed, stiffness
     type(dd) :: square, spin
     real(dp) :: gamma, value
@@ -59,7 +59,7 @@ contains
     end do
     pole = 1.0_dp/max(pole, at_rest*maxval(pole(:min(n, 3))))
     do k = 2, n
-      pole(k) = min(pole(k), pole(k - 1)*(1.0_dp - 4.0_dp*epsilon(pole)))      ! the same frequency twice is so only to rounding
+      pole(k) = min(pole(k), pole(k - 1)*(1.0_dp - 4.0_dp*epsilon(pole)))      ! separates equal frequencies by rounding
     end do
     weight = max(tiny(gamma), gamma*motion%gap%a(:n)**2*pole/inertia)
     do k = 1, n
@@ -70,7 +70,7 @@ contains
       mixed = gamma*motion%gap%a(:n)*pole/mixed/inertia
       value = merge(-1.0_dp, 1.0_dp, mod(k, 2) == 0)/sqrt(sum(inertia*mixed**2))
       modes%mixing(:, k) = value*mixed
-      modes%struck(k) = -value                 ! by the secular equation: the sum itself would cancel
+      modes%struck(k) = -value                 ! by the secular equation, without cancellation
       modes%modal_mass(k) = 1.0_dp + gamma*value**2
       modes%onto(:, k) = [inertia*modes%mixing(:, k), gamma*modes%struck(k)]/modes%modal_mass(k)
     end do
@@ -79,7 +79,7 @@ contains
   end subroutine find_contact_modes
 
   pure subroutine find_damping(motion, modes)
-    !! The diagonal of what damps them.
+    !! Set the diagonal of modal damping.
     type(contact_motion), intent(in) :: motion
     type(contact_set), intent(inout) :: modes
     integer :: k, n
@@ -94,10 +94,9 @@ contains
   end subroutine find_damping
 
   pure type(weighted_sum) function force_of(motion, modes, stiffness) result(force)
-    !! What presses the mass against the tip, positive while it does: the acceleration with which the gap would close,
-    !! −φᵀ(q̈ of the beam alone) + ω²y: the force between them times 1/m_j + Σφ_i(1)²/M_i. Without damping the force is
-    !! −m_j(ÿ − ω²y), of which nothing cancels. Where they are damped, and the modes are taken as uncoupled, only the
-    !! acceleration tells when the gap really opens.
+    !! Return the force between mass and tip, positive under pressure, up to the factor 1/m_j + Σφ_i(1)²/M_i: the acceleration
+    !! with which the gap would close, −φᵀ(q̈ of the beam alone) + ω²y. Without damping that force is −m_j(ÿ − ω²y), which has
+    !! no cancellation. With damping, treated as uncoupled, only the acceleration shows when the gap really opens.
     type(contact_motion), intent(in) :: motion
     type(contact_set), intent(in) :: modes
     real(dp), intent(in) :: stiffness(:)       !! β² + ω², (modes)
@@ -108,7 +107,7 @@ contains
   end function force_of
 
   pure subroutine find_distances(pole, weight, k, distance, value)
-    !! Of every pole from the eigenvalue above pole k, pole − μ, and that eigenvalue. Poles descend.
+    !! Find the eigenvalue above pole k, and its distances from all poles, pole − μ. Poles descend.
     real(dp), intent(in) :: pole(:)            !! 1/λ_i
     real(dp), intent(in) :: weight(:)          !! m_jψ_i² ≥ 0
     integer, intent(in) :: k
@@ -117,11 +116,11 @@ contains
     integer :: near
     near = k
     origin = pole - pole(k)
-    if (k == 1) then                           ! it is no further above its pole than all weights together
+    if (k == 1) then                           ! the sum of all weights bounds its distance
       last = sum(weight)
     else
       last = 0.5_dp*(pole(k - 1) - pole(k))
-      if (1.0_dp + sum(weight/(origin - last)) < 0.0_dp) then    ! it lies nearer to the pole above
+      if (1.0_dp + sum(weight/(origin - last)) < 0.0_dp) then    ! nearer to the pole above
         near = k - 1
         origin = pole - pole(near)
         last = -last
@@ -133,17 +132,17 @@ contains
   end subroutine find_distances
 
   pure subroutine find_offset(origin, weight, near, last, x)
-    !! The root x of 1 + Σm_jψ_i²/(p_i − p − x) = 0 between 0 and `last`, by Newton's steps on x times that, which has no
-    !! pole there, in a form that keeps small roots; by halving where one leads out.
+    !! Find the root x of 1 + Σm_jψ_i²/(p_i − p − x) = 0 between 0 and `last`. Newton steps on x times that function,
+    !! which has no pole there, keep small roots accurate; bisection replaces steps out of the bracket.
     real(dp), intent(in) :: origin(:), weight(:)   !! p_i − p, m_jψ_i²
-    integer, intent(in) :: near                !! the pole p itself
+    integer, intent(in) :: near                !! index of the pole p
     real(dp), intent(in) :: last
     real(dp), intent(out) :: x
     real(dp), dimension(size(origin)) :: term, pull
     real(dp) :: low, high, slope, next
     integer, parameter :: most = 400
     integer :: i
-    low = 0.0_dp                               ! where the value is negative
+    low = 0.0_dp                               ! the function is negative here
     high = last
     x = high
     do i = 1, most
@@ -165,7 +164,7 @@ contains
   end subroutine find_offset
 
   pure function contact_shapes(self, first, last, xi) result(values)
-    !! Φ_k(ξ): the shapes of the beam alone, mixed.
+    !! Return Φ_k(ξ), combinations of the shapes of the beam alone.
     class(contact_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -182,7 +181,7 @@ contains
   end function contact_curvatures
 
   function contact_overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! What these modes see of a motion with the beam's own weight: what those of the beam alone see, mixed.
+    !! Return the overlaps with a motion, weighted by the beam's mass: combinations of those of the beam alone.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -192,7 +191,7 @@ contains
   end function contact_overlap_of_beam
 
   function contact_overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! The same with the weight of the mass at the tip.
+    !! Return the same with the mass at the tip.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -203,7 +202,7 @@ contains
   end function contact_overlap_with_mass
 
   pure subroutine contact_errors(self, square_error, mass_error)
-    !! By which β² and damping may be off where those of the beam alone are, and its modal masses; and rounding.
+    !! Return the errors of β², and relative errors of damping and modal mass: those of the beam alone, and rounding.
     class(contact_set), intent(in) :: self
     real(dp), intent(out) :: square_error(:), mass_error(:)
     real(dp), dimension(self%count) :: free_error, free_mass_error
@@ -216,7 +215,7 @@ contains
   end subroutine contact_errors
 
   pure function contact_elastic(self) result(squares)
-    !! K_kk/M_kk: elastic energy is that of the beam alone.
+    !! Return K_kk/M_kk. Elastic energy is that of the beam alone.
     class(contact_set), intent(in) :: self
     type(dd) :: squares(self%count), free(self%free%count)
     free = self%free%elastic()

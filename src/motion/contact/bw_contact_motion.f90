@@ -1,7 +1,7 @@
 module bw_contact_motion
-  !! A beam and a mass that moves freely beside its tip: the beam's modes and the mass are oscillators that move
-  !! without each other but at a contact. The mass runs in a guide that turns with the hub, y'' = ω²y in the plane of rotation
-  !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_segment.
+  !! A beam and a mass flying beside its tip: modes and mass are oscillators, uncoupled except at contacts. The mass
+  !! moves in a guide that rotates with the hub, y'' = ω²y in the plane of rotation and y'' = 0 out of it; it is the
+  !! last oscillator. The gap v_tip − y is the sum with weights Φ_k(1) and −1. Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_missing, only: scaled
@@ -14,15 +14,15 @@ module bw_contact_motion
   public :: motion_of
 
   type, public :: contact_motion
-    integer :: modes = 0                          !! of the beam; the mass is the oscillator after them
-    type(oscillators) :: parts(together)          !! modes and mass; modes of both together from the first contact that lasts on
+    integer :: modes = 0                          !! of the beam; the mass comes after them
+    type(oscillators) :: parts(together)          !! modes and mass; modes of both together after the first lasting contact
     type(weighted_sum) :: gap
     real(dp), allocatable :: inertia(:)           !! M_k, and m_j
-    real(dp) :: heavier = 1.0_dp                  !! than that the mass is, where it is beyond all weights
+    real(dp) :: heavier = 1.0_dp                  !! mass over `heaviest`, if larger
     real(dp) :: restitution = 0.0_dp              !! e
-    integer :: first = 1                          !! mode of the beam alone that the mass strikes
+    integer :: first = 1                          !! first mode of the beam alone with motion at the tip
     type(moving_state) :: state
-    type(energy_type) :: energy_left              !! of what the mass brought, after blows and damping
+    type(energy_type) :: energy_left              !! of what the mass brought, after impacts and damping
   contains
     procedure :: separation
     procedure :: pull
@@ -36,13 +36,13 @@ module bw_contact_motion
     procedure :: momentum
   end type contact_motion
 
-  real(dp), parameter :: heaviest = 1.0e30_dp     !! beam masses: beside a mass beyond it no digit of the beam's is left
+  real(dp), parameter :: heaviest = 1.0e30_dp     !! in beam masses: beyond it no digit of the beam's mass counts
 
 contains
 
   pure type(contact_motion) function motion_of(free, mass_ratio, restitution, omega) result(motion)
-    !! The mass arrives with velocity 1 at a beam at rest.
-    class(mode_set), intent(in) :: free           !! modes of the beam alone, found for a record without end
+    !! Set the initial state: the mass arrives with velocity 1 at a beam at rest.
+    class(mode_set), intent(in) :: free           !! modes of the beam alone, accurate for any duration
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     real(dp), intent(in) :: restitution           !! e
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
@@ -64,19 +64,19 @@ contains
   end function motion_of
 
   pure real(dp) function separation(self)
-    !! Rate of the gap: positive where it opens.
+    !! Return the rate of the gap; positive if it opens.
     class(contact_motion), intent(in) :: self
     separation = self%parts(alone)%derivative(self%gap, self%state, 1)
   end function separation
 
   pure real(dp) function pull(self)
-    !! With which acceleration the gap would close: positive where the mass is pressed against the tip.
+    !! Return the closing acceleration of the gap; positive if the mass is pressed against the tip.
     class(contact_motion), intent(in) :: self
     pull = -self%parts(alone)%derivative(self%gap, self%state, 2)
   end function pull
 
   pure logical function is_pressed(self)
-    !! The mass is pressed against the tip that it moves with, or will be at once.
+    !! Tell whether the mass is pressed against the tip, now or in the next instant.
     class(contact_motion), intent(in) :: self
     real(dp) :: pull
     pull = self%pull()
@@ -85,7 +85,7 @@ contains
   end function is_pressed
 
   pure real(dp) function yield(self)
-    !! The impulse on the tip for a change of the gap's rate: 1/(1/m_j + Σφ_k(1)²/M_k).
+    !! Return the impulse per change of the gap's rate, 1/(1/m_j + Σφ_k(1)²/M_k).
     class(contact_motion), intent(in) :: self
     associate (n => self%modes)
       yield = self%inertia(n + 1)/(1.0_dp + self%inertia(n + 1)*sum(self%gap%a(:n)**2/self%inertia(:n)))
@@ -93,7 +93,7 @@ contains
   end function yield
 
   pure function share(self)
-    !! Changes of velocity for a change of the gap's rate: Φ_k(1)/M_k times `yield`.
+    !! Return the changes of velocity per change of the gap's rate, Φ_k(1)/M_k times `yield`.
     class(contact_motion), intent(in) :: self
     real(dp) :: share(self%modes + 1)
     associate (n => self%modes, yield => self%yield())
@@ -102,7 +102,7 @@ contains
   end function share
 
   pure subroutine strike(self, impulse)
-    !! A blow: H = (1+e)u/(1/m_j + Σφ_k(1)²/M_k), u the velocity of approach.
+    !! Apply an impact: H = (1+e)u/(1/m_j + Σφ_k(1)²/M_k) with the closing speed u.
     class(contact_motion), intent(inout) :: self
     real(dp), intent(out) :: impulse
     real(dp) :: separation
@@ -113,17 +113,17 @@ contains
   end subroutine strike
 
   pure subroutine lose(self, energy)
-    !! In a blow.
+    !! Subtract the energy lost in an impact.
     class(contact_motion), intent(inout) :: self
     real(dp), intent(in) :: energy
     if (energy > 0.0_dp) self%energy_left = self%energy_left + energy_type(-energy, 0.0_dp)
   end subroutine lose
 
   pure subroutine damp(self, kind, mass, from, time)
-    !! Takes off what damping takes in a time.
+    !! Subtract the energy dissipated in a time.
     class(contact_motion), intent(inout) :: self
-    integer, intent(in) :: kind                   !! of the oscillators that move
-    real(dp), intent(in) :: mass(:)               !! theirs
+    integer, intent(in) :: kind                   !! configuration that moves
+    real(dp), intent(in) :: mass(:)               !! of its oscillators
     type(moving_state), intent(in) :: from
     real(dp), intent(in) :: time
     real(dp) :: gain(size(mass))
@@ -135,7 +135,7 @@ contains
   end subroutine damp
 
   pure real(dp) function energy(self)
-    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows; missing where fewer than three digits are known.
+    !! Return the Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows; missing with fewer than three digits.
     class(contact_motion), intent(in) :: self
     real(dp), dimension(self%modes + 1) :: moving, bent
     type(energy_type) :: of_state
@@ -146,7 +146,7 @@ contains
   end function energy
 
   pure real(dp) function momentum(self)
-    !! Generalised, of the first mode that the mass strikes, per unit of its displacement there.
+    !! Return the generalised momentum of the first struck mode, per unit of its displacement there.
     class(contact_motion), intent(in) :: self
     associate (mass => self%modes + 1, k => self%first)
       momentum = self%inertia(k)*self%state%v(k)/self%gap%a(k) + self%inertia(mass)*self%state%v(mass)

@@ -1,6 +1,6 @@
 module bw_contact_segments
-  !! Segments of the motion of beam and mass: free flight to the next contact, and contact that lasts, in
-  !! which both move together in the modes of bw_contact_modes until the force between them falls to zero. Units of bw_segment.
+  !! Segments of the motion of beam and mass: flight to the next contact, and lasting contact, in which both move in the
+  !! modes of bw_contact_modes until the force between them vanishes. Units of bw_segment.
   use bw_contact_modes, only: contact_set
   use bw_contact_motion, only: contact_motion
   use bw_double_double, only: dd, operator(-)
@@ -13,18 +13,18 @@ module bw_contact_segments
   private
   public :: elapsed, follow_contact, follow_flight, left_out, mass_stays
 
-  real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: rebounds that stay below it are left out
-  real(dp), parameter :: slow = 1.0e-9_dp         !! of V: a separation below it is none
+  real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: smaller rebounds are neglected
+  real(dp), parameter :: slow = 1.0e-9_dp         !! of V: smaller separation speeds count as 0
   real(dp), parameter :: never = 1.0e200_dp
 
 contains
 
   subroutine follow_flight(motion, released, last, found, monitor)
-    !! To the next contact, or to the end.
+    !! Move in flight to the next contact, or to the end.
     type(contact_motion), intent(inout) :: motion
-    logical, intent(in) :: released               !! from a contact that lasted: the force between them has gone to zero
-    real(dp), intent(in) :: last                  !! the end of the search
-    logical, intent(out) :: found                 !! a contact before that
+    logical, intent(in) :: released               !! after a lasting contact, whose force has vanished
+    real(dp), intent(in) :: last                  !! end of the search
+    logical, intent(out) :: found                 !! a contact comes before it
     class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     type(moving_state) :: from
     integer :: opening
@@ -36,12 +36,12 @@ contains
   end subroutine follow_flight
 
   subroutine find_zero(parts, sum_of, order, last, state, found, monitor)
-    !! The first zero of a sum that is positive from now on.
+    !! Move to the first zero of a sum that is positive from now on.
     type(oscillators), intent(in) :: parts
     type(weighted_sum), intent(in) :: sum_of
-    integer, intent(in) :: order                  !! of the first derivative that is not zero now
+    integer, intent(in) :: order                  !! of its first nonzero derivative now
     real(dp), intent(in) :: last
-    type(moving_state), intent(inout) :: state    !! moved to the zero, or to the end
+    type(moving_state), intent(inout) :: state    !! at the zero, or at the end
     logical, intent(out) :: found
     class(monitor_type), intent(inout), optional :: monitor
     type(signal_type) :: signal
@@ -52,7 +52,7 @@ contains
   end subroutine find_zero
 
   pure real(dp) function elapsed(from, to) result(time)
-    !! Between two states.
+    !! Return the time between two states.
     type(moving_state), intent(in) :: from, to
     type(dd) :: later
     later = to%time - from%time
@@ -60,8 +60,7 @@ contains
   end function elapsed
 
   pure logical function mass_stays(motion, longest) result(stays)
-    !! After a blow the mass is pressed against the tip, and the gap stays closed as far as can be seen: at once, or all further
-    !! rebounds are left out.
+    !! Tell whether, after an impact, the mass stays pressed against the tip: at once, or as all further rebounds are negligible.
     type(contact_motion), intent(in) :: motion
     real(dp), intent(in) :: longest               !! the whole record
     real(dp) :: separation
@@ -72,8 +71,8 @@ contains
   end function mass_stays
 
   pure real(dp) function settling(motion) result(time)
-    !! In which all further rebounds are over: with the relative acceleration a they take R = 2s/a/(1−e) in all, s the velocity
-    !! of separation, and reach no further than s²/2a; a must not change in that time.
+    !! Return the time in which all further rebounds end. With the relative acceleration a it is R = 2s/a/(1−e), where s
+    !! is the speed of separation; their height is at most s²/2a. `never` unless a is nearly constant in that time.
     type(contact_motion), intent(in) :: motion
     real(dp) :: jerk, pull
     time = never
@@ -85,13 +84,13 @@ contains
   end function settling
 
   subroutine follow_contact(motion, modes, last, from, to, impulse, found, monitor)
-    !! Beam and mass together, from now until the force between them falls to zero, or to the end.
+    !! Move beam and mass together until the force between them vanishes, or to the end.
     type(contact_motion), intent(inout) :: motion
     type(contact_set), intent(in) :: modes
-    real(dp), intent(in) :: last                  !! the end of the search
-    type(moving_state), intent(out) :: from, to   !! states of the contact modes then
-    real(dp), intent(out) :: impulse              !! on the tip in that time, and as the mass comes to rest on it
-    logical, intent(out) :: found                 !! an end before that
+    real(dp), intent(in) :: last                  !! end of the search
+    type(moving_state), intent(out) :: from, to   !! first and last state of the contact modes
+    real(dp), intent(out) :: impulse              !! on the tip, including that by which the mass stops relative to it
+    logical, intent(out) :: found                 !! the contact ends before it
     class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     integer :: order
     associate (parts => motion%parts(together), force => modes%force, blow => motion%separation())
@@ -108,10 +107,9 @@ contains
   end subroutine follow_contact
 
   pure function left_out(motion) result(change)
-    !! By which velocities may be off where rebounds are left out. Their impulses and those of a contact that lasts from
-    !! now on have the same sum and the same first moment about the time at which the gap stays closed, which both end with;
-    !! their second moments differ by sR²(1−e)/3(1+e+e²) over the mobility. Damped, the contact modes are a model from the first
-    !! rebound on that is left out.
+    !! Bound the velocity errors due to neglected rebounds. Their impulses and those of a lasting contact have the same sum and
+    !! the same first moment about the time of final closure; their second moments differ by sR²(1−e)/3(1+e+e²) over the
+    !! mobility. With damping the contact modes define the motion from the first neglected rebound on, and the error is 0.
     type(contact_motion), intent(in) :: motion
     real(dp), dimension(motion%modes + 1) :: change
     real(dp) :: separation, time
@@ -127,7 +125,7 @@ contains
   end function left_out
 
   pure function integral(parts, from, to) result(sums)
-    !! ∫u dt = −(Δv + cΔu)/β².
+    !! Return ∫u dt = −(Δv + cΔu)/β².
     type(oscillators), intent(in) :: parts
     type(moving_state), intent(in) :: from, to
     real(dp) :: sums(size(from%u)), time
@@ -135,7 +133,7 @@ contains
     where (abs(parts%beta_squared%hi)*time**2 > 1.0e-4_dp)
       sums = -((to%v - from%v) + parts%c*(to%u - from%u))/parts%beta_squared%hi
     elsewhere
-      sums = time*(0.5_dp*(from%u + to%u) + time*(from%v - to%v)/12)    ! Hermite's rule
+      sums = time*(0.5_dp*(from%u + to%u) + time*(from%v - to%v)/12)    ! Hermite quadrature
     end where
   end function integral
 

@@ -1,6 +1,6 @@
 module bw_contact_steps
-  !! The steps of one contact, from its begin, or from a change of the beam in its middle, to its end, to another change, or to the end of the
-  !! record (bw_lasting_contact says how long they are). Units of bw_segment.
+  !! The steps of one contact, from its start or a change of the beam to its end, the next change, or the end of the
+  !! record. bw_lasting_contact explains their lengths. Units of bw_segment.
   use bw_contact_bodies, only: contact_bodies
   use bw_contact_force, only: end_in_step, first_zero
   use bw_contact_law, only: contact_law, held_force, solve_contact
@@ -15,42 +15,42 @@ module bw_contact_steps
   private
   public :: press
 
-  integer, parameter, public :: levels = 20       !! of halving, from the longest step to the shortest
+  integer, parameter, public :: levels = 20       !! halvings from the longest step to the shortest
 
   type, public :: contact_run
-    !! Where contacts and flights have come to.
-    integer :: configuration = alone              !! whose modes move
+    !! The current state of contacts and flights.
+    integer :: configuration = alone              !! that moves
     type(contact_bodies) :: bodies
     type(contact_law) :: law
-    type(force_step) :: ladder(0:levels)          !! those that were needed have a length
+    type(force_step) :: ladder(0:levels)          !! those in use have a length
     real(dp) :: unit = 0.0_dp                     !! the longest step
-    real(dp) :: typical = 0.0_dp                  !! force, of which polynomials may lack a tolerance
+    real(dp) :: typical = 0.0_dp                  !! force scale of tolerances
     real(dp) :: tolerance = 0.0_dp
-    real(dp) :: in_range = huge(1.0_dp)           !! until when the motion is
-    real(dp) :: last = 0.0_dp                     !! the end of the search
+    real(dp) :: in_range = huge(1.0_dp)           !! until the motion overflows
+    real(dp) :: last = 0.0_dp                     !! end of the search
     integer :: most_contacts = 1
     integer :: contacts = 0
-    integer :: event = 0                          !! of the contact at hand
-    integer :: steps = 0                          !! of its segment at hand
-    logical :: found = .false.                    !! a contact begins, or goes on
+    integer :: event = 0                          !! of the current contact
+    integer :: steps = 0                          !! of its current segment
+    logical :: found = .false.                    !! a contact starts or continues
     logical :: goes_on = .false.
-    logical :: changed = .false.                  !! the beam, so that the force may jump
+    logical :: changed = .false.                  !! the beam has changed, and the force may jump
     logical :: cut = .false.
-    real(dp) :: gained(3) = 0.0_dp                !! energy, momentum and rate of the hub that changes meanwhile have brought
-    real(dp) :: approach = 0.0_dp, rate_before = 0.0_dp   !! of mass and beam, and of the hub, as the contact at hand began
+    real(dp) :: gained(3) = 0.0_dp                !! energy, momentum and hub rate added by changes during the contact
+    real(dp) :: approach = 0.0_dp, rate_before = 0.0_dp   !! closing speed, and hub rate, at the start of the contact
     logical :: captures = .false., captured = .false.
     real(dp) :: last_indentation = 0.0_dp, last_force = 0.0_dp   !! at the end of the last step
     logical :: ended = .false., failed = .false.
-    real(dp) :: impulse = 0.0_dp, deepest = 0.0_dp   !! of that contact
-    real(dp) :: indentation = 0.0_dp              !! the deepest of all
+    real(dp) :: impulse = 0.0_dp, deepest = 0.0_dp   !! of the current contact
+    real(dp) :: indentation = 0.0_dp              !! largest of all contacts
     type(dd) :: end_time
-    real(dp), allocatable :: error(:, :), beyond(:, :)   !! as those of segment_type, of the next segment; unallocated: none
+    real(dp), allocatable :: error(:, :), beyond(:, :)   !! see segment_type, of the next segment; unallocated: none
   end type contact_run
 
 contains
 
   subroutine press(run, steps, monitor)
-    !! Step through a contact until its force ends, or the record does.
+    !! Step through a contact to the end of its force, or to the end of the search.
     type(contact_run), intent(inout) :: run
     type(load_type), intent(inout) :: steps
     class(monitor_type), intent(inout), optional :: monitor
@@ -58,7 +58,7 @@ contains
     type(force_step) :: odd
     real(dp), dimension(force_degree) :: indentation, rate
     real(dp) :: force(0:force_degree), closing(0:force_degree), lack, largest, left, until
-    real(dp), allocatable :: load(:, :), slope(:, :), by_loads(:, :)   ! of other loads; unallocated: none act
+    real(dp), allocatable :: load(:, :), slope(:, :), by_loads(:, :)   ! other loads; unallocated: none
     logical :: converged, ends, is_last
     integer :: level
     force = 0.0_dp
@@ -72,7 +72,7 @@ contains
       force(0) = force_now(run, merge(run%last_force, 0.0_dp, run%goes_on))
     run%changed = .false.
     closing(0) = -run%bodies%separation()
-    level = 0                                        ! a force that begins from rest is smooth: t^3
+    level = 0                                        ! a force starting with zero closing speed is smooth: t^3
     if (run%goes_on .or. closing(0)*run%unit*0.5_dp**levels > run%bodies%rounding()) level = levels
     largest = run%typical
     run%steps = 0
@@ -148,12 +148,12 @@ contains
         run%last_indentation = indentation(force_degree)
         if (run%ended .or. (is_last .and. .not. until < run%last)) exit
         force(0) = force(force_degree)
-        if (is_last) then                            ! loads go on otherwise
+        if (is_last) then                            ! a load has a kink here
           state%time = to_dd(until)
           force(0) = force_now(run, force(0))
         end if
         closing(0) = rate(force_degree)
-        if (run%captures .and. is_last) then         ! modes that are not summed may jump with the rate of a load
+        if (run%captures .and. is_last) then         ! omitted modes may jump with the rate of a load
           run%captured = run%bodies%separation() >= 0.0_dp
           run%ended = run%captured
           run%last_force = force(0)
@@ -168,7 +168,7 @@ contains
     steps%force = steps%force(:, :run%steps)
   contains
     pure function expected_force(length) result(expected)
-      !! The step before, going on in a straight line.
+      !! Return a first guess of the force: the last step, continued linearly.
       real(dp), intent(in) :: length
       real(dp) :: expected(force_degree), last, slope
       expected = 0.0_dp
@@ -179,7 +179,7 @@ contains
     end function expected_force
 
     subroutine see_loads(step)
-      !! What they and the shape in which the beam rests add to the approach.
+      !! Find the contribution of loads and of the equilibrium deflection to the approach.
       type(force_step), intent(in) :: step
       by_loads(:, :) = run%bodies%loads%see(step, load, slope)
       by_loads(:, 1) = by_loads(:, 1) - run%bodies%held
@@ -194,7 +194,7 @@ contains
   end subroutine press
 
   pure real(dp) function force_now(run, before) result(force)
-    !! Where loads may have jumped, and modes that are not summed with them. A force that damps is left as it was: short steps follow.
+    !! Return the force where loads, and omitted modes with them, may have jumped. With damping it is kept, and short steps follow.
     type(contact_run), intent(in) :: run
     real(dp), intent(in) :: before
     force = before
@@ -202,7 +202,7 @@ contains
   end function force_now
 
   pure subroutine keep(run, load, length, level, force, indentation)
-    !! Take a step into a load.
+    !! Append a step to a load.
     type(contact_run), intent(inout) :: run
     type(load_type), intent(inout) :: load
     real(dp), intent(in) :: length, force(0:), indentation(:)

@@ -1,10 +1,10 @@
 module bw_force_step
-  !! A step in which a force is a polynomial through Chebyshev's points, and oscillators move exactly: what their sums come to at the
-  !! points, and their state at the end, are linear in the state at the start and in the values of the force. These operators depend
-  !! on the length of the step alone, so that steps of one length share them.
+  !! A time step with a force that is a polynomial through Chebyshev points, and exact motion of the oscillators. Their
+  !! sums at the points and their final state are linear in the initial state and in the values of the force. These
+  !! operators depend only on the length of the step, so steps of one length share them.
   !!
-  !! The force drives each oscillator by a_k/M_k times its value, and what is looked at is −Σa_ku_k: of a beam and a mass beside it,
-  !! with Φ_k(ξ₀) and −1, their approach. Units of bw_segment.
+  !! The force acts on each oscillator with a_k/M_k, and the sum −Σa_ku_k is evaluated: with Φ_k(ξ₀) for modes and −1
+  !! for the mass, this is their approach. Units of bw_segment.
   use bw_force_response, only: find_force_response, force_degree, highest_power, powers_of
   use bw_kinds, only: dp
   use bw_oscillators, only: oscillators
@@ -16,7 +16,7 @@ module bw_force_step
   real(dp), parameter :: quarter_turn = acos(0.0_dp)
   real(dp), parameter, public :: node_places(0:force_degree) = &
     [(sin(quarter_turn*point/force_degree)**2, point=0, force_degree)]
-    !! Chebyshev's extrema over a step from 0 to 1; the first is its start
+    !! Chebyshev extrema over a step from 0 to 1; the first is its start
   integer, parameter :: chebyshev(0:force_degree, 0:force_degree) = reshape([ &
     1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, &
     0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, &
@@ -29,39 +29,39 @@ module bw_force_step
     1, 0, -32, 0, 160, 0, -256, 0, 128, 0, 0, &
     0, 9, 0, -120, 0, 432, 0, -576, 0, 256, 0, &
     -1, 0, 50, 0, -400, 0, 1120, 0, -1280, 0, 512], [force_degree + 1, force_degree + 1])
-    !! polynomials by the powers of x, (powers, polynomials)
+    !! Chebyshev polynomials by powers of x, (powers, polynomials)
   real(dp), parameter :: ends_halved(0:force_degree) = &
     [(merge(0.5_dp, 1.0_dp, point == 0 .or. point == force_degree), point=0, force_degree)]
   real(dp), parameter :: series(0:force_degree, 0:force_degree) = reshape( &
     [((2.0_dp/force_degree*ends_halved(point)*ends_halved(term)*(-1)**term*cos(2.0_dp*quarter_turn*point*term/force_degree), &
        term=0, force_degree), point=0, force_degree)], [force_degree + 1, force_degree + 1])
-    !! coefficients of Chebyshev's series by values at the points, (polynomials, points)
+    !! coefficients of the Chebyshev series by values at the points, (polynomials, points)
   real(dp), parameter :: node_powers(0:force_degree, 0:force_degree) = matmul(real(chebyshev, dp), series)
-    !! coefficients of 1, x, x² … (x from −1 to 1 in the step) of the polynomial that is 1 at one point and 0 at the others, (powers, points)
+    !! coefficients of 1, x, x² … (x from −1 to 1) of the Lagrange polynomials of the points, (powers, points)
   real(dp), parameter, public :: node_slopes(force_degree, 0:force_degree) = matmul(reshape( &
     [((2*term*(2.0_dp*node_places(point) - 1.0_dp)**max(0, term - 1), point=1, force_degree), term=0, force_degree)], &
     [force_degree, force_degree + 1]), node_powers)
-    !! derivatives at the points by values at them, over a step of length 1, (points, 0:points)
+    !! derivatives at the points by values there, for a step of length 1, (points, 0:points)
 
   type, public :: step_end
-    !! From the state at the start to that at the end.
-    real(dp) :: length = 0.0_dp                    !! h; 0: not found yet
-    real(dp), allocatable :: moved(:, :)           !! end state of each: q by q, q by v, v by q, v by v, (oscillators, 4)
-    real(dp), allocatable :: pushed(:, :, :)       !! and by the coefficient of each power of time in the force,
+    !! The final state of a step by its initial state and the force.
+    real(dp) :: length = 0.0_dp                    !! h; 0: not computed yet
+    real(dp), allocatable :: moved(:, :)  !! final q and v by initial q and v: q by q, q by v, v by q, v by v, (oscillators, 4)
+    real(dp), allocatable :: pushed(:, :, :)       !! final q and v by the coefficient of each power of time in the force,
                                                    !! (oscillators, 0:powers, 2)
-    real(dp), allocatable :: by_unit(:, :, :)      !! likewise by an acceleration; unallocated: no loads act beside the force
+    real(dp), allocatable :: by_unit(:, :, :)      !! the same by an acceleration; unallocated: no other loads
   contains
     procedure :: advance
     procedure :: push
   end type step_end
 
   type, extends(step_end), public :: force_step
-    !! And to what is seen at the points.
-    real(dp), allocatable :: seen(:, :, :)         !! approach and its rate at the points, of displacements and velocities at the start,
+    !! The final state, and the sums at the points.
+    real(dp), allocatable :: seen(:, :, :)         !! approach and its rate at the points by initial displacements and velocities,
                                                    !! (2 x points, 2, oscillators)
-    real(dp), allocatable :: compliance(:, :)      !! how much less the approach at each point is for each value, (points, 0:points)
-    real(dp), allocatable :: rate_compliance(:, :) !! its rate likewise
-    real(dp), allocatable :: load_compliance(:, :, :)        !! the same for values of loads, (points, 0:points, loads)
+    real(dp), allocatable :: compliance(:, :)      !! reduction of approach at each point by each value, (points, 0:points)
+    real(dp), allocatable :: rate_compliance(:, :) !! the same of its rate
+    real(dp), allocatable :: load_compliance(:, :, :)        !! the same by values of loads, (points, 0:points, loads)
     real(dp), allocatable :: load_rate_compliance(:, :, :)
   contains
     procedure :: approach
@@ -70,7 +70,7 @@ module bw_force_step
 contains
 
   subroutine find_force_step(parts, a, inertia, length, step)
-    !! The operators of a step.
+    !! Compute the operators of a step.
     type(oscillators), intent(in) :: parts
     real(dp), intent(in) :: a(:), inertia(:)       !! a_k and M_k, (oscillators)
     real(dp), intent(in) :: length
@@ -98,9 +98,9 @@ contains
   end subroutine find_force_step
 
   pure subroutine find_step_end(parts, a, inertia, length, step)
-    !! Of a step whose force is known: no more than the state at its end.
+    !! Compute the operators of the final state alone, for a known force.
     type(oscillators), intent(in) :: parts
-    real(dp), intent(in) :: a(:), inertia(:)       !! as those of `find_force_step`
+    real(dp), intent(in) :: a(:), inertia(:)       !! see `find_force_step`
     real(dp), intent(in) :: length
     type(step_end), intent(out) :: step
     real(dp), dimension(1, 0:force_degree) :: pushed, pushed_rate
@@ -118,9 +118,9 @@ contains
   end subroutine find_step_end
 
   subroutine add_loads(parts, a, driven, step)
-    !! What other loads ask of a step that is found.
+    !! Add the operators of other loads to a step.
     type(oscillators), intent(in) :: parts
-    real(dp), intent(in) :: a(:)                   !! as that of `find_force_step`
+    real(dp), intent(in) :: a(:)                   !! see `find_force_step`
     real(dp), intent(in) :: driven(:, :)           !! acceleration of each under a load of 1, (oscillators, loads)
     type(force_step), intent(inout) :: step
     real(dp), dimension(force_degree, 0:force_degree) :: pushed, pushed_rate   ! by powers, (points, powers)
@@ -146,7 +146,7 @@ contains
   end subroutine add_loads
 
   pure subroutine move_and_push(parts, k, driven, length, x, moved, pushed, pushed_rate)
-    !! One oscillator at some times in a step, by its state at the start and by each power in the force.
+    !! Find one oscillator's motion at given times of a step, by its initial state and by each power in the force.
     type(oscillators), intent(in) :: parts
     integer, intent(in) :: k
     real(dp), intent(in) :: driven                 !! a_k/M_k
@@ -168,11 +168,11 @@ contains
   end subroutine move_and_push
 
   pure subroutine drive(parts, a, inertia, length, place, force, u, v)
-    !! The state at a place in a step, from 0 to 1.
+    !! Move the state to a place in a step, from 0 to 1.
     type(oscillators), intent(in) :: parts
-    real(dp), intent(in) :: a(:), inertia(:)       !! as those of `find_force_step`
+    real(dp), intent(in) :: a(:), inertia(:)       !! see `find_force_step`
     real(dp), intent(in) :: length, place
-    real(dp), intent(in) :: force(0:)              !! at the start and at the points
+    real(dp), intent(in) :: force(0:)              !! at the start and the points
     real(dp), intent(inout) :: u(:), v(:)
     real(dp), dimension(1, 0:force_degree) :: pushed, pushed_rate
     real(dp) :: coefficients(0:force_degree), moved(1, 4), start, x(1, 0:highest_power)
@@ -188,7 +188,7 @@ contains
   end subroutine drive
 
   pure subroutine approach(self, u, v, value, rate)
-    !! What the approach and its rate at the points would be without a force.
+    !! Return the approach and its rate at the points without a force.
     class(force_step), intent(in) :: self
     real(dp), intent(in) :: u(:), v(:)             !! at the start, (oscillators)
     real(dp), intent(out) :: value(force_degree), rate(force_degree)
@@ -203,9 +203,9 @@ contains
   end subroutine approach
 
   pure subroutine advance(self, force, u, v)
-    !! The state at the end of the step.
+    !! Move the state to the end of the step.
     class(step_end), intent(in) :: self
-    real(dp), intent(in) :: force(0:)              !! at the start and at the points
+    real(dp), intent(in) :: force(0:)              !! at the start and the points
     real(dp), intent(inout) :: u(:), v(:)          !! of all oscillators, or of the first
     real(dp) :: coefficients(0:force_degree)
     real(dp), dimension(size(u)) :: driven, driven_rate, start
@@ -220,10 +220,10 @@ contains
   end subroutine advance
 
   pure subroutine push(self, driven, load, u, v)
-    !! What other loads add to the state at the end of the step.
+    !! Add the contribution of other loads to the state at the end of the step.
     class(step_end), intent(in) :: self
-    real(dp), intent(in) :: driven(:, :)           !! as those of `add_loads`
-    real(dp), intent(in) :: load(0:, :)            !! at the start and at the points, (0:points, loads)
+    real(dp), intent(in) :: driven(:, :)           !! see `add_loads`
+    real(dp), intent(in) :: load(0:, :)            !! at the start and the points, (0:points, loads)
     real(dp), intent(inout) :: u(:), v(:)          !! of all oscillators
     integer :: l
     do l = 1, size(load, 2)
@@ -235,14 +235,14 @@ contains
   end subroutine push
 
   pure function polynomial_of(values) result(coefficients)
-    !! Coefficients of 1, x, x² … of the force in a step, x from −1 to 1, from its values at the points.
+    !! Return the coefficients of 1, x, x² … of the force in a step, x from −1 to 1, from its values at the points.
     real(dp), intent(in) :: values(0:)
     real(dp) :: coefficients(0:force_degree)
     coefficients = matmul(node_powers, values)
   end function polynomial_of
 
   pure subroutine force_in_step(coefficients, place, force, slope)
-    !! The force and its derivative by the place, the part of the step that is over; also beyond its end.
+    !! Return the force and its derivative by the place, a fraction of the step; also beyond its end.
     real(dp), intent(in) :: coefficients(0:)       !! of the polynomial in the step
     real(dp), intent(in) :: place
     real(dp), intent(out) :: force
@@ -259,7 +259,7 @@ contains
   end subroutine force_in_step
 
   pure real(dp) function mean_force(values) result(mean)
-    !! Over the step.
+    !! Return the mean over the step.
     real(dp), intent(in) :: values(0:)
     integer :: j
     associate (coefficients => polynomial_of(values))
@@ -268,9 +268,9 @@ contains
   end function mean_force
 
   pure real(dp) function last_coefficient(values) result(size_of)
-    !! How large the last terms of Chebyshev's series of the force are, which tells what the polynomial lacks.
+    !! Return the size of the last terms of the force's Chebyshev series, an estimate of the polynomial's error.
     real(dp), intent(in) :: values(0:)
-    real(dp), parameter :: earlier = 0.1_dp        ! of the last but one: the series may be that of an even function
+    real(dp), parameter :: earlier = 0.1_dp        ! weight of the last but one: the force may be nearly even
     size_of = abs(dot_product(series(force_degree, :), values)) + earlier*abs(dot_product(series(force_degree - 1, :), values))
   end function last_coefficient
 

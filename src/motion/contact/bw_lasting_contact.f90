@@ -1,15 +1,15 @@
 module bw_lasting_contact
-  !! Contacts of a finite duration, from the first to the end of the record, and the free flights between them.
+  !! Lasting contacts and the flights between them, to the end of the record.
   !!
-  !! In a contact the force is a polynomial in each step, through its values at Chebyshev's points, which obey the law of the contact
-  !! (bw_contact_law), and between them all oscillators move exactly (bw_force_step). Steps are a unit of time over powers of two, so that
-  !! their operators are found once; the unit is what a tolerance allows where the force is smooth. A force that begins or ends as
-  !! t^(3/2) is no polynomial: steps grow from the shortest on, but for one that begins from rest, and shrink to it where the contact
-  !! ends, as far as the last coefficients of the force ask for. What is in the last step, 1e-7 of the contact, comes to less than
-  !! rounding. A contact that is no deeper than the rounding of the gap is no event.
+  !! In a contact the force is a polynomial in each step through values at Chebyshev points that obey the contact law
+  !! (bw_contact_law); in between all oscillators move exactly (bw_force_step). Steps are a unit of time over powers of
+  !! two, so that operators are computed once; the unit is what the tolerance allows for a smooth force. A force that
+  !! starts or ends as t^(3/2) is not a polynomial: steps grow from the shortest, unless the force starts from rest, and
+  !! shrink to it at the end of the contact, controlled by the last coefficients of the force. The error of the last
+  !! step, 1e-7 of the contact, is below rounding. A contact no deeper than the rounding of the gap is not an event.
   !!
-  !! A free flight is exact, and the search for its end skips no contact (bw_signal). Where bodies come to the beam or leave it, contacts
-  !! and flights end for an instant: `follow_until` goes that far, `go_on` takes the state of the modes after it. Units of bw_segment.
+  !! A flight is exact, and the search for its end misses no contact (bw_signal). At a change of bodies contacts and flights are
+  !! interrupted: `follow_until` ends there, and `go_on` continues with the state of the modes after it. Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies, first_motion
   use bw_contact_force, only: find_largest
   use bw_contact_law, only: contact_law, held_force, stored_energy, usual_contact
@@ -29,46 +29,46 @@ module bw_lasting_contact
   public :: append_segment, begin_contacts, finish_contacts, follow_until, go_on, load_of
 
   type, public :: demand_type
-    !! How contacts are to be followed.
-    integer :: modes = 0                          !! that take part
+    !! What is requested of a run with contacts.
+    integer :: modes = 0                          !! modes that take part
     integer :: most_contacts = 1
     real(dp) :: longest = 0.0_dp                  !! the record, l²/h
-    real(dp) :: tolerance = 1.0e-9_dp             !! of the largest force: what a polynomial may lack at its points
-    logical :: captures = .false.                 !! the mass stays from the first instant of largest indentation
+    real(dp) :: tolerance = 1.0e-9_dp             !! error of a polynomial at its points over the largest force
+    logical :: captures = .false.                 !! the mass stays from the first largest indentation on
   end type demand_type
 
   type, public :: lasting_contacts
-    !! What became of the mass.
-    type(event_type), allocatable :: events(:)    !! contacts, and what happens meanwhile, as they begin, with times in l²/h
+    !! Events and segments with contacts, and the motion of the mass.
+    type(event_type), allocatable :: events(:)    !! contacts and changes of the beam by their start, times in l²/h
     type(segment_type), allocatable :: segments(:)   !! contacts and flights, in order
-    integer, allocatable :: event_of(:)           !! that a segment is of; 0: a flight, (segments)
-    type(step_end), allocatable :: ladder(:, :)   !! operators of their steps, (0:levels, configurations)
+    integer, allocatable :: event_of(:)           !! event of each; 0: a flight, (segments)
+    type(step_end), allocatable :: ladder(:, :)   !! step operators of contacts, (0:levels, configurations)
     real(dp) :: approach = 0.0_dp                 !! closing speed at the first contact, V
-    real(dp) :: restitution = missing             !! separation over approach at the end of the first contact
-    real(dp) :: leaving = missing                 !! velocity of the mass after the last contact that has ended, V
+    real(dp) :: restitution = missing             !! separation over closing speed, first contact
+    real(dp) :: leaving = missing                 !! velocity of the mass after the last finished contact, V
     real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
-    real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
-    logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
-    logical :: cut = .false.                      !! since a contact more than were asked for begins then
-    logical :: lasting = .false.                  !! the last contact had not ended when the record did
-    logical :: failed = .false.                   !! no force was found that obeys the law
-    logical :: captured = .false.                 !! the mass stayed when the last contact ended
+    real(dp) :: known_until = huge(1.0_dp)        !! the motion is unknown from then on
+    logical :: out_of_range = .false.             !! because it overflows
+    logical :: cut = .false.                      !! because the most contacts are exceeded
+    logical :: lasting = .false.                  !! the last contact outlasts the record
+    logical :: failed = .false.                   !! no force obeys the contact law
+    logical :: captured = .false.                 !! the mass stayed at the end of the last contact
   end type lasting_contacts
 
 contains
 
   subroutine begin_contacts(free, mass_ratio, law, omega, demand, configurations, run, contacts, first)
-    !! What is known before.
+    !! Start a run with contacts.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: mass_ratio
     type(contact_law), intent(in) :: law
     type(dd), intent(in) :: omega
     type(demand_type), intent(in) :: demand
-    integer, intent(in) :: configurations         !! how many there may be
+    integer, intent(in) :: configurations         !! most of them
     type(contact_run), intent(out) :: run
     type(lasting_contacts), intent(out) :: contacts
     type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
-    real(dp) :: pace                              ! speed that contacts may have
+    real(dp) :: pace                              ! estimate of closing speeds
     run%bodies = bodies_of(free, demand%modes, mass_ratio, omega, first)
     run%law = law
     pace = 1.0_dp
@@ -78,7 +78,7 @@ contains
     run%tolerance = demand%tolerance
     run%captures = demand%captures
     run%most_contacts = demand%most_contacts
-    run%typical = 1.0e-3_dp*run%typical           ! far less than that is no contact that anybody would notice
+    run%typical = 1.0e-3_dp*run%typical           ! negligible contacts
     run%in_range = range_of(free, omega)
     allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0), contacts%ladder(0:levels, configurations))
     run%ended = .true.
@@ -86,7 +86,7 @@ contains
   end subroutine begin_contacts
 
   pure real(dp) function range_of(modes, omega) result(time)
-    !! How long a motion of the modes, and of a mass that nothing holds, is one of numbers.
+    !! Return the time until a motion of modes, or of a free mass, overflows.
     class(mode_set), intent(in) :: modes
     type(dd), intent(in) :: omega
     time = growth_ends(modes)
@@ -94,14 +94,14 @@ contains
   end function range_of
 
   pure subroutine meet(run)
-    !! A mass that touches the beam is pressed into it at once, or is not.
+    !! Tell whether a mass that touches the beam is pressed into it at once.
     type(contact_run), intent(inout) :: run
     run%found = run%bodies%separation() < 0.0_dp
     if (allocated(run%bodies%loads)) run%found = run%found .and. run%bodies%loads%gap(0.0_dp, 0) <= 0.0_dp
   end subroutine meet
 
   subroutine follow_until(run, until, contacts, monitor)
-    !! Contacts and flights up to a time.
+    !! Follow contacts and flights up to a time.
     type(contact_run), intent(inout) :: run
     real(dp), intent(in) :: until
     type(lasting_contacts), intent(inout) :: contacts
@@ -126,14 +126,14 @@ contains
   pure subroutine append_segment(contacts, segment, event)
     type(lasting_contacts), intent(inout) :: contacts
     type(segment_type), intent(in) :: segment
-    integer, intent(in) :: event                  !! that it is of, or 0
+    integer, intent(in) :: event                  !! of the segment, or 0
     contacts%segments = [contacts%segments, segment]
     contacts%event_of = [contacts%event_of, event]
   end subroutine append_segment
 
   pure subroutine go_on(run, contacts, configuration, modes, omega, bodies, residual, error, beyond)
-    !! After a change of the beam: other modes, in the state that they start from. What a contact that goes on has gained by it belongs to the
-    !! change. The force is that of the gap, of which a sum of modes may lack something, with the part 1 + cδ̇ that it had.
+    !! Continue with other modes after a change of the beam. Gains of a current contact are attributed to the change.
+    !! The force follows from the gap, which omitted modes may affect, with its factor 1 + cδ̇ before the change.
     type(contact_run), intent(inout) :: run
     type(lasting_contacts), intent(inout) :: contacts
     integer, intent(in) :: configuration
@@ -141,7 +141,7 @@ contains
     type(dd), intent(in) :: omega
     type(contact_bodies), intent(in) :: bodies
     real(dp), intent(in) :: residual              !! of these modes
-    real(dp), intent(in) :: error(:, :), beyond(:, :)   !! as those of segment_type
+    real(dp), intent(in) :: error(:, :), beyond(:, :)   !! see segment_type
     type(contact_law) :: law
     real(dp) :: before(3)
     before = balance_of(run)
@@ -160,7 +160,7 @@ contains
       run%last_force = held_force(law, -bodies%gap())
       run%last_indentation = -bodies%gap() - residual*run%last_force
       run%gained = run%gained + (balance_of(run) - before)
-      run%captured = run%captures .and. run%bodies%separation() >= 0.0_dp   ! its largest indentation is over at once
+      run%captured = run%captures .and. run%bodies%separation() >= 0.0_dp   ! past its largest indentation
     else if (bodies%state%time%hi <= 0.0_dp) then
       call meet(run)
     else
@@ -169,7 +169,7 @@ contains
   end subroutine go_on
 
   pure function balance_of(run) result(balance)
-    !! Energy, momentum and rate of the hub, with what a contact that goes on has stored, and modes that are not summed.
+    !! Return energy, momentum and hub rate, with the energy stored in a current contact and in omitted modes.
     type(contact_run), intent(in) :: run
     real(dp) :: balance(3)
     balance = [run%bodies%energy(), run%bodies%momentum(), run%bodies%hub_rate()]
@@ -178,7 +178,7 @@ contains
   end function balance_of
 
   pure subroutine keep_ladder(run, contacts)
-    !! The operators that steps have needed; those of other modes are to be found anew.
+    !! Store the operators of steps in use. Other modes need new ones.
     type(contact_run), intent(inout) :: run
     type(lasting_contacts), intent(inout) :: contacts
     type(force_step) :: none
@@ -190,7 +190,7 @@ contains
   end subroutine keep_ladder
 
   subroutine finish_contacts(run, demand, contacts)
-    !! How they ended.
+    !! Record how the contacts ended.
     type(contact_run), intent(inout) :: run
     type(demand_type), intent(in) :: demand
     type(lasting_contacts), intent(inout) :: contacts
@@ -206,7 +206,7 @@ contains
   end subroutine finish_contacts
 
   pure subroutine start_segment(run, segment)
-    !! What starts from the state at hand.
+    !! Start a segment from the current state.
     type(contact_run), intent(inout) :: run
     type(segment_type), intent(out) :: segment
     associate (state => run%bodies%state, count => size(run%bodies%weight) - 1)
@@ -218,13 +218,13 @@ contains
   end subroutine start_segment
 
   subroutine add_contact(run, contacts, monitor)
-    !! One contact: an event and a segment more; or one that goes on: a segment more.
+    !! Follow one contact, which adds an event and a segment, or continue one, which adds a segment.
     type(contact_run), intent(inout) :: run
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
     type(event_type) :: event
-    real(dp) :: balance(3), unseen                ! an indentation that sums of modes, or steps, do not tell from none
+    real(dp) :: balance(3), unseen                ! indentation below the errors of modal sums or steps
     call start_segment(run, segment)
     unseen = max(run%bodies%rounding(), (run%tolerance*run%typical/run%law%stiffness)**(1.0_dp/run%law%exponent))
     if (run%goes_on) then
@@ -273,7 +273,7 @@ contains
   end subroutine add_contact
 
   pure type(load_type) function load_of(contacts, event) result(load)
-    !! The steps of a contact, over all its segments.
+    !! Return the steps of a contact over all its segments.
     type(lasting_contacts), intent(in) :: contacts
     integer, intent(in) :: event
     integer :: i
@@ -288,7 +288,7 @@ contains
   end function load_of
 
   pure integer function count_taking_part(bodies) result(count)
-    !! Up to the last mode that does.
+    !! Return the last mode that takes part.
     type(contact_bodies), intent(in) :: bodies
     count = findloc(abs(bodies%weight(:size(bodies%weight) - 1)) > 0.0_dp, .true., dim=1, back=.true.)
   end function count_taking_part

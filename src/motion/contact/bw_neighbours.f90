@@ -1,12 +1,12 @@
 module bw_neighbours
-  !! How far a motion through contacts may be from the truth: neighbours of it are followed beside it, motions of their own, in
-  !! which every number is off by several times its standard error, and so is every state that was computed. How far they
-  !! come to be from the motion is its error; where they do something else, nothing is known of it any more.
+  !! Errors of a motion through contacts, by an ensemble of perturbed motions, called neighbours. In each, every input
+  !! number and every computed state has a random error of several standard errors. Their distance from the motion is
+  !! its error; once they behave differently, the motion is unknown.
   !!
-  !! Numbers are off at random, the same in every run, and by nothing on the average of all neighbours: so the motion is amid
-  !! them. Contacts amplify one direction more than all others. In that direction the truth is off by a normal deviation, and
-  !! the n neighbours by eight times n − 1 independent ones. By Student's distribution one motion in 10⁴ is then further off than
-  !! the furthest of them; beside one neighbour alone, which may be off in a harmless direction, it would be one in twelve.
+  !! Perturbations are random, but the same in every run, with mean 0 over the neighbours, so the motion is amid them.
+  !! Contacts amplify one direction most. In that direction the true error is a normal deviate, and the n neighbours
+  !! have eight times n − 1 independent ones. By Student's distribution one motion in 10⁴ then exceeds the farthest of
+  !! them; with a single neighbour, whose direction may be harmless, it would be one in twelve.
   use bw_contact_modes, only: contact_set
   use bw_contact_motion, only: contact_motion
   use bw_double_double, only: dd, operator(+), operator(-)
@@ -22,10 +22,10 @@ module bw_neighbours
   real(dp), parameter :: spread = 8.0_dp          !! standard errors
 
   type, public :: scatter_type
-    !! By how much neighbours are off.
-    integer(i8), private :: seed = 88172645463325252_i8   !! any but 0
-    real(dp), allocatable, private :: slant(:, :)         !! rounding that is always the same, (oscillators, neighbours)
-    real(dp) :: data_error = 0.0_dp                       !! of the worst number of neighbours that are varied, relatively
+    !! A source of perturbations.
+    integer(i8), private :: seed = 88172645463325252_i8   !! not 0
+    real(dp), allocatable, private :: slant(:, :)         !! systematic rounding, (oscillators, neighbours)
+    real(dp) :: data_error = 0.0_dp                       !! largest relative perturbation of an input
   contains
     procedure, private :: draw
     procedure :: vary
@@ -38,7 +38,7 @@ module bw_neighbours
 contains
 
   pure subroutine draw(self, off)
-    !! By how many standard errors numbers are off in the neighbours: evenly distributed, by Marsaglia's generator.
+    !! Draw perturbations in standard errors: uniform, by Marsaglia's generator, with mean 0 over the neighbours.
     class(scatter_type), intent(inout) :: self
     real(dp), intent(out) :: off(:, :)             !! (numbers, neighbours)
     integer :: i, j
@@ -56,7 +56,7 @@ contains
   end subroutine draw
 
   pure subroutine vary(self, free, run)
-    !! Makes neighbours of a motion, off by the errors of the modes and of the mass.
+    !! Create the neighbours of a motion, perturbed by the errors of modes and mass.
     class(scatter_type), intent(inout) :: self
     class(mode_set), intent(in) :: free            !! modes of the beam alone
     type(contact_motion), intent(inout) :: run(0:) !! the motion, and its neighbours
@@ -78,7 +78,7 @@ contains
   end subroutine vary
 
   pure subroutine press(self, modes, run)
-    !! Gives modes of beam and mass together to a motion and its neighbours.
+    !! Set the modes of beam and mass together in a motion and its neighbours.
     class(scatter_type), intent(inout) :: self
     class(contact_set), intent(in) :: modes
     type(contact_motion), intent(inout) :: run(0:)
@@ -89,10 +89,10 @@ contains
   end subroutine press
 
   pure subroutine vary_parts(self, kind, square_error, rate_error, run)
-    !! Oscillators of the neighbours.
+    !! Perturb the oscillators of the neighbours.
     class(scatter_type), intent(inout) :: self
     integer, intent(in) :: kind
-    real(dp), intent(in) :: square_error(:), rate_error(:)    !! of β²; of c, relatively, beside rounding
+    real(dp), intent(in) :: square_error(:), rate_error(:)    !! of β²; of c, relative, besides rounding
     type(contact_motion), intent(inout) :: run(0:)
     real(dp), dimension(size(rate_error), neighbours) :: off, slower
     integer :: i
@@ -107,9 +107,9 @@ contains
   end subroutine vary_parts
 
   pure subroutine blur(self, extent, run)
-    !! Rounding of the states that neighbours have come to: another each time, and that of one coefficient always the same.
+    !! Perturb the neighbours' states by rounding: random each time, and systematic.
     class(scatter_type), intent(inout) :: self
-    real(dp), intent(in) :: extent(:, :)           !! of displacements and velocities in what led there, (oscillators, 2)
+    real(dp), intent(in) :: extent(:, :)           !! of displacements and velocities since the last state, (oscillators, 2)
     type(contact_motion), intent(inout) :: run(0:)
     real(dp), dimension(size(extent, 1), neighbours) :: off, off_rate
     integer :: i
@@ -124,9 +124,9 @@ contains
   end subroutine blur
 
   pure subroutine push(self, change, run)
-    !! Changes the velocities of the neighbours by what is not known of those of the motion.
+    !! Perturb the neighbours' velocities by a known uncertainty of the motion.
     class(scatter_type), intent(inout) :: self
-    real(dp), intent(in) :: change(:)              !! of all at once, (oscillators)
+    real(dp), intent(in) :: change(:)              !! all together, (oscillators)
     type(contact_motion), intent(inout) :: run(0:)
     real(dp) :: off(1, neighbours)
     integer :: i
@@ -137,10 +137,9 @@ contains
   end subroutine push
 
   pure function errors_of(run, kind, state, time) result(error)
-    !! How far the neighbours may be from the motion within a time: the largest differences of displacements and velocities,
-    !! compared at one and the same time.
+    !! Return the largest differences of displacements and velocities from the motion within a time, compared at the same instant.
     type(contact_motion), intent(in) :: run(0:)    !! the motion, and its neighbours
-    integer, intent(in) :: kind                    !! of the modes that move
+    integer, intent(in) :: kind                    !! configuration that moves
     type(moving_state), intent(in) :: state(0:)    !! at nearly the same time
     real(dp), intent(in) :: time
     real(dp) :: error(size(state(0)%u), 2)
@@ -159,7 +158,7 @@ contains
   end function errors_of
 
   pure function lags_of(state) result(lag)
-    !! By how much later the neighbours are where the motion is.
+    !! Return the delay of each neighbour at the same event.
     type(moving_state), intent(in) :: state(0:)
     real(dp) :: lag(neighbours)
     type(dd) :: later

@@ -1,12 +1,11 @@
 module bw_recontact
-  !! A mass that rebounded strikes the tip again: contacts in order, each an impact with restitution e, until the record
-  !! ends. Contacts that follow each other ever faster become one that lasts: beam and mass then move in the modes of
-  !! bw_contact_modes until the force between them falls to zero.
+  !! A mass that rebounded strikes the tip again: contacts in order, each an impact with restitution e, to the end of
+  !! the record. Contacts at ever shorter intervals become a lasting one: beam and mass then move in the modes of
+  !! bw_contact_modes until the force between them vanishes.
   !!
-  !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
-  !! followed together with neighbours (bw_neighbours), and no further than something is known of it: until the tip's
-  !! displacement has fewer than three digits, or until not all of them do the same. Nor is it followed into a contact beyond
-  !! the number that is asked for.
+  !! Contacts amplify errors at least twofold, like a mass bouncing off a moving body. So the motion is followed with an
+  !! ensemble of neighbours (bw_neighbours), as long as it is known: the tip's displacement has three digits, and all
+  !! neighbours behave alike. It ends before a contact beyond the requested number.
   !!
   !! The gap is v_tip − y ≥ 0. Units of bw_segment: times in l²/h, velocities in V, displacements in V l²/h.
   use bw_contact_modes, only: contact_set, find_contact_modes
@@ -25,37 +24,37 @@ module bw_recontact
   public :: follow_contacts
 
   type, public :: contacts_type
-    !! What became of the mass.
+    !! Contacts and segments, and how they end.
     type(event_type), allocatable :: events(:)       !! contacts, in order
-    type(segment_type), allocatable :: segments(:)   !! of the motion, in order
-    type(contact_set), allocatable :: modes          !! unallocated where no contact lasted
-    real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
-    logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
-    logical :: cut = .false.                      !! since a contact more than were asked for begins then
-    logical :: lasting = .false.                  !! the last contact had not ended when the record did
-    real(dp) :: amplification = 1.0_dp            !! by the contacts, of a relative change of what the motion follows from
-    real(dp), private :: sway = 0.0_dp            !! the largest the tip's displacement may have been
+    type(segment_type), allocatable :: segments(:)   !! in order
+    type(contact_set), allocatable :: modes          !! unallocated: no lasting contact
+    real(dp) :: known_until = huge(1.0_dp)        !! the motion is unknown from then on
+    logical :: out_of_range = .false.             !! because it overflows
+    logical :: cut = .false.                      !! because the most contacts are exceeded
+    logical :: lasting = .false.                  !! the last contact outlasts the record
+    real(dp) :: amplification = 1.0_dp            !! of relative input errors, by the contacts
+    real(dp), private :: sway = 0.0_dp            !! largest displacement of the tip so far
   end type contacts_type
 
   type :: bundle_type
     !! The motion, number 0, and its neighbours.
     type(contact_motion) :: run(0:neighbours)
-    type(moving_state) :: from(0:neighbours), to(0:neighbours)   !! of a segment, in the modes that move in it
-    logical :: ended(0:neighbours) = .false.      !! before the search did
+    type(moving_state) :: from(0:neighbours), to(0:neighbours)   !! ends of a segment, in its modes
+    logical :: ended(0:neighbours) = .false.      !! before the end of the search
     type(scatter_type) :: scatter
-    real(dp) :: last = 0.0_dp                     !! the end of the search
+    real(dp) :: last = 0.0_dp                     !! end of the search
   end type bundle_type
 
 contains
 
   subroutine follow_contacts(free, mass_ratio, restitution, omega, longest, most, contacts, monitor)
-    !! From the impact on, with the mass arriving at a beam at rest.
-    class(mode_set), intent(in) :: free           !! modes of the beam alone, found for a record without end
+    !! Follow the motion from the impact on; the mass arrives at a beam at rest.
+    class(mode_set), intent(in) :: free           !! modes of the beam alone, accurate for any duration
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     real(dp), intent(in) :: restitution           !! e
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     real(dp), intent(in) :: longest               !! the record
-    integer, intent(in) :: most                   !! contacts that are followed
+    integer, intent(in) :: most                   !! most contacts
     type(contacts_type), intent(out) :: contacts
     class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     type(bundle_type) :: bundle
@@ -79,13 +78,13 @@ contains
     if (contacts%known_until == huge(longest) .and. bundle%last < longest) then
       contacts%out_of_range = .true.
       contacts%known_until = bundle%last
-      if (contacts%lasting) contacts%events = contacts%events(:size(contacts%events) - 1)     ! its end is beyond that
+      if (contacts%lasting) contacts%events = contacts%events(:size(contacts%events) - 1)     ! which ends later
       contacts%lasting = .false.
     end if
   end subroutine follow_contacts
 
   subroutine strike(bundle, event)
-    !! A blow, after which the event is over unless the mass stays.
+    !! Apply an impact, which ends the event unless the mass stays.
     type(bundle_type), intent(inout) :: bundle
     type(event_type), intent(out) :: event
     real(dp) :: before(bundle%run(0)%modes + 1, 2), impulse
@@ -106,7 +105,7 @@ contains
   end subroutine strike
 
   pure subroutine end_event(bundle, event)
-    !! What there is after it.
+    !! Record the state after an event.
     type(bundle_type), intent(in) :: bundle
     type(event_type), intent(inout) :: event
     event%end_time = bundle%run(0)%state%time%hi
@@ -116,12 +115,12 @@ contains
   end subroutine end_event
 
   subroutine add_contact(free, bundle, longest, event, contacts, monitor)
-    !! A contact that lasts, if the mass stays after a blow: an event and a segment more, or `known_until` where it is not known
-    !! whether it stays, or until when.
+    !! Follow a lasting contact, if the mass stays after an impact: this adds an event and a segment. Sets `known_until`
+    !! if staying, or its end, is uncertain.
     class(mode_set), intent(in) :: free
     type(bundle_type), intent(inout) :: bundle
     real(dp), intent(in) :: longest               !! the whole record
-    type(event_type), intent(inout) :: event      !! as the blow left it; `no_event` where it is over now
+    type(event_type), intent(inout) :: event      !! of the impact; `no_event` if it is over
     type(contacts_type), intent(inout) :: contacts
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
@@ -161,12 +160,12 @@ contains
   end subroutine add_contact
 
   subroutine add_flight(tip, bundle, event, most, contacts, monitor)
-    !! A free flight: a segment more, after the event of the blow that it starts with; and `known_until` where nothing is known
-    !! of it or of what follows.
+    !! Follow a flight: this adds a segment, and the event of the impact before it. Sets `known_until` if the flight or
+    !! its end is uncertain.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
     type(bundle_type), intent(inout) :: bundle
     type(event_type), intent(in) :: event         !! listed if it is a contact
-    integer, intent(in) :: most                   !! contacts that are followed
+    integer, intent(in) :: most                   !! most contacts
     type(contacts_type), intent(inout) :: contacts
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
@@ -186,10 +185,10 @@ contains
   end subroutine add_flight
 
   pure type(segment_type) function segment_of(bundle, kind, count) result(segment)
-    !! The motion until the next event, with its errors on the way.
+    !! Return the segment until the next event, with its errors.
     type(bundle_type), intent(in) :: bundle
-    integer, intent(in) :: kind                   !! of the modes that move
-    integer, intent(in) :: count                  !! of them
+    integer, intent(in) :: kind                   !! configuration that moves
+    integer, intent(in) :: count                  !! modes of it
     real(dp) :: error(size(bundle%from(0)%u), 2), time
     time = elapsed(bundle%from(0), bundle%to(0))
     error = max(errors_of(bundle%run, kind, bundle%from, time), errors_of(bundle%run, kind, bundle%to, time))
@@ -200,7 +199,7 @@ contains
   end function segment_of
 
   pure subroutine add_segment(segment, segments)
-    !! Add a segment to a list. The arrays of the others are handed on, not copied.
+    !! Add a segment to a list. Arrays of the others are moved, not copied.
     type(segment_type), intent(in) :: segment
     type(segment_type), allocatable, intent(inout) :: segments(:)
     type(segment_type), allocatable :: more(:)
@@ -220,11 +219,11 @@ contains
   end subroutine add_segment
 
   subroutine judge(tip, bundle, kind, segment, contacts)
-    !! How much of the tip's displacement is known in a segment, of the largest that there has been: with fewer than three digits
-    !! nothing is known from its start on.
+    !! Compare the error of the tip's displacement in a segment with the largest so far: with fewer than three digits
+    !! the motion is unknown from its start on.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1), (modes)
     type(bundle_type), intent(in) :: bundle
-    integer, intent(in) :: kind                   !! of the modes that move
+    integer, intent(in) :: kind                   !! configuration that moves
     type(segment_type), intent(in) :: segment
     type(contacts_type), intent(inout) :: contacts
     real(dp), parameter :: three_digits = 1.0e-3_dp
@@ -234,15 +233,15 @@ contains
     error = sum(abs(tip)*segment%error(:, 1))
     if (error > three_digits*contacts%sway) then
       contacts%known_until = earliest(bundle%from)
-    else if (contacts%sway > 0.0_dp) then                              ! below the range of numbers nothing is amplified
+    else if (contacts%sway > 0.0_dp) then                              ! no amplification of an underflow
       contacts%amplification = error/contacts%sway/bundle%scatter%data_error
     end if
   end subroutine judge
 
   pure function extent_of(bundle, kind) result(extent)
-    !! How large displacements and velocities were in a segment.
+    !! Bound displacements and velocities in a segment.
     type(bundle_type), intent(in) :: bundle
-    integer, intent(in) :: kind                   !! of the modes that move
+    integer, intent(in) :: kind                   !! configuration that moves
     real(dp) :: extent(size(bundle%from(0)%u), 2), time
     time = elapsed(bundle%from(0), bundle%to(0))
     associate (parts => bundle%run(0)%parts(kind), from => bundle%from(0), to => bundle%to(0))
@@ -251,13 +250,13 @@ contains
   end function extent_of
 
   pure real(dp) function largest_lag(bundle) result(lag)
-    !! Of the neighbours behind the motion, or before it.
+    !! Return the largest time difference of neighbours.
     type(bundle_type), intent(in) :: bundle
     lag = maxval(abs(lags_of(bundle%run%state)))
   end function largest_lag
 
   pure real(dp) function earliest(state) result(time)
-    !! Until when the motion and all neighbours have done the same.
+    !! Return until when the motion and all neighbours agree.
     type(moving_state), intent(in) :: state(0:)
     time = minval(state%time%hi)
   end function earliest

@@ -1,9 +1,9 @@
 module bw_signal
   !! A sum of modal motions, such as the gap between tip and mass or the force between them, and its first zero.
   !!
-  !! The search skips nothing: with s the sum and |s̈| ≤ B from the amplitudes, s > 0 as long as s + ṡh − ½Bh² > 0, and from a
-  !! time at which s is positive it steps so far. Motions of high frequency are taken by their amplitude alone where that gives
-  !! the longer step. Near a zero the steps are Newton's, from the left.
+  !! The search misses nothing: with the sum s and |s̈| ≤ B from the amplitudes, s > 0 while s + ṡh − ½Bh² > 0, and each
+  !! step goes that far from a time with s > 0. High-frequency parts are bounded by their amplitude alone if that allows
+  !! a longer step. Near a zero the steps become Newton's, from the left.
   use bw_double_double, only: accurate_sum
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
@@ -13,10 +13,10 @@ module bw_signal
   public :: signal_of
 
   type, extends(oscillators), public :: signal_type
-    !! Parts u_k, ascending in frequency as far as they turn.
+    !! Terms u_k, ascending in frequency as far as they oscillate.
     real(dp), allocatable :: u(:), u_dot(:)        !! at the start
-    integer :: order = 0                           !! of the first derivative that is not zero there, and is positive
-    real(dp), allocatable :: polynomial(:)         !! in the time since then, that is added to the sum; unallocated: none, (0:degree)
+    integer :: order = 0                           !! of the first nonzero derivative there, which is positive
+    real(dp), allocatable :: polynomial(:)         !! added to the sum, in the time since the start; unallocated: none, (0:degree)
   contains
     procedure :: first_zero
     procedure, private :: open_signal
@@ -26,18 +26,18 @@ module bw_signal
     procedure, private :: largest_bend
   end type signal_type
 
-  real(dp), parameter :: growth = exp(0.5_dp)      !! of a part without amplitude, over a quarter of 1/rate
+  real(dp), parameter :: growth = exp(0.5_dp)      !! of a part without amplitude, in a quarter of 1/rate
 
 contains
 
   pure type(signal_type) function signal_of(parts, sum_of, state, order, polynomial) result(signal)
-    !! A sum over oscillators from a state on, in a unit that keeps squares in range. Where the slope is zero, what
-    !! rounding leaves of it is taken off.
+    !! Return a sum over oscillators from a state on, scaled to keep squares in range. If its slope is zero, the slope's
+    !! rounding is removed.
     class(oscillators), intent(in) :: parts
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(in) :: state
-    integer, intent(in) :: order                  !! of the first derivative that is not zero at the start
-    real(dp), intent(in), optional :: polynomial(0:)   !! that is added to it, of a degree ≥ 2
+    integer, intent(in) :: order                  !! of the first nonzero derivative at the start
+    real(dp), intent(in), optional :: polynomial(0:)   !! added to it, of degree ≥ 2
     real(dp) :: unit
     integer :: n
     n = size(state%u)
@@ -55,13 +55,13 @@ contains
   end function signal_of
 
   subroutine first_zero(self, longest, found, time, monitor)
-    !! The first time after the start at which the signal falls to zero.
+    !! Find the first time after the start at which the signal falls to zero.
     class(signal_type), intent(in) :: self
-    real(dp), intent(in) :: longest                !! where the search ends
+    real(dp), intent(in) :: longest                !! end of the search
     logical, intent(out) :: found
-    real(dp), intent(out) :: time                  !! `longest` where none was found
+    real(dp), intent(out) :: time                  !! `longest` if none was found
     class(monitor_type), intent(inout), optional :: monitor   !! none is found if it requests a stop
-    integer, parameter :: most_steps = 20000000    ! no search here takes nearly as many
+    integer, parameter :: most_steps = 20000000    ! far more than any search needs
     integer, parameter :: between_questions = 64   ! steps
     real(dp), dimension(size(self%u)) :: change, velocity
     real(dp) :: bend, lower, moved, now, slope, start, step
@@ -101,10 +101,10 @@ contains
   end subroutine first_zero
 
   pure subroutine open_signal(self, longest, time, lower)
-    !! The first step from a zero: half of what the first derivative that is not zero and a bound of the next allow.
+    !! Take the first step from a zero: half of what the first nonzero derivative and a bound of the next allow.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: longest
-    real(dp), intent(out) :: time, lower           !! at which the signal is at least so large
+    real(dp), intent(out) :: time, lower           !! lower bound of the signal then
     type(weighted_sum) :: sum_of
     real(dp) :: rise, most
     integer :: i
@@ -125,11 +125,11 @@ contains
   end subroutine open_signal
 
   pure function bound(self, u, u_dot, order)
-    !! A bound of a derivative of each part from a state on: for good where β² > 0, by the energy that never grows, or by the
-    !! two exponents where these are far apart; else for a quarter of 1/rate.
+    !! Bound a derivative of each term from a state on: for all times if β² > 0, by the energy, which never grows, or by
+    !! the two exponentials if these are far apart; else for a quarter of 1/rate.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: u(:), u_dot(:)
-    integer, intent(in) :: order                   !! ≥ 2, of which a steady drift has none; 0 where β² > 0
+    integer, intent(in) :: order                   !! ≥ 2, or 0 where β² > 0; a uniform drift has none
     real(dp) :: bound(size(u)), fast, slow
     integer :: k
     bound = 0.0_dp
@@ -149,7 +149,7 @@ contains
   end function bound
 
   pure real(dp) function largest_bend(self, time, order) result(bend)
-    !! A bound of a derivative of the polynomial within a time.
+    !! Bound a derivative of the polynomial within a time.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: time
     integer, intent(in) :: order
@@ -161,7 +161,7 @@ contains
   end function largest_bend
 
   pure subroutine move_polynomial(polynomial, time, change, slope)
-    !! By how much a polynomial has changed since time 0, and its slope.
+    !! Find the change of a polynomial since time 0, and its slope.
     real(dp), intent(in) :: polynomial(0:)
     real(dp), intent(in) :: time
     real(dp), intent(out) :: change, slope
@@ -178,12 +178,12 @@ contains
   end subroutine move_polynomial
 
   pure real(dp) function safe_step(self, value, drift, lift, u, u_dot, longest) result(step)
-    !! How far the signal stays positive for certain.
+    !! Return a step within which the signal surely stays positive.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: value, u(:), u_dot(:)
-    real(dp), intent(in) :: drift, lift            !! slope of the polynomial and a bound of its second derivative; 0 where there is none
-    real(dp), intent(in) :: longest                !! beyond which nothing is asked
-    real(dp), dimension(0:size(u)) :: slope, curvature   ! of what has no amplitude, and the first that have one
+    real(dp), intent(in) :: drift, lift            !! slope of the polynomial, bound of its second derivative; 0: none
+    real(dp), intent(in) :: longest                !! limit of the step
+    real(dp), dimension(0:size(u)) :: slope, curvature   ! of terms without amplitude, and the first with one
     real(dp), dimension(size(u)) :: bend, swing
     logical :: swings(size(u))
     real(dp) :: above
@@ -205,13 +205,13 @@ contains
       if (low == 0) exit
       above = above - sum(swing(low/2 + 1:low))
       low = low/2
-      if (above < 0.0_dp) exit                     ! all the more without further parts
+      if (above < 0.0_dp) exit                     ! more terms only lower it
     end do
     step = min(step, self%quarter())
   end function safe_step
 
   pure real(dp) function quarter(self)
-    !! Of the shortest time in which a part without amplitude changes.
+    !! Return a quarter of the shortest time in which a term without amplitude changes.
     class(signal_type), intent(in) :: self
     real(dp) :: fast
     fast = maxval(self%rate, mask=self%beta_squared%hi <= 0.0_dp)
@@ -220,7 +220,7 @@ contains
   end function quarter
 
   pure real(dp) function parabola(value, slope, curvature, longest) result(root)
-    !! The first zero of value + slope h − ½ curvature h².
+    !! Return the first zero of value + slope h − ½ curvature h².
     real(dp), intent(in) :: value, slope, curvature, longest
     real(dp) :: both
     both = sqrt(slope**2 + 2.0_dp*curvature*value)

@@ -1,10 +1,10 @@
 module bw_acting_loads
-  !! Loads that act on a beam and on a mass beside it, while they touch each other and while they do not.
+  !! Loads on a beam and on a mass beside it, in contact or not.
   !!
-  !! Within a contact loads are polynomials in each step, through Chebyshev's points, as the force of the contact is. In flight the gap is a
-  !! sum of free motions, whose zeros bw_signal finds, and what loads add to it: for a short time a polynomial. Parts that turn fast
-  !! follow a load in closed form, and about that they move freely; of slow ones, and where nothing holds them, the motion from rest is
-  !! a power series. Units of bw_segment.
+  !! In a contact loads are polynomials in each step through Chebyshev points, like the contact force. In flight the gap
+  !! is a sum of free motions, whose zeros bw_signal finds, and a polynomial due to loads, for a short time. Oscillators
+  !! with high frequencies follow a load in closed form, and move freely about that; the others, from rest, as a power
+  !! series. Units of bw_segment.
   use bw_double_double, only: to_dd, operator(+)
   use bw_force_response, only: force_degree
   use bw_force_step, only: force_step, last_coefficient, node_places
@@ -15,18 +15,18 @@ module bw_acting_loads
   implicit none (type, external)
   private
 
-  integer, parameter, public :: gap_degree = 16    !! of what loads add to the gap in a calm time
-  integer, parameter :: load_degree = 1            ! of loads, beside their tones
-  real(dp), parameter :: calm = 0.25_dp            ! rad, in which power series of that degree hold to rounding
+  integer, parameter, public :: gap_degree = 16    !! of the gap due to loads in a short interval
+  integer, parameter :: load_degree = 1            ! of loads, besides tones
+  real(dp), parameter :: calm = 0.25_dp            ! rad, limit of power series of that degree to rounding
   complex(dp), parameter :: i_unit = (0.0_dp, 1.0_dp)
 
   type, public :: acting_loads
     type(load_course), allocatable :: course(:)    !! m_iV h/l², (loads)
-    real(dp), allocatable :: drive(:, :)           !! acceleration of each part under a load of 1, (oscillators, loads)
-    real(dp), allocatable :: residual(:)           !! by which the gap opens under a load of 1, at once, by modes that are not summed
-    real(dp), private :: slow = 0.0_dp             !! |β²| of the parts that are
+    real(dp), allocatable :: drive(:, :)           !! acceleration of each oscillator under a load of 1, (oscillators, loads)
+    real(dp), allocatable :: residual(:)           !! quasi-static opening of the gap by omitted modes under a load of 1
+    real(dp), private :: slow = 0.0_dp             !! limit of |β²| for power series
     real(dp), private :: calm_time = 0.0_dp
-    type(load_step), private :: step               !! over that time, once it was needed
+    type(load_step), private :: step               !! of that interval, once needed
   contains
     procedure :: begin
     procedure :: calm_until
@@ -42,7 +42,7 @@ module bw_acting_loads
 contains
 
   pure subroutine begin(self, parts)
-    !! What is slow, and how long a time is calm.
+    !! Set the limit of power series and the length of intervals.
     class(acting_loads), intent(inout) :: self
     type(oscillators), intent(in) :: parts
     real(dp) :: fastest
@@ -52,21 +52,21 @@ contains
   end subroutine begin
 
   pure real(dp) function calm_until(self, time)
-    !! The end of a calm time from now on.
+    !! Return the end of an interval from now on with smooth loads.
     class(acting_loads), intent(in) :: self
     real(dp), intent(in) :: time
     calm_until = min(time + self%calm_time, self%next(time))
   end function calm_until
 
   pure real(dp) function next(self, time)
-    !! The next instant at which a load is no smooth function.
+    !! Return the next knot of any load.
     class(acting_loads), intent(in) :: self
     real(dp), intent(in) :: time
     next = next_knot(self%course, time)
   end function next
 
   pure real(dp) function gap(self, time, order)
-    !! What modes that are not summed add to the gap, or to its rate.
+    !! Return the quasi-static contribution of omitted modes to the gap, or to its rate.
     class(acting_loads), intent(in) :: self
     real(dp), intent(in) :: time
     integer, intent(in) :: order                   !! 0 or 1
@@ -76,7 +76,7 @@ contains
   end function gap
 
   pure real(dp) function pace(self, parts, weight)
-    !! The speed of the gap after loads that begin at once, of all parts out of phase.
+    !! Estimate the speed of the gap under suddenly applied loads, with all oscillators out of phase.
     class(acting_loads), intent(in) :: self
     type(oscillators), intent(in) :: parts
     real(dp), intent(in) :: weight(:)              !! in the gap, (oscillators)
@@ -84,7 +84,7 @@ contains
   end function pace
 
   pure function powers_from(self, time) result(load)
-    !! Loads from a time on as power series, (0:degree, loads).
+    !! Return loads from a time on as power series, (0:degree, loads).
     class(acting_loads), intent(in) :: self
     real(dp), intent(in) :: time
     real(dp) :: load(0:gap_degree, size(self%course))
@@ -99,7 +99,7 @@ contains
   end function powers_from
 
   pure function tone_powers(frequency, tone) result(powers)
-    !! The power series of Re(c e^(iΩs)).
+    !! Return the power series of Re(c e^(iΩs)).
     real(dp), intent(in) :: frequency
     complex(dp), intent(in) :: tone
     real(dp) :: powers(0:gap_degree)
@@ -113,11 +113,11 @@ contains
   end function tone_powers
 
   subroutine in_step(self, time, length, load, slope, lack)
-    !! Loads and their rates at the start and at the points of a step, up to whose end they are smooth.
+    !! Return loads and their rates at the start and the points of a step in which they are smooth.
     class(acting_loads), intent(in) :: self
     real(dp), intent(in) :: time, length
     real(dp), intent(out) :: load(0:, :), slope(0:, :)   !! (0:points, loads)
-    real(dp), intent(out) :: lack                  !! of their largest values, what a polynomial through these points may lack
+    real(dp), intent(out) :: lack                  !! error of their polynomials through these points over their largest values
     real(dp) :: power(0:load_degree)
     complex(dp) :: tone
     integer :: l
@@ -133,10 +133,10 @@ contains
   end subroutine in_step
 
   pure function see(self, step, load, slope) result(approach)
-    !! What loads add to the approach and to its rate at the points of a step, (points, 2).
+    !! Return the contribution of loads to the approach and its rate at the points of a step, (points, 2).
     class(acting_loads), intent(in) :: self
-    type(force_step), intent(in) :: step           !! with these loads
-    real(dp), intent(in) :: load(0:, :), slope(0:, :)   !! as those of `in_step`
+    type(force_step), intent(in) :: step           !! with operators of these loads
+    real(dp), intent(in) :: load(0:, :), slope(0:, :)   !! see `in_step`
     real(dp) :: approach(force_degree, 2)
     integer :: l
     approach(:, 1) = -matmul(load(1:, :), self%residual)
@@ -148,7 +148,7 @@ contains
   end function see
 
   pure subroutine take_out(self, parts, weight, state, free, polynomial)
-    !! The gap in a calm time from a state on, as a sum of free motions from another state and a polynomial in the time since then.
+    !! Split the gap, from a state on, into free motions from another state and a polynomial in time.
     class(acting_loads), intent(in) :: self
     type(oscillators), intent(in) :: parts
     real(dp), intent(in) :: weight(:)              !! in the gap, (oscillators)
@@ -191,7 +191,7 @@ contains
   end subroutine take_out
 
   subroutine move(self, parts, time, state)
-    !! The state a time later, up to the end of a calm time.
+    !! Move the state forward within an interval of smooth loads.
     class(acting_loads), intent(inout) :: self
     type(oscillators), intent(in) :: parts
     real(dp), intent(in) :: time

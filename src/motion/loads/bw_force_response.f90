@@ -1,34 +1,34 @@
 module bw_force_response
-  !! What a force that is a polynomial in a step of time does to an oscillator that is at rest at its start: q̈ + cq̇ + β²q = x^j, exactly,
-  !! x going from −1 to 1 in the step of length h.
+  !! The exact response of an oscillator at rest to a force that is a power of time in a step: q̈ + cq̇ + β²q = x^j,
+  !! with x from −1 to 1 in the step of length h.
   !!
-  !! With g the motion from velocity 1, q̇_j = (2j/h)q_(j−1) + (−1)^j g, so that the equation itself leads from power to power:
-  !! (4j(j−1)/h²)q_(j−2) + (2j/h)cq_(j−1) + β²q_j = x^j − (−1)^j(ġ + (c − 2j/h)g). Downwards from a power so high that what it was taken
-  !! for has died away this is stable where the roots s of s² + cs + β² are small, |s|h < 2(n!)^(1/n). Where one is not, s₁, the factors
-  !! (d/dt − s₁)(d/dt − s₂) are taken one by one: s₁q_j = (2j/h)q_(j−1) + (−1)^j g − M_j(s₂) upwards, whether or not the roots are the same,
-  !! with M_j = ∫e^(s(t−τ))x^j dτ from sM_j = (2j/h)M_(j−1) − x^j + (−1)^j e^(st), upwards or downwards as |s|h is large or small.
-  !! Without dimensions.
+  !! With g the motion from velocity 1, q̇_j = (2j/h)q_(j−1) + (−1)^j g, so the equation of motion is a recurrence in j:
+  !! (4j(j−1)/h²)q_(j−2) + (2j/h)cq_(j−1) + β²q_j = x^j − (−1)^j(ġ + (c − 2j/h)g). Downwards, from a power so high that
+  !! its start value no longer matters, this is stable if the roots s of s² + cs + β² are small, |s|h < 2(n!)^(1/n).
+  !! Else, with the larger root s₁, the factors (d/dt − s₁)(d/dt − s₂) are solved one by one: s₁q_j = (2j/h)q_(j−1) +
+  !! (−1)^j g − M_j(s₂) upwards, also for a double root, with M_j = ∫e^(s(t−τ))x^j dτ from sM_j = (2j/h)M_(j−1) − x^j +
+  !! (−1)^j e^(st), upwards if |s|h is large, else downwards. Without dimensions.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: find_force_response, powers_of
 
   integer, parameter, public :: force_degree = 10  !! of a force in a step
-  real(dp), parameter :: slow = 8.0_dp             !! |s|h up to which recurrences go downwards, about 2(n!)^(1/n)
-  integer, parameter, public :: highest_power = force_degree + 40   !! from which recurrences come down, at most
+  real(dp), parameter :: slow = 8.0_dp             !! |s|h up to which recurrences run downwards, about 2(n!)^(1/n)
+  integer, parameter, public :: highest_power = force_degree + 40   !! from which downward recurrences start, at most
   integer :: power
   real(dp), parameter :: inverse(2:highest_power) = [(1.0_dp/(4*power*(power - 1)), power=2, highest_power)]
 
 contains
 
   pure subroutine find_force_response(beta_squared, c, length, x, free, rate, displacement, velocity)
-    !! At some times in a step, for each power. **Limit**: e^(s₁t) must not overflow.
+    !! Find the response to each power at given times of a step. **Limit**: e^(s₁t) must not overflow.
     real(dp), intent(in) :: beta_squared, c
     real(dp), intent(in) :: length                    !! of the step, h
-    real(dp), intent(in), contiguous :: x(:, 0:)      !! powers of x at the times, to the highest, (times, powers)
-    real(dp), intent(in), contiguous :: free(:), rate(:)   !! g and ġ then
+    real(dp), intent(in), contiguous :: x(:, 0:)      !! powers of x at the times, (times, powers)
+    real(dp), intent(in), contiguous :: free(:), rate(:)   !! g and ġ at the times
     real(dp), intent(out), contiguous :: displacement(:, 0:), velocity(:, 0:)   !! (times, powers)
-    complex(dp) :: moment(force_degree, 0:force_degree), larger   ! of the other root; the root that is not the smaller one
+    complex(dp) :: moment(force_degree, 0:force_degree), larger   ! of s₂; s₁
     real(dp) :: half
     integer :: j, n
     n = size(x, 1)
@@ -51,17 +51,17 @@ contains
   end subroutine find_force_response
 
   pure subroutine slow_response(square, damping, x, free, rate, length, displacement)
-    !! y″ + Cy′ + By = x^j in a step of length 1.
+    !! Solve y″ + Cy′ + By = x^j in a step of length 1.
     real(dp), intent(in) :: square, damping           !! B and C
     real(dp), intent(in), contiguous :: x(:, 0:)
     real(dp), intent(in), contiguous :: free(:), rate(:)
-    real(dp), intent(in) :: length                    !! of the unit of g
+    real(dp), intent(in) :: length                    !! unit of g
     real(dp), intent(out), contiguous :: displacement(:, 0:)
     real(dp), dimension(force_degree) :: above, g, next, start
     real(dp) :: left
     integer :: i, j, n, top
     top = force_degree
-    left = 1.0_dp                                     ! of what is wrong at the top
+    left = 1.0_dp                                     ! remaining effect of the start value
     do while (left > epsilon(left) .and. top < highest_power - 1)
       top = top + 2
       left = left*max(abs(square), damping**2)*inverse(top)
@@ -84,10 +84,10 @@ contains
   end subroutine slow_response
 
   pure subroutine find_moments(z, x, moment)
-    !! M_0 … M_n in a step of length 1.
+    !! Return M_0 … M_n in a step of length 1.
     complex(dp), intent(in) :: z
     real(dp), intent(in), contiguous :: x(:, 0:)
-    complex(dp), intent(out) :: moment(force_degree, 0:force_degree)   !! of the times, which come first
+    complex(dp), intent(out) :: moment(force_degree, 0:force_degree)   !! (times, powers)
     complex(dp) :: decayed(force_degree), next(force_degree), reciprocal
     integer :: j, n
     n = size(x, 1)
@@ -108,13 +108,13 @@ contains
   end subroutine find_moments
 
   pure real(dp) function sign_of(j)
-    !! (−1)^j.
+    !! Return (−1)^j.
     integer, intent(in) :: j
     sign_of = 1 - 2*iand(j, 1)
   end function sign_of
 
   pure function powers_of(x) result(powers)
-    !! 1, x, x² … to the highest, (places, powers).
+    !! Return 1, x, x² … up to `highest_power`, (places, powers).
     real(dp), intent(in) :: x(:)
     real(dp) :: powers(size(x), 0:highest_power)
     integer :: j

@@ -1,9 +1,7 @@
 module bw_load_course
-  !! How a load varies in time. Between two knots it is Σb_jx^j + Re(c e^(iΩτ)), x going from −1 to 1 and τ the time since the first of
-  !! them; before the first knot and from the last one on it is 0. Pulses and tones are exponentials, what is measured is linear between its
-  !! samples, and the force of a contact a polynomial in each step.
-  !!
-  !! Times in l²/h, the load in N.
+  !! A load as a function of time. Between two knots it is Σb_jx^j + Re(c e^(iΩτ)), with x from −1 to 1 and τ the time since the
+  !! first of them; it is 0 before the first knot and from the last one on. Pulses and tones are exponentials, measured loads
+  !! are linear between samples, and a contact force is a polynomial in each step. Times in l²/h, loads in N.
   use bw_constants, only: pi, two_pi
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -15,18 +13,18 @@ module bw_load_course
     real(dp), allocatable :: knot(:)               !! ascending, (intervals + 1)
     real(dp), allocatable :: power(:, :)           !! b_j, (0:degree, intervals), degree ≥ 1
     complex(dp), allocatable :: tone(:)            !! c, (intervals)
-    real(dp) :: frequency = 0.0_dp                 !! Ω; 0: there is no tone
-    real(dp) :: left_out = 0.0_dp                  !! its impulse before t = 0
+    real(dp) :: frequency = 0.0_dp                 !! Ω; 0: no tone
+    real(dp) :: left_out = 0.0_dp                  !! impulse before t = 0, which is cut off
   end type load_course
 
 contains
 
   pure type(load_course) function course_of_shape(shape, amplitude, start, duration, frequency) result(course)
-    !! A pulse or a tone.
+    !! Return a pulse or a tone.
     character(*), intent(in) :: shape              !! half_sine, haversine, triangle, rectangle or sine
-    real(dp), intent(in) :: amplitude              !! its largest value
+    real(dp), intent(in) :: amplitude              !! largest value
     real(dp), intent(in) :: start, duration        !! duration > 0
-    real(dp), intent(in) :: frequency              !! of a sine, turns in a unit of time
+    real(dp), intent(in) :: frequency              !! of a sine, cycles in a unit of time
     complex(dp), parameter :: sine = (0.0_dp, -1.0_dp)
     real(dp) :: constant
     constant = 0.0_dp
@@ -55,8 +53,8 @@ contains
   end function course_of_shape
 
   pure type(load_course) function course_of_samples(times, values) result(course)
-    !! Straight lines between samples. What lies before t = 0 is left out.
-    real(dp), intent(in) :: times(:), values(:)    !! ascending times, two or more
+    !! Return the linear interpolation of samples, without what lies before t = 0.
+    real(dp), intent(in) :: times(:), values(:)    !! ascending times, at least two
     integer :: n
     n = size(times)
     course%knot = times
@@ -68,7 +66,7 @@ contains
   end function course_of_samples
 
   pure subroutine begin_at_rest(course)
-    !! Leave out what lies before t = 0, until when the beam is at rest.
+    !! Cut off the load before t = 0, as the beam is at rest until then.
     type(load_course), intent(inout) :: course
     type(load_course) :: whole
     integer :: first, n
@@ -82,7 +80,7 @@ contains
     course%tone = whole%tone(first:)
     course%power(:, :) = whole%power(:, first:)
     course%knot(1) = 0.0_dp
-    if (course%knot(2) <= 0.0_dp) then             ! it is over by then
+    if (course%knot(2) <= 0.0_dp) then             ! all of it is cut off
       course%power = 0.0_dp
       course%tone = 0.0_dp
       course%knot(2) = 1.0_dp
@@ -93,20 +91,20 @@ contains
   end subroutine begin_at_rest
 
   elemental logical function is_over(course)
-    !! Before t = 0.
+    !! Tell whether all of a load lies before t = 0.
     type(load_course), intent(in) :: course
     is_over = course%left_out /= 0.0_dp .and. largest_load(course) <= 0.0_dp
   end function is_over
 
   pure integer function degree_of(course) result(degree)
-    !! The largest of some loads.
+    !! Return the largest degree of some loads.
     type(load_course), intent(in) :: course(:)
     integer :: l
     degree = maxval([1, (ubound(course(l)%power, 1), l=1, size(course))])
   end function degree_of
 
   pure integer function interval_at(course, time) result(i)
-    !! Which interval a time is in, its start included; 0 before the first, one more than there are after the last.
+    !! Return the interval of a time, including its start; 0 before the first, one more than the last after it.
     type(load_course), intent(in) :: course
     real(dp), intent(in) :: time
     integer :: above, middle
@@ -123,7 +121,7 @@ contains
   end function interval_at
 
   pure real(dp) function next_knot(course, time) result(knot)
-    !! The first knot of any load after a time.
+    !! Return the first knot of any load after a time.
     type(load_course), intent(in) :: course(:)
     real(dp), intent(in) :: time
     integer :: i, l
@@ -135,17 +133,17 @@ contains
   end function next_knot
 
   pure subroutine rates_of(course, i, time, power, tone)
-    !! The load in an interval from a time on: Σb_js^j + Re(c e^(iΩs)), s the time since then.
+    !! Return the load in an interval from a time on: Σb_js^j + Re(c e^(iΩs)), s the time since then.
     type(load_course), intent(in) :: course
     integer, intent(in) :: i                       !! the interval
     real(dp), intent(in) :: time
-    real(dp), intent(out) :: power(0:)             !! as many as the load has, or more
+    real(dp), intent(out) :: power(0:)             !! of the size of the load's, or larger
     complex(dp), intent(out) :: tone
     call look_at(course, i, time, time, 1.0_dp, power, tone)
   end subroutine rates_of
 
   pure function loads_before(course, time) result(load)
-    !! Loads and their rates just before a time, (loads, 2).
+    !! Return loads and their rates just before a time, (loads, 2).
     type(load_course), intent(in) :: course(:)
     real(dp), intent(in) :: time
     real(dp) :: load(size(course), 2)
@@ -160,17 +158,17 @@ contains
   end function loads_before
 
   pure subroutine part_of_course(course, i, from, to, power, tone)
-    !! The load in a part of an interval: Σb_jx^j + Re(c e^(iΩs)), x going from −1 to 1 in it, s the time since its start.
+    !! Return the load in part of an interval: Σb_jx^j + Re(c e^(iΩs)), x from −1 to 1 in it, s the time since its start.
     type(load_course), intent(in) :: course
     integer, intent(in) :: i                       !! the interval
     real(dp), intent(in) :: from, to
-    real(dp), intent(out) :: power(0:)             !! as many as the load has, or more
+    real(dp), intent(out) :: power(0:)             !! of the size of the load's, or larger
     complex(dp), intent(out) :: tone
     call look_at(course, i, from, 0.5_dp*(from + to), 0.5_dp*(to - from), power, tone)
   end subroutine part_of_course
 
   pure subroutine look_at(course, i, from, middle, unit, power, tone)
-    !! The polynomial in time since `middle`, in units of `unit`, and the tone from a time on.
+    !! Return the polynomial in the time since `middle`, in units of `unit`, and the tone from a time on.
     type(load_course), intent(in) :: course
     integer, intent(in) :: i
     real(dp), intent(in) :: from, middle, unit
@@ -185,7 +183,7 @@ contains
     half = 0.5_dp*(course%knot(i + 1) - course%knot(i))
     away = (middle - 0.5_dp*(course%knot(i + 1) + course%knot(i)))/half
     power(:degree) = course%power(:, i)
-    do j = 0, degree - 1                           ! Horner's scheme, again and again
+    do j = 0, degree - 1                           ! shift of the origin by Horner's scheme
       do m = degree - 1, j, -1
         power(m) = power(m) + away*power(m + 1)
       end do
@@ -197,7 +195,7 @@ contains
   end subroutine look_at
 
   elemental type(load_course) function scaled_course(course, factor) result(scaled)
-    !! So many times the load.
+    !! Return a load times a factor.
     type(load_course), intent(in) :: course
     real(dp), intent(in) :: factor
     scaled = course
@@ -206,7 +204,7 @@ contains
   end function scaled_course
 
   elemental real(dp) function impulse_of(course) result(impulse)
-    !! The load's integral over time.
+    !! Return the integral of a load over time.
     type(load_course), intent(in) :: course
     complex(dp), parameter :: unit = (0.0_dp, 1.0_dp)
     integer :: i, j
@@ -220,9 +218,9 @@ contains
   end function impulse_of
 
   pure real(dp) function end_jump(course, until) result(jump)
-    !! By how much a load that is linear between its knots is not 0 where it begins and ends, but for rounding.
+    !! Return the jump at the ends of a piecewise linear load, beyond rounding.
     type(load_course), intent(in) :: course
-    real(dp), intent(in) :: until                  !! the end of the record: what comes later is not seen
+    real(dp), intent(in) :: until                  !! end of the record
     integer :: n
     n = size(course%tone)
     jump = 0.0_dp
@@ -232,7 +230,7 @@ contains
   end function end_jump
 
   elemental real(dp) function largest_load(course) result(largest)
-    !! The largest magnitude of a load that is linear between its knots, of a tone beside something else a bound of it.
+    !! Return the largest magnitude of a piecewise linear load; with a tone a bound of it.
     type(load_course), intent(in) :: course
     integer :: i
     largest = 0.0_dp
@@ -242,12 +240,12 @@ contains
   end function largest_load
 
   pure real(dp) function lag_bound(course, until, lag, drift) result(bound)
-    !! By how much a mode's β²q may at most differ from the load f that drives it, −∫y(t − s) df(s), y its free motion from 1 at rest.
-    !! With the integrals G_1(u) = ∫_u^∞ y, G_(j+1) = ∫_u^∞ G_j, none of which exceeds e^j, e = 1/β + c/β², and G_1(0) = c/β², it is for
-    !! every m at most Σ_(j≤m) J_j e^j + Σ_(1≤j≤m) |G_j(0)| S_j + C_m e^m: J the jumps of the load's derivatives, S their largest
-    !! magnitudes, C the variation of the last between jumps. Of a load that is linear between its knots.
+    !! Bound the difference between a mode's β²q and the load f that drives it, −∫y(t − s) df(s), with y its free motion from 1
+    !! at rest. The integrals G_1(u) = ∫_u^∞ y, G_(j+1) = ∫_u^∞ G_j are at most e^j, e = 1/β + c/β², and G_1(0) = c/β². So the
+    !! bound is, for every m, Σ_(j≤m) J_j e^j + Σ_(1≤j≤m) |G_j(0)| S_j + C_m e^m, with the jumps J of the load's derivatives,
+    !! their largest magnitudes S, and the variation C of the last between jumps. For piecewise linear loads and tones.
     type(load_course), intent(in) :: course
-    real(dp), intent(in) :: until                  !! the end of the record
+    real(dp), intent(in) :: until                  !! end of the record
     real(dp), intent(in) :: lag, drift             !! e, c/β²
     integer, parameter :: most = 3
     real(dp) :: jump(0:most), largest(0:most), variation(0:most), before(0:most), at_rest(0:most)
@@ -271,7 +269,7 @@ contains
     bound = minval([(sum(jump(:m)*lag**[(i, i=0, m)] + at_rest(:m)*largest(:m)) + variation(m)*lag**m, m=0, most)])
   contains
     pure function derivatives(course, i, time) result(values)
-      !! The load and its derivatives.
+      !! Return the load and its derivatives.
       type(load_course), intent(in) :: course
       integer, intent(in) :: i
       real(dp), intent(in) :: time

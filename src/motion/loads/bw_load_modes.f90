@@ -1,10 +1,10 @@
 module bw_load_modes
-  !! What loads ask of modes and of the beam that they are of: how each load drives each mode, what each mode shows at points, and what
-  !! modes that are not summed add at once, their residual flexibility.
+  !! Modal quantities for loads: modal loads, shear forces and participation of the modes, and the residual flexibility
+  !! of omitted modes.
   !!
-  !! Shear forces and the participation in a motion of the frame follow from integrals of mass times shape over what lies beyond a place,
-  !! by Gauss's rule over half waves of the highest mode: the part of a mode's inertia that the section carries, less what springs beyond
-  !! it take. Without dimensions, as modes.
+  !! Shear force and participation in base motion are integrals of mass times shape beyond a place, by Gauss quadrature
+  !! over half waves of the highest mode: the section carries the inertia beyond it, less the forces of springs there.
+  !! Without dimensions, as modes.
   use bw_constants, only: pi
   use bw_beam_parts, only: gauss_places
   use bw_double_double, only: dd
@@ -18,13 +18,13 @@ module bw_load_modes
   private
   public :: carried_mass, find_residuals, find_shears, total_mass
 
-  integer, parameter, public :: frame_motion = -1 !! in the place of a position: the frame is accelerated
+  integer, parameter, public :: frame_motion = -1 !! replaces a position if the frame is accelerated
 
 contains
 
   subroutine find_shears(given, modes, xi, shear, participation, monitor)
-    !! The shear force of each mode at points, of the inner side where a body is, positive where what lies beyond pulls as displacement
-    !! is positive, square to the line of a hub that is free; and the mass that each mode moves as the frame does, ∫ρAΦ dx + Σm_bΦ(ξ_b).
+    !! Find the shear force of each mode at points, on the inner side of a body, normal to the line of a free hub, and positive
+    !! where the outer part pulls in the direction of positive displacement; and the participation ∫ρAΦ dx + Σm_bΦ(ξ_b).
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: xi(:)                  !! (points)
@@ -51,7 +51,7 @@ contains
       if (.not. known) reaction = tip_shears(given, modes, inertia)
       reaction = -reaction
     end if
-    beyond = 0.0_dp                                ! mass times shape there
+    beyond = 0.0_dp                                ! mass times shape beyond
     do i = n, 1, -1
       if (i < n .or. .not. held(1)) then
         associate (joint => given%beam%joint(i), there => motion_in_frame(given, modes, [ends(i)]))
@@ -72,7 +72,7 @@ contains
   end subroutine find_shears
 
   pure subroutine find_edges(first, last, xi, edges, count)
-    !! The ends of a piece and the points inside it, ascending.
+    !! Return the ends of a piece and the points inside it, ascending.
     real(dp), intent(in) :: first, last, xi(:)
     real(dp), intent(out) :: edges(:)              !! (points + 2)
     integer, intent(out) :: count
@@ -85,14 +85,14 @@ contains
   end subroutine find_edges
 
   function mass_times_shape(given, modes, i, ends, part, monitor) result(integral)
-    !! Over a part of a piece, (modes).
+    !! Return the integral of mass times shape over part of a piece, (modes).
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: i                       !! the piece
-    real(dp), intent(in) :: ends(2), part(2)       !! of the piece, and of the part
+    real(dp), intent(in) :: ends(2), part(2)       !! of the piece and of the part
     class(monitor_type), intent(inout) :: monitor
     real(dp) :: integral(modes%count)
-    integer, parameter :: at_once = 32             ! half waves whose shapes are in memory
+    integer, parameter :: at_once = 32             ! half waves with shapes in memory
     real(dp), allocatable :: place(:), rule(:), rule_weight(:)
     real(dp) :: width
     integer :: halves, j, first, last
@@ -111,7 +111,7 @@ contains
   end function mass_times_shape
 
   pure function motion_in_frame(given, modes, place) result(motion)
-    !! The deflection of each mode in the frame that turns evenly.
+    !! Return the deflection of each mode in the uniformly rotating frame.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: place(:)               !! ξ
@@ -126,7 +126,7 @@ contains
   end function motion_in_frame
 
   pure real(dp) function wave_number(given, modes, i) result(largest)
-    !! A bound of how fast the shape of the highest mode varies along a piece.
+    !! Bound the wave number of the highest mode in a piece.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: i
@@ -142,8 +142,8 @@ contains
   end function wave_number
 
   pure function tip_shears(given, modes, inertia) result(shear)
-    !! The shear force at a tip that is held, where no spring tells it: of the moment and of the deflection beside it, differentiated
-    !! through Chebyshev's points over a quarter of a wave. From M' = Tv' − Q − Rψ and v' = (ψ + sQ)/(1 + sT).
+    !! Return the shear force at a rigidly held tip from moment and deflection near it, differentiated through Chebyshev
+    !! points over a quarter wave, by M' = Tv' − Q − Rψ and v' = (ψ + sQ)/(1 + sT).
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: inertia(:)             !! λ, (modes)
@@ -182,7 +182,7 @@ contains
   end function tip_shears
 
   pure function end_slopes(node) result(slope)
-    !! The derivative at 1 of a polynomial through Chebyshev's points, from its values there.
+    !! Return the derivative at 1 of a polynomial by its values at Chebyshev points.
     real(dp), intent(in) :: node(0:)
     real(dp) :: slope(0:size(node) - 1)
     integer :: j, n
@@ -194,26 +194,26 @@ contains
   end function end_slopes
 
   subroutine find_residuals(given, modes, summed, place, accelerated, drive, weights, xi, residual, terms, flexibility, from_line)
-    !! What modes that are not summed add at once under loads of 1, all modes less those that are; and how much they give under a
-    !! force of 1 at each point and at the place of each force, ΣΦ²/(Mβ²).
+    !! Find the residuals of omitted modes under loads of 1, static solution less summed modes; and their flexibility
+    !! ΣΦ²/(Mβ²) at each point and at the place of each force.
     !!
-    !! Modes that grow, or that nothing holds, are taken out of both: β² is raised by s², 2s², 3s² and 4s², and what holds without that
-    !! is extrapolated, with an error of 24(s/β)⁸ of what each missing mode adds. The larger s is, the smaller are the terms whose
-    !! difference is taken: it is as large as lets that error be one of rounding.
+    !! Unstable and rigid modes make the static solution singular. So β² is raised by s², 2s², 3s² and 4s², and the
+    !! results are extrapolated to 0, with an error of 24(s/β)⁸ of the contribution of each omitted mode. Larger s means
+    !! less cancellation: it is chosen such that this error equals rounding.
     type(varying_beam), intent(in) :: given
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: summed                  !! how many of them are
+    integer, intent(in) :: summed                  !! of these modes
     real(dp), intent(in) :: place(:)               !! ξ of forces
     logical, intent(in) :: accelerated             !! the last load is an acceleration of the frame by −1
     real(dp), intent(in) :: drive(:, :)            !! Φ_k at these places, and the participation, (modes, loads)
     real(dp), intent(in) :: weights(:, :, :)
-      !! deflection, curvature, shear force, turn of the hub, turning of sections by modes at points, or the first of these,
-      !! (modes, points, quantities)
+      !! deflection, curvature, shear force, hub rotation and rotation of sections of modes at points, or the first of
+      !! these, (modes, points, quantities)
     real(dp), intent(in) :: xi(:)                  !! (points)
     real(dp), intent(out) :: residual(:, :, :)     !! (loads, points, quantities)
-    real(dp), intent(out) :: terms(:, :, :)        !! the size of what it is a difference of, (loads, points, quantities)
+    real(dp), intent(out) :: terms(:, :, :)        !! magnitude of the terms that cancel, (loads, points, quantities)
     real(dp), intent(out) :: flexibility(:)        !! at the points and at the places of forces, (points + places)
-    logical, intent(in), optional :: from_line(:)  !! the force stands on the line of a hub that is free, as Φ_k does; absent: none
+    logical, intent(in), optional :: from_line(:)  !! the force acts relative to the line of a free hub; absent: in the frame
     integer, parameter :: signs(4) = [4, -6, 4, -1]
     real(dp), parameter :: far_below = sqrt(sqrt(epsilon(1.0_dp)/24.0_dp))   ! (s/β)²
     real(dp) :: gives, shift, soft(summed), own(summed, size(xi) + size(place)), arms(size(xi) + size(place))
@@ -243,7 +243,7 @@ contains
           residual(l, :, q) = residual(l, :, q) + signs(i)*(whole(:size(xi), q, f) - of_modes)
           terms(l, :, q) = terms(l, :, q) + abs(signs(i))*(abs(whole(:size(xi), q, f)) + abs(of_modes))
           if (q == deflection) terms(l, :, q) = terms(l, :, q) + abs(signs(i))*abs(arms(:size(xi))*whole(:size(xi), hub_turn, f))
-          if (l > size(place)) terms(l, :, q) = terms(l, :, q) + abs(signs(i))*2.0_dp/(i*shift)   ! by which the frame is displaced
+          if (l > size(place)) terms(l, :, q) = terms(l, :, q) + abs(signs(i))*2.0_dp/(i*shift)   ! displacement of the frame
         end do
       end do
       do p = 1, size(flexibility)
@@ -256,14 +256,14 @@ contains
     end do
     flexibility = max(0.0_dp, flexibility)
     do p = 1, size(xi)
-      if (any(weights(:, p, 1) /= 0.0_dp)) cycle     ! else nothing moves there
+      if (any(weights(:, p, 1) /= 0.0_dp)) cycle     ! else a fixed point
       residual(:, p, 1) = 0.0_dp
       terms(:, p, 1) = 0.0_dp
     end do
   end subroutine find_residuals
 
   pure real(dp) function total_mass(given) result(mass)
-    !! Of beam and bodies.
+    !! Return the mass of beam and bodies.
     type(varying_beam), intent(in) :: given
     real(dp), allocatable :: place(:), weight(:)
     integer :: i
@@ -277,9 +277,9 @@ contains
   end function total_mass
 
   pure real(dp) function carried_mass(modes, participation) result(mass)
-    !! How much of the beam's mass these modes move as the frame does: Σp²/M.
+    !! Return the effective mass of the modes in base motion, Σp²/M.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: participation(:)       !! of the first of them
+    real(dp), intent(in) :: participation(:)       !! of the first modes
     mass = sum(participation**2/modes%modal_mass(:size(participation)))
   end function carried_mass
 

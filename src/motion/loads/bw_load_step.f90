@@ -1,6 +1,7 @@
 module bw_load_step
-  !! A step in which modes are driven by loads that are polynomials or harmonic in time, exactly: q̈ + cq̇ + β²q = x^j or e^(iΩs) from
-  !! rest, x going from −1 to 1 in the step, and the free flow of what they start from. The operators depend on the length of the step alone, and steps of one length share them.
+  !! A time step of modes under polynomial or harmonic loads, exact: q̈ + cq̇ + β²q = x^j or e^(iΩs) from rest, with x
+  !! from −1 to 1 in the step, and the free flow of the initial state. The operators depend only on the length of the
+  !! step, so steps of one length share them.
   use bw_double_double, only: dd
   use bw_force_response, only: find_force_response, force_degree, highest_power, powers_of
   use bw_kinds, only: dp
@@ -10,8 +11,8 @@ module bw_load_step
   public :: load_step_of, tone_response
 
   type, public :: load_step
-    real(dp) :: length = -1.0_dp                   !! of the step, l²/h; below 0: not found yet
-    real(dp), allocatable :: moved(:, :)           !! end state of each: q by q, q by v, v by q, v by v, (modes, 4)
+    real(dp) :: length = -1.0_dp                   !! l²/h; below 0: not computed yet
+    real(dp), allocatable :: moved(:, :)           !! final q and v by initial q and v: q by q, q by v, v by q, v by v, (modes, 4)
     real(dp), allocatable :: pushed(:, :, :)       !! q and v by loads x^j, (modes, 2, 0:degree)
     complex(dp), allocatable :: tone(:, :, :)      !! q and v by e^(iΩs) of each load, (modes, 2, loads)
   contains
@@ -21,11 +22,11 @@ module bw_load_step
 contains
 
   pure type(load_step) function load_step_of(beta_squared, c, time, frequency, degree) result(step)
-    !! The operators of a step.
+    !! Compute the operators of a step.
     type(dd), intent(in) :: beta_squared(:)        !! (modes)
     real(dp), intent(in) :: c(:)
-    type(dd), intent(in) :: time                   !! its length > 0
-    real(dp), intent(in) :: frequency(:)           !! Ω of each load, 0 where it has no tone
+    type(dd), intent(in) :: time                   !! length of the step > 0
+    real(dp), intent(in) :: frequency(:)           !! Ω of each load; 0: no tone
     integer, intent(in) :: degree                  !! of the loads
     real(dp) :: unit(2, 2)
     real(dp), dimension(1, 0:force_degree) :: displacement, velocity
@@ -50,12 +51,12 @@ contains
   end function load_step_of
 
   pure function tone_response(beta_squared, c, h, frequency, moved) result(state)
-    !! Displacement and velocity after a time h under e^(iΩs) from rest. Far from resonance they are the steady motion less the free one
-    !! that it starts from. Near it they follow from the roots s₁, s₂ of s² + cs + β²: (E(s₁) − E(s₂))/(s₁ − s₂), E(s) =
-    !! ∫₀ʰ e^(s(h−w)) e^(iΩw) dw. Where all turn little in the step they are a power series;
-    !! so the roots are never nearly the same where they are divided by.
+    !! Return displacement and velocity after a time h under e^(iΩs) from rest. Far from resonance they are the steady
+    !! response less the free one. Near it they follow from the roots s₁, s₂ of s² + cs + β²: (E(s₁) − E(s₂))/(s₁ − s₂),
+    !! E(s) = ∫₀ʰ e^(s(h−w)) e^(iΩw) dw. If all phases in the step are small, a power series is used; so the roots in
+    !! the quotient are never close.
     real(dp), intent(in) :: beta_squared, c, h, frequency
-    real(dp), intent(in) :: moved(4)               !! the free flow, as that of a step
+    real(dp), intent(in) :: moved(4)               !! free flow, as in a step
     complex(dp) :: state(2)
     complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
     complex(dp) :: s(2), e(2), apart, steady
@@ -71,7 +72,7 @@ contains
       steady = 1.0_dp/apart
       state(1) = steady*(exp(i*turn) - moved(1) - moved(2)*i*frequency)
       state(2) = steady*(i*frequency*exp(i*turn) - moved(3) - moved(4)*i*frequency)
-    else                                           ! the mode turns, and damping is small
+    else                                           ! an oscillating mode with little damping
       s = -0.5_dp*c + [i, -i]*sqrt(cmplx(beta_squared - 0.25_dp*c**2, 0.0_dp, dp))
       e = h*exp(0.5_dp*(s + i*frequency)*h)*mean_exponential(0.5_dp*(i*frequency - s)*h)
       state(1) = (e(1) - e(2))/(s(1) - s(2))
@@ -80,7 +81,7 @@ contains
   end function tone_response
 
   elemental complex(dp) function mean_exponential(z) result(mean)
-    !! sinh z/z.
+    !! Return sinh z/z.
     complex(dp), intent(in) :: z
     if (abs(z) < 1.0e-2_dp) then
       mean = 1.0_dp + z**2/6.0_dp*(1.0_dp + z**2/20.0_dp*(1.0_dp + z**2/42.0_dp*(1.0_dp + z**2/72.0_dp)))
@@ -90,7 +91,7 @@ contains
   end function mean_exponential
 
   pure function tone_series(square, damping, turn) result(state)
-    !! y″ + Cy′ + By = e^(iΘu) at u = 1, from rest at u = 0.
+    !! Solve y″ + Cy′ + By = e^(iΘu) at u = 1, from rest at u = 0.
     real(dp), intent(in) :: square, damping, turn  !! B ≤ 1, C ≤ 2 and Θ ≤ 1
     complex(dp) :: state(2)
     integer, parameter :: terms = 26
@@ -110,7 +111,7 @@ contains
   end function tone_series
 
   pure subroutine advance(self, drive, power, tone, q, v)
-    !! The state at the end of the step.
+    !! Move the state to the end of the step.
     class(load_step), intent(in) :: self
     real(dp), intent(in) :: drive(:, :)            !! acceleration of each mode under a load of 1, (modes, loads)
     real(dp), intent(in) :: power(0:, :)           !! of the loads in the step, (0:degree, loads)
