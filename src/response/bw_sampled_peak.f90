@@ -1,10 +1,10 @@
 module bw_sampled_peak
-  !! How far the peak of a history may lie above its largest sample.
+  !! Estimate of how far the peak of a history exceeds its largest sample.
   !!
-  !! Between samples a history is about the parabola through three of them. Its peak lies at most half a step from the nearest
-  !! sample, and so at most an eighth of the second difference above it. Where samples follow the motion this is a bound, but for
-  !! terms of fourth order in their distance. Where they do not follow it, as when modes are faster than half the sampling rate,
-  !! second differences are as large as the motion, and the estimate says that much may be hidden: some ten per cent, or more.
+  !! Between samples a history is close to the parabola through three of them. Its peak is at most half a step from the
+  !! nearest sample, and thus at most an eighth of the second difference above it. If the samples resolve the motion,
+  !! this is a bound to fourth order in their distance. If not, as for modes above the Nyquist frequency, second
+  !! differences are as large as the motion, and the estimate is about that large: ten per cent or more.
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing
@@ -15,14 +15,14 @@ module bw_sampled_peak
 contains
 
   pure integer function known_samples(history) result(samples)
-    !! How many samples come before the first that is missing.
+    !! Count the samples before the first missing one.
     real(dp), intent(in) :: history(:)
     samples = findloc(is_missing(history), .true., dim=1) - 1
     if (samples < 0) samples = size(history)
   end function known_samples
 
   pure real(dp) function hidden_share(history) result(share)
-    !! Estimate of what samples hide of the peak, over the largest of them; missing of fewer than three, and where all are 0.
+    !! Return the estimated excess of the peak over the largest sample; missing for fewer than three samples or if all are 0.
     real(dp), intent(in), contiguous :: history(:)     !! none missing, (samples)
     real(dp) :: largest, peak, nearby(3)
     integer :: j
@@ -31,7 +31,7 @@ contains
     if (size(history) < 3 .or. .not. largest > 0.0_dp) return
     peak = 1.0_dp
     do j = 2, size(history) - 1
-      nearby = history(j - 1:j + 1)/largest            ! histories may be as large as numbers are
+      nearby = history(j - 1:j + 1)/largest            ! avoids overflow
       peak = max(peak, abs(nearby(2)) + abs(nearby(3) - 2.0_dp*nearby(2) + nearby(1))/8.0_dp)
     end do
     share = peak - 1.0_dp

@@ -14,7 +14,7 @@ module bw_time_grid
 contains
 
   pure type(time_grid) function time_grid_of(duration, samples, unit) result(grid)
-    !! The grid of a history, its step in extended precision.
+    !! Return the time grid of a history, with its step in extended precision.
     real(dp), intent(in) :: duration    !! s, > 0
     integer, intent(in) :: samples      !! ≥ 1
     type(dd), intent(in) :: unit        !! l²/h, s
@@ -23,11 +23,11 @@ contains
   end function time_grid_of
 
   pure integer function first_sample(time, grid)
-    !! The number, from 1, of the first sample at or after a time: a sample at exactly the time of an event belongs to what
-    !! comes after it. One more than there are samples where the time is beyond them.
+    !! Return the first sample, from 1, at or after a time: a sample exactly at an event belongs to what comes after it.
+    !! One more than the last if the time is beyond that.
     type(dd), intent(in) :: time        !! in the grid's unit, ≥ 0
     type(time_grid), intent(in) :: grid
-    real(dp), parameter :: same_instant = epsilon(1.0_dp)   ! of the time: it is given in binary64
+    real(dp), parameter :: same_instant = epsilon(1.0_dp)   ! relative, as times are given in binary64
     type(dd) :: early
     first_sample = max(1, min(int(time%hi/grid%step%hi), grid%samples))
     do while (first_sample <= grid%samples)
@@ -38,7 +38,7 @@ contains
   end function first_sample
 
   pure function sample_times(duration, samples) result(times)
-    !! The times themselves, s, (samples).
+    !! Return the times of the samples, s, (samples).
     real(dp), intent(in) :: duration
     integer, intent(in) :: samples
     real(dp) :: times(samples)

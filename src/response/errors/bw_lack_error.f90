@@ -1,7 +1,7 @@
 module bw_lack_error
-  !! What the modes that are summed lack of the motion of all modes (lack_type of bw_segment): differences that are known, since a
-  !! finite number of modes before the capture leaves them, and others of which there is a bound. Amplitudes add up to the bound;
-  !! what they come to at a sample is estimated as in bw_truncation_error.
+  !! Errors of histories due to errors of the modal state (lack_type of bw_segment): known differences, due to a finite
+  !! number of modes before the capture, and bounded ones. Amplitudes add to the bound; their sum at a sample is
+  !! estimated as in bw_truncation_error.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_set, only: curvatures, mode_set
@@ -21,13 +21,14 @@ module bw_lack_error
 contains
 
   subroutine find_lack(lack, modes, count, survey, samples, part, times, error)
+    !! Find the errors of displacements, and of velocities or curvatures, due to errors of the modal state.
     type(lack_type), intent(in) :: lack
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: count                 !! of the modes that are summed
-    type(mode_survey), intent(in) :: survey      !! of their motion
-    integer, intent(in) :: samples               !! at which it is seen
-    real(dp), intent(in) :: part(:)              !! of the sum of its amplitudes, that a block of modes comes to, (points)
-    real(dp), intent(in) :: times(:)             !! of the root mean square, that velocities of a block come to, (points)
+    integer, intent(in) :: count                 !! modes summed
+    type(mode_survey), intent(in) :: survey      !! of these modes
+    integer, intent(in) :: samples               !! number of samples
+    real(dp), intent(in) :: part(:)              !! |sum of a block| over the sum of its amplitudes, (points)
+    real(dp), intent(in) :: times(:)             !! velocity of a block over its root mean square, (points)
     type(lack_error), intent(out) :: error
     real(dp) :: middle(size(part)), middle_rate(size(part))
     integer :: b
@@ -61,7 +62,7 @@ contains
     end function unknown
 
     subroutine add(weight, rate, q)
-      !! One of the two differences.
+      !! Add the effect of one of the two kinds of errors.
       real(dp), intent(in) :: weight, rate(:)
       real(dp), intent(in), optional :: q(:)
       type(mode_survey) :: own

@@ -1,9 +1,8 @@
 module bw_mode_survey
-  !! What the modes of a motion do, one after the other: the energy that each holds, how far it may carry the points of a history,
-  !! and what it takes of the flexibility there. From these sums follows what modes that are not summed may add
-  !! (bw_truncation_error).
+  !! A survey of the modes of a motion in order: their energies, their largest displacements at the points of a history, and
+  !! their part of the flexibility there. The contribution of omitted modes follows from these sums (bw_truncation_error).
   !!
-  !! The first modes are kept one by one, others as bins of neighbours, 128 to an octave of mode numbers, so that millions take
+  !! The first modes are kept individually, the others in bins, 128 to an octave of mode numbers, so millions take
   !! little memory. Without dimensions: displacements in V l²/h, velocities in V, energies in m_iV².
   use bw_double_double, only: dd
   use bw_flexibility, only: flexibility_table
@@ -14,43 +13,43 @@ module bw_mode_survey
   implicit none (type, external)
   private
 
-  integer, parameter :: single = 256               !! modes that are kept one by one
+  integer, parameter :: single = 256               !! modes kept individually
   integer, parameter :: bins_an_octave = 128
   integer, parameter :: batch = 256                !! tuned: modes whose arrays stay in the cache
-  real(dp), parameter :: farthest = 1.0e150_dp     !! that a growing mode comes in these sums: its square is a number
+  real(dp), parameter :: farthest = 1.0e150_dp !! largest displacement of a growing mode in the sums, whose square does not overflow
 
   type, public :: mode_bin
-    !! Neighbouring modes.
-    integer :: last = 0                            !! number of the last of them
+    !! A bin of consecutive modes.
+    integer :: last = 0                            !! number of the last mode
     integer :: modes = 0
     real(dp) :: square = 0.0_dp                    !! β² of the last
-    real(dp) :: damping = 0.0_dp                   !! its c
+    real(dp) :: damping = 0.0_dp                   !! c of the last
     real(dp) :: mean_square = 0.0_dp               !! mean of β²
     real(dp) :: energy = 0.0_dp                    !! ½ΣM(q̇² + β²q²)
-    real(dp) :: size_of_energy = 0.0_dp            !! the same of magnitudes: β² < 0 takes energy
+    real(dp) :: size_of_energy = 0.0_dp            !! the same with |β²|
   end type mode_bin
 
   type, public :: point_sums
-    !! Of the modes of a bin at a point.
+    !! Sums over the modes of a bin at one point.
     real(dp) :: share = 0.0_dp                     !! ΣΦ(ξ)²/M
-    real(dp) :: reach = 0.0_dp                     !! Σ|A|, A a mode's largest displacement of the point
+    real(dp) :: reach = 0.0_dp                     !! Σ|A|, with A the largest displacement of the point in a mode
     real(dp) :: square = 0.0_dp                    !! ΣA²
     real(dp) :: largest = 0.0_dp                   !! the largest |A|
     real(dp) :: rate_square = 0.0_dp               !! ΣA² of velocities
   end type point_sums
 
   type, public :: mode_survey
-    integer :: quantity = 1                        !! of the histories: deflections or curvatures (bw_mode_set)
+    integer :: quantity = 1                        !! deflections or curvatures (bw_mode_set)
     real(dp), allocatable :: points(:)             !! ξ, (points)
-    type(stretch_type) :: stretch                  !! samples after the start of the motion
-    integer, allocatable :: wanted(:)              !! counts that end a bin, whatever its width
-    integer :: bins = 0                            !! that are full
-    type(mode_bin), allocatable :: bin(:)          !! (bins and more)
-    type(point_sums), allocatable :: at(:, :)      !! (points, bins and more)
-    type(flexibility_table) :: flexibility         !! of the beam at the points, as far as it was asked for
-    type(flexibility_table) :: struck              !! at the struck place
-    real(dp), allocatable :: bound(:)              !! of what all modes beyond these add, if it is known, (points)
-    real(dp) :: bound_energy = 0.0_dp              !! of the motion that it is for
+    type(stretch_type) :: stretch                  !! samples since the start of the motion
+    integer, allocatable :: wanted(:)              !! mode numbers that end a bin in any case
+    integer :: bins = 0                            !! complete bins
+    type(mode_bin), allocatable :: bin(:)          !! (bins, with room for more)
+    type(point_sums), allocatable :: at(:, :)      !! (points, bins, with room for more)
+    type(flexibility_table) :: flexibility         !! of the beam at the points, as far as computed
+    type(flexibility_table) :: struck              !! at the struck point
+    real(dp), allocatable :: bound(:)              !! contribution of all modes beyond, if known, (points)
+    real(dp) :: bound_energy = 0.0_dp              !! energy of the motion for which it holds
   contains
     procedure :: start
     procedure :: add
@@ -63,7 +62,7 @@ module bw_mode_survey
 contains
 
   subroutine start(self, quantity, points, stretch, wanted)
-    !! A survey of no modes yet.
+    !! Start an empty survey.
     class(mode_survey), intent(out) :: self
     integer, intent(in) :: quantity
     real(dp), intent(in) :: points(:)
@@ -78,21 +77,21 @@ contains
   end subroutine start
 
   pure integer function surveyed(self) result(count)
-    !! Modes that have been added.
+    !! Count the modes surveyed.
     class(mode_survey), intent(in) :: self
     count = self%bin(self%bins + 1)%modes
     if (self%bins > 0) count = count + self%bin(self%bins)%last
   end function surveyed
 
   pure integer function bin_of(self, count) result(bin)
-    !! The bin that ends with mode `count`; 0: none does.
+    !! Return the bin that ends with mode `count`; 0: none.
     class(mode_survey), intent(in) :: self
     integer, intent(in) :: count
     bin = findloc(self%bin(:self%bins)%last, count, dim=1)
   end function bin_of
 
   pure integer function end_of_bin(self, number) result(last)
-    !! The last mode of the bin that a mode is in.
+    !! Return the last mode of the bin of a mode.
     class(mode_survey), intent(in) :: self
     integer, intent(in) :: number
     integer :: width
@@ -108,7 +107,7 @@ contains
   end function end_of_bin
 
   subroutine make_room(self, more)
-    !! For so many further bins.
+    !! Make room for more bins.
     class(mode_survey), intent(inout) :: self
     integer, intent(in) :: more
     type(mode_bin), allocatable :: bin(:)
@@ -124,7 +123,7 @@ contains
   end subroutine make_room
 
   subroutine add(self, square, damping, q, rate, mass, shapes)
-    !! The next modes, and the state that they start from.
+    !! Add the next modes with their initial state.
     class(mode_survey), intent(inout) :: self
     type(dd), intent(in) :: square(:)              !! β², (modes)
     real(dp), intent(in) :: damping(:)             !! c
@@ -165,10 +164,10 @@ contains
   end subroutine add
 
   subroutine add_set(self, modes, first, last, q, rate)
-    !! Some of the modes of a set: those that come next.
+    !! Add consecutive modes of a set.
     class(mode_survey), intent(inout) :: self
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: first, last             !! their places in the set
+    integer, intent(in) :: first, last             !! indices in the set
     real(dp), intent(in) :: q(:), rate(:)          !! of all modes of the set, or more
     real(dp) :: damping(batch)
     integer :: a, e
@@ -182,7 +181,7 @@ contains
   end subroutine add_set
 
   subroutine add_source(self, source, force, last, monitor)
-    !! All modes up to number `last`, which start from rest position with the velocities force·Φ_k(ξ₀)/M_k.
+    !! Add all modes up to number `last`, undeflected at the start, with velocities force·Φ_k(ξ₀)/M_k.
     class(mode_survey), intent(inout) :: self
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
@@ -209,7 +208,7 @@ contains
   end subroutine add_source
 
   elemental type(dd) function signed_square(beta) result(square)
-    !! β² from √|β²| with its sign.
+    !! Return β² with its sign from √|β²| with that sign.
     type(dd), intent(in) :: beta
     square = dd(beta%hi*abs(beta%hi))
   end function signed_square

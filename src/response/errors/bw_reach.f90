@@ -1,5 +1,5 @@
 module bw_reach
-  !! How far modes go over a stretch of time, from velocity 1 or from any state: bounds of their displacement or velocity.
+  !! Bounds of the displacement or velocity of a mode over an interval of time, from its initial state.
   use bw_double_double, only: dd, sqrt, operator(-)
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
@@ -8,19 +8,19 @@ module bw_reach
   public :: amplitude_of, turns
 
   type, public :: stretch_type
-    !! Samples of a part of a history, times in l²/h from the start of the motion.
-    real(dp) :: start = 0.0_dp                   !! the first sample after that
-    real(dp) :: end = 0.0_dp                     !! a step after the last
-    real(dp) :: step = 0.0_dp                    !! from sample to sample
+    !! The samples of an interval, times in l²/h since the start of the motion.
+    real(dp) :: start = 0.0_dp                   !! first sample
+    real(dp) :: end = 0.0_dp                     !! one step after the last
+    real(dp) :: step = 0.0_dp                    !! sampling interval
   end type stretch_type
 
   real(dp), parameter :: furthest = 600.0_dp
-    !! beyond it a history is near overflow; the estimate must not overflow itself
+    !! exponent limit, near the overflow of histories, so that estimates do not overflow
 
 contains
 
   elemental logical function turns(beta_squared, c)
-    !! The mode swings: its sign is as good as random.
+    !! Tell whether a mode oscillates; its phase is then practically random.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     type(dd) :: square
@@ -29,8 +29,8 @@ contains
   end function turns
 
   elemental real(dp) function damped_reach(beta_squared, c, stretch, velocity) result(reach)
-    !! The largest e^(−ct/2)|S| of a damped mode over the stretch, or of its rate: of two real exponentials, the slower
-    !! one alone.
+    !! Return the largest e^(−ct/2)|S| of a damped mode over the interval, or of its rate. Of two real exponentials only
+    !! the slower one counts.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     type(stretch_type), intent(in) :: stretch
@@ -52,7 +52,7 @@ contains
   end function damped_reach
 
   elemental real(dp) function amplitude_of(beta_squared, c, q, rate, stretch, velocity) result(amplitude)
-    !! The largest displacement or velocity of a mode over the stretch, or a little more.
+    !! Bound the largest displacement or velocity of a mode over the interval, closely.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c, q, rate
     type(stretch_type), intent(in) :: stretch
@@ -69,7 +69,7 @@ contains
     else if (turns(beta_squared, c)) then
       root = sqrt(turning_square(beta_squared, c))
       slow = slow_exponent(beta_squared, c)
-      swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not come that far
+      swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not reach its amplitude
       if (velocity) then
         amplitude = hypot(rate, (0.5_dp*c*abs(rate) + beta_squared%hi*abs(q))*swing)
       else

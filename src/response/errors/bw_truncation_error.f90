@@ -1,23 +1,21 @@
 module bw_truncation_error
-  !! How far a sum of the first n modes is from that of all: a bound that is proved, and an estimate that is near.
+  !! The truncation error of a sum of the first n modes: a proved bound, and an estimate.
   !!
-  !! **Bound.** Modes beyond the n-th hold the energy E_n, which is known as that of the motion less that of the first, and does not
-  !! grow while they are stable. R_n(ξ) = Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²) is the flexibility that they give the point. By Cauchy and
-  !! Schwarz |Σ_{k>n}Φ_kq_k(t)| ≤ √(2E_nR_n) at all times. R_n is no difference of nearly equal numbers if it is taken at an
-  !! imaginary frequency (bw_flexibility): R_n ≤ (1 + s²/β²_{n+1})Σ_{k>n}Φ_k²/(M_k(β_k² + s²)) for any s. Modes that a survey
-  !! holds beyond the n-th add no more than their amplitudes, and the bound is that of those beyond these.
+  !! **Bound.** Modes beyond the n-th have the energy E_n, the difference between the energy of the motion and that of the first
+  !! n, which does not grow while they are stable. R_n(ξ) = Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²) is their flexibility at the point. By the
+  !! Cauchy–Schwarz inequality |Σ_{k>n}Φ_kq_k(t)| ≤ √(2E_nR_n) at all times. R_n is computed without cancellation at an
+  !! imaginary frequency (bw_flexibility): R_n ≤ (1 + s²/β²_{n+1})Σ_{k>n}Φ_k²/(M_k(β_k² + s²)) for any s. Surveyed modes beyond
+  !! the n-th contribute at most their amplitudes; the bound applies to the modes beyond the survey.
   !!
-  !! The energy of a light mass lies in modes far beyond the n-th, which move no point far. Of a blow amplitudes are
-  !! fΦ_k(ξ)Φ_k(ξ₀)/(M_kβ_k), and by the same inequality their sum is at most f√(T(ξ)T(ξ₀)), T(ξ) = Σ_{k>n}Φ_k(ξ)²/(M_kβ_k). With
-  !! 1/β ≤ ½Σ_j 2ʲb/(β² + 4ʲb²), j ≥ −2, for β ≥ b, these are flexibilities at imaginary frequencies again. All shifts s² are powers of
-  !! 4, b one of 2, so that a few flexibilities serve every n.
+  !! With a light mass most energy is in modes far beyond the n-th, which hardly move any point. After an impact
+  !! amplitudes are fΦ_k(ξ)Φ_k(ξ₀)/(M_kβ_k), and by the same inequality their sum is at most f√(T(ξ)T(ξ₀)), T(ξ) =
+  !! Σ_{k>n}Φ_k(ξ)²/(M_kβ_k). With 1/β ≤ ½Σ_j 2ʲb/(β² + 4ʲb²), j ≥ −2, for β ≥ b, these are flexibilities at imaginary
+  !! frequencies as well. All shifts s² are powers of 4, and b a power of 2, so a few flexibilities serve every n.
   !!
-  !! **Estimate.** All modes that are left out seldom add up to the bound: phases are as good as random, or agree at some samples as
-  !! far as those of the modes before do. So the last two octaves of the sum are summed apart. Which part of the sum of its
-  !! amplitudes each comes to at a sample, and how that falls from octave to octave, tells what all further octaves come to of the
-  !! bound. Of velocities and curvatures amplitudes have no sum, and
-  !! what is taken is a multiple of their mean square's root, that of the energy E_n in modes of which the flexibility tells the
-  !! shapes.
+  !! **Estimate.** Omitted modes rarely add up to the bound: phases are practically random, or agree at some samples as
+  !! those of the summed modes do. So the last two octaves of the sum are summed separately. Their ratios of sum to sum
+  !! of amplitudes, and the change per octave, give that ratio for all further octaves. For velocities and curvatures
+  !! sums of amplitudes diverge. A multiple of the root mean square is used, from the energy E_n and mean square shapes.
   use bw_damping, only: damping_law
   use bw_double_double, only: dd
   use bw_flexibility, only: mean_square_curvature, mean_square_shape
@@ -32,47 +30,47 @@ module bw_truncation_error
   public :: agree_beyond, block_ends, displacement_error, falling_part, find_rates, find_tail, part_shown, rate_error
   public :: spread_of_samples, times_shown
 
-  real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums asked for up to this times the part that blocks show
-  real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same of velocities, in root mean squares
-  real(dp), parameter :: least_fall = 0.5_dp       !! of sums of amplitudes, from octave to octave, in the end: with shear
-  real(dp), parameter :: steady = 1.5_dp           !! tuned: the same of octaves that fall on as the last two do
-  integer, parameter :: counted = 5                !! octaves of them: velocities may have no bound, and no sum is larger
-  real(dp), parameter :: schwarz = 1.35_dp         !! of the sum of amplitudes, where modes are alike: √(4/3)·π/√8, and a little
-  integer, parameter :: shifts(2) = [-2, 2]        !! j, where s² = 4ʲ is about β²: the last for beams with tension, which is left out
-  real(dp), parameter, public :: no_bound = 1.0e100_dp  !! where none is known
-  real(dp), parameter :: rounding = 1.0e-13_dp     !! of a flexibility, relatively
-  integer, parameter, public :: fewest = 4         !! modes that have two octaves and others before them
+  real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums may be so many times what blocks show
+  real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same for velocities, in root mean squares
+  real(dp), parameter :: least_fall = 0.5_dp       !! largest asymptotic ratio of amplitude sums per octave, with shear
+  real(dp), parameter :: steady = 1.5_dp           !! tuned: the same if octaves continue to fall as the last two
+  integer, parameter :: counted = 5                !! octaves of these sums: velocities may have no bound, and no sum is larger
+  real(dp), parameter :: schwarz = 1.35_dp         !! of the sum of amplitudes for similar modes: √(4/3)·π/√8, rounded up
+  integer, parameter :: shifts(2) = [-2, 2]        !! j for s² = 4ʲ near β²; the last is for beams with tension, which is neglected
+  real(dp), parameter, public :: no_bound = 1.0e100_dp  !! where no bound is known
+  real(dp), parameter :: rounding = 1.0e-13_dp     !! relative error of a flexibility
+  integer, parameter, public :: fewest = 4         !! least number of modes with two octaves and others before
   integer, parameter :: lowest = -2, highest = 16  !! j, beyond which flexibilities fall as s^(−3/2)
-  integer, parameter :: octaves = 8                !! of modes whose velocities are looked at one after the other
+  integer, parameter :: octaves = 8                !! of modes for mean square shapes
 
   type, public :: tail_type
-    !! What modes beyond the first n may add, (points).
+    !! Possible contributions of modes beyond the first n, (points).
     integer :: count = 0                           !! n
-    real(dp), allocatable :: bound(:)              !! of displacements, at all times of the stretch
-    real(dp), allocatable :: reach(:)              !! sum of their amplitudes, about
-    real(dp), allocatable :: largest(:)            !! the largest amplitude that is known of one of them
-    real(dp), allocatable :: rate_mean(:)          !! of `find_rates`: root mean square of velocities, or of curvatures
-    real(dp), allocatable :: rate_bound(:)         !! of velocities, where a body at the point makes one
+    real(dp), allocatable :: bound(:)              !! of displacements, at all times of the interval
+    real(dp), allocatable :: reach(:)              !! approximate sum of amplitudes
+    real(dp), allocatable :: largest(:)            !! largest amplitude of a surveyed mode
+    real(dp), allocatable :: rate_mean(:)          !! from `find_rates`: root mean square of velocities or curvatures
+    real(dp), allocatable :: rate_bound(:)         !! of velocities, at points with a body
   end type tail_type
 
 contains
 
   pure function block_ends(count) result(ends)
-    !! The first count/4 modes, and those of the two octaves after them.
+    !! Return the last modes of three blocks: the first count/4 modes, and the two octaves after them.
     integer, intent(in) :: count
     integer :: ends(3)
     ends = [count/4, count/2, count]
   end function block_ends
 
   subroutine find_tail(survey, beam, law, energy, count, tail, force, place)
-    !! What is missing of displacements. The survey holds the first `count` modes, and as many beyond them as one likes.
-    type(mode_survey), intent(inout) :: survey     !! gets the flexibilities that are asked for
-    type(piece_beam), intent(in) :: beam           !! whose modes they are, without its tension
-    type(damping_law), intent(in), optional :: law !! absent: nothing damps
-    real(dp), intent(in) :: energy                 !! of all modes there are, m_iV²
-    integer, intent(in) :: count                   !! n, the last of a bin
+    !! Find the truncation error of displacements. The survey holds at least the first `count` modes.
+    type(mode_survey), intent(inout) :: survey     !! caches flexibilities
+    type(piece_beam), intent(in) :: beam           !! of these modes, without its tension
+    type(damping_law), intent(in), optional :: law !! absent: undamped
+    real(dp), intent(in) :: energy                 !! of all modes, m_iV²
+    integer, intent(in) :: count                   !! n, at the end of a bin
     type(tail_type), intent(out) :: tail
-    real(dp), intent(in), optional :: force        !! f, where all modes start from rest position with fΦ_k(ξ₀)/M_k
+    real(dp), intent(in), optional :: force        !! f, if all modes start undeflected with velocities fΦ_k(ξ₀)/M_k
     real(dp), intent(in), optional :: place        !! ξ₀
     real(dp) :: beyond(size(survey%points))
     integer :: b
@@ -94,7 +92,7 @@ contains
     end associate
   contains
     subroutine find_schwarz(b, bound)
-      !! √(2ER) of the modes beyond a bin, or f√(TT) where most of the energy is theirs.
+      !! Return √(2ER) of the modes beyond a bin, or f√(TT) if they have most of the energy.
       integer, intent(in) :: b
       real(dp), intent(out) :: bound(size(survey%points))
       real(dp) :: left
@@ -107,7 +105,7 @@ contains
       if (present(force) .and. present(place)) then
         level = level_of(survey%bin(b)%square)
         if (left > 0.5_dp*energy .and. level + lowest >= lowest_level(beam) &
-            .and. all(beam%piece%compliance%hi <= 0.0_dp)) then    ! with shear T grows without end
+            .and. all(beam%piece%compliance%hi <= 0.0_dp)) then    ! with shear T diverges
           call survey%flexibility%cover(beam, survey%points, level + lowest, level + highest)
           call survey%struck%cover(beam, [place], level + lowest, level + highest)
           bound = min(bound, bound_of_blow(survey, force, b))
@@ -118,7 +116,7 @@ contains
   end subroutine find_tail
 
   pure subroutine find_rates(survey, beam, law, energy, tail)
-    !! The same of velocities, or of curvatures.
+    !! Find the same for velocities, or for curvatures.
     type(mode_survey), intent(in) :: survey
     type(piece_beam), intent(in) :: beam
     type(damping_law), intent(in), optional :: law
@@ -133,20 +131,20 @@ contains
   end subroutine find_rates
 
   elemental integer function level_of(square) result(level)
-    !! j of the largest 4ʲ that is at most β².
+    !! Return j of the largest 4ʲ ≤ β².
     real(dp), intent(in) :: square                 !! β² > 0
     level = floor(0.5_dp*log(square)/log(2.0_dp))
   end function level_of
 
   pure integer function lowest_level(beam) result(level)
-    !! j of the least shift at which a beam that turns is far from the frequency of its turning.
+    !! Return j of the least shift, well above the frequency of rotation.
     type(piece_beam), intent(in) :: beam
     level = minexponent(1.0_dp)
     if (beam%spin_squared%hi > 0.0_dp) level = level_of(1.5_dp*beam%spin_squared%hi) + 1
   end function lowest_level
 
   pure real(dp) function energy_beyond(survey, energy, b) result(left)
-    !! Of the modes beyond a bin, with what rounding may hide of it.
+    !! Return the energy of the modes beyond a bin, with its rounding error.
     type(mode_survey), intent(in) :: survey
     real(dp), intent(in) :: energy
     integer, intent(in) :: b
@@ -155,11 +153,11 @@ contains
   end function energy_beyond
 
   pure subroutine find_residual(survey, beam, b, residual)
-    !! A bound of Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²) by the smallest shift that leaves digits. Tension stiffens a beam: the flexibility of that
-    !! without it is a bound, too, and the sharper the higher the frequency, so that larger shifts are tried as long as they serve.
-    type(mode_survey), intent(inout) :: survey     !! gets the flexibilities that are asked for
+    !! Bound Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²) by the smallest shift without cancellation. As tension stiffens a beam, the flexibility
+    !! without tension is a bound as well, sharper at higher frequency; so larger shifts are tried while they help.
+    type(mode_survey), intent(inout) :: survey     !! caches flexibilities
     type(piece_beam), intent(in) :: beam
-    integer, intent(in) :: b                       !! β² of its last mode is positive
+    integer, intent(in) :: b                       !! with β² > 0 of its last mode
     real(dp), intent(out) :: residual(:)           !! (points)
     real(dp), dimension(size(residual)) :: now
     real(dp) :: shift
@@ -176,10 +174,10 @@ contains
   end subroutine find_residual
 
   pure function bound_of_blow(survey, force, b) result(bound)
-    !! f√(T(ξ)T(ξ₀)) of the modes beyond a bin.
-    type(mode_survey), intent(in) :: survey        !! whose flexibilities cover the shifts, of the struck place as well
-    real(dp), intent(in) :: force                  !! as that of `find_tail`
-    integer, intent(in) :: b                       !! β² of its last mode is positive
+    !! Return f√(T(ξ)T(ξ₀)) of the modes beyond a bin.
+    type(mode_survey), intent(in) :: survey        !! with flexibilities at all shifts, also at the struck point
+    real(dp), intent(in) :: force                  !! see `find_tail`
+    integer, intent(in) :: b                       !! with β² > 0 of its last mode
     real(dp) :: bound(size(survey%points)), shift
     real(dp), dimension(size(survey%points) + 1) :: beyond, left
     integer :: j, level
@@ -196,13 +194,13 @@ contains
   end function bound_of_blow
 
   elemental real(dp) function remaining(whole, taken)
-    !! Of a flexibility, with what rounding may hide of it.
+    !! Return the remainder of a flexibility, with its rounding error.
     real(dp), intent(in) :: whole, taken
     remaining = rounding*whole + max(0.0_dp, whole - taken)
   end function remaining
 
   pure function taken(survey, b, shift)
-    !! What the modes up to a bin take of the flexibility of the points, (points).
+    !! Return the flexibility of the modes up to a bin, (points).
     type(mode_survey), intent(in) :: survey
     integer, intent(in) :: b
     real(dp), intent(in) :: shift
@@ -215,7 +213,7 @@ contains
   end function taken
 
   pure real(dp) function left_by_damping(survey, law, b) result(left)
-    !! Of the amplitudes of modes beyond a bin, at the first sample: 1 where nothing damps.
+    !! Return the factor of damping for amplitudes of modes beyond a bin at the first sample; 1 if undamped.
     type(mode_survey), intent(in) :: survey
     type(damping_law), intent(in), optional :: law
     integer, intent(in) :: b
@@ -225,7 +223,7 @@ contains
   end function left_by_damping
 
   pure function mobility_beyond(survey, beam, b) result(mobility)
-    !! Σ_{k>n}Φ_k(ξ)²/M_k: of all modes it is the reciprocal of a body's mass at the point; without a body it has no bound.
+    !! Return Σ_{k>n}Φ_k(ξ)²/M_k: over all modes it is the reciprocal mass of a body at the point; without a body it is unbounded.
     type(mode_survey), intent(in) :: survey
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: b
@@ -246,8 +244,8 @@ contains
   end function mobility_beyond
 
   pure function mean_shapes(survey, beam) result(mean)
-    !! The mean of Φ²/M, or of that of curvatures over β², of the modes beyond the survey, weighted by the energy that they have where
-    !! it falls from octave to octave by half. A point near the struck place sees more of higher modes.
+    !! Return the mean of Φ²/M, or of squared curvature over M β², for modes beyond the survey, weighted by an energy
+    !! that halves per octave. At points near the impact higher modes matter more.
     type(mode_survey), intent(in) :: survey
     type(piece_beam), intent(in) :: beam
     real(dp) :: mean(size(survey%points)), frequency, weight
@@ -266,19 +264,19 @@ contains
   end function mean_shapes
 
   pure function displacement_error(tail, part) result(error)
-    !! An estimate of the largest displacement that the modes beyond the first n add, (points).
+    !! Estimate the largest displacement due to modes beyond the first n, (points).
     type(tail_type), intent(in) :: tail
-    real(dp), intent(in) :: part(:)                !! of `part_shown`, (points)
+    real(dp), intent(in) :: part(:)                !! from `part_shown`, (points)
     real(dp) :: error(size(part))
     error = min(tail%bound, tail%largest + likely*part*tail%reach)
   end function displacement_error
 
   pure function rate_error(tail, times, largest) result(error)
-    !! The same of velocities, or of curvatures. Where the samples are instants at which waves of all lengths meet, octaves hardly
-    !! fall, and add up.
+    !! Estimate the same for velocities, or for curvatures. If samples are instants at which waves of all lengths meet,
+    !! octaves hardly fall, and add up.
     type(tail_type), intent(in) :: tail
-    real(dp), intent(in) :: times(:)               !! of `times_shown`, (points)
-    real(dp), intent(in) :: largest(:, :)          !! that each block comes to, (points, 2)
+    real(dp), intent(in) :: times(:)               !! from `times_shown`, (points)
+    real(dp), intent(in) :: largest(:, :)          !! of each block, (points, 2)
     real(dp) :: error(size(times)), falling(size(times))
     integer :: i
     error = rate_likely*times*tail%rate_mean
@@ -288,20 +286,20 @@ contains
   end function rate_error
 
   pure real(dp) function agree_beyond(beam) result(square)
-    !! β² of the lowest cutoff of a beam with shear: beyond it waves hardly disperse, and phases agree. A block there comes to as large
-    !! a part of its amplitudes as one at the cutoff.
+    !! Return β² of the lowest cutoff of a beam with shear. Beyond it waves hardly disperse and phases agree: a block
+    !! has the same ratio of sum to sum of amplitudes as at the cutoff.
     type(piece_beam), intent(in) :: beam
     square = 1.0_dp/max(maxval(beam%piece%compliance%hi*beam%piece%rotary%hi), tiny(1.0_dp))
   end function agree_beyond
 
   pure function part_shown(survey, count, samples, largest) result(part)
-    !! The part of the sum of their amplitudes that the modes beyond the first `count` come to at a sample, as blocks before them show
-    !! it, (points). With random phases every octave comes to √½ of the part of the one before; as far as blocks come to more than
-    !! random phases do by chance, phases agree, and the part falls less. Few modes tell nothing of others.
+    !! Return the ratio of sum to sum of amplitudes for modes beyond the first `count`, extrapolated from the blocks
+    !! before them, (points). With random phases it falls by √½ per octave; as far as blocks exceed random sums, phases
+    !! agree, and it falls less. With fewer than four modes it is 1.
     type(mode_survey), intent(in) :: survey
-    integer, intent(in) :: count                   !! of the modes that are summed
-    integer, intent(in) :: samples                 !! at which the motion is seen
-    real(dp), intent(in), optional :: largest(:, :)   !! that each block comes to, (points, 2); absent: phases are taken as random
+    integer, intent(in) :: count                   !! modes summed
+    integer, intent(in) :: samples                 !! number of samples
+    real(dp), intent(in), optional :: largest(:, :)   !! of each block, (points, 2); absent: random phases
     real(dp) :: part(size(survey%points))
     real(dp), dimension(size(survey%points), 2) :: random, reach, shown
     real(dp), dimension(size(survey%points)) :: fall, less
@@ -324,25 +322,25 @@ contains
     chance = 1.0_dp + by_chance/spread_of_samples(samples)**2
     where (random(:, 1) > 0.0_dp .and. random(:, 2) > 0.0_dp) &
       fall = min(1.0_dp, sqrt(0.5_dp)*max(1.0_dp, maxval(shown/max(random, tiny(fall)), 2)/chance))
-    less = min(least_fall, part_of(reach(:, 2), reach(:, 1)))    ! sums of amplitudes, from octave to octave
+    less = min(least_fall, part_of(reach(:, 2), reach(:, 1)))    ! ratio of amplitude sums per octave
     part = max(random(:, 2), shown(:, 2), fall*shown(:, 1))
     part = min(1.0_dp, part*fall*(1.0_dp - less)/(1.0_dp - less*fall))
   end function part_shown
 
   pure function falling_part(tail, largest) result(part)
-    !! The same if octaves fall on as the last two do, the last of them by half at least, (points). Where damping or the place leaves
-    !! most modes without phases it is the larger: sums of their amplitudes tell little then.
+    !! Return the same if octaves continue to fall as the last two, by half or more, (points). This is larger if damping
+    !! or the place leaves most modes without phases, so that sums of amplitudes say little.
     type(tail_type), intent(in) :: tail
-    real(dp), intent(in) :: largest(:, :)          !! that each block comes to, (points, 2)
+    real(dp), intent(in) :: largest(:, :)          !! of each block, (points, 2)
     real(dp) :: part(size(largest, 1)), fall(size(largest, 1))
     fall = min(least_fall, part_of(largest(:, 2), largest(:, 1)))
     part = min(1.0_dp, part_of(steady/likely*largest(:, 2)*fall/(1.0_dp - fall), tail%reach))
   end function falling_part
 
   pure function times_shown(survey, count, samples, largest) result(times)
-    !! How many root mean squares the velocities of a block of modes, or its curvatures, come to at a sample, (points).
+    !! Return velocities or curvatures of a block over their root mean square, (points).
     type(mode_survey), intent(in) :: survey
-    integer, intent(in) :: count, samples          !! as those of `part_shown`
+    integer, intent(in) :: count, samples          !! see `part_shown`
     real(dp), intent(in), optional :: largest(:, :)
     real(dp) :: times(size(survey%points))
     integer :: ends(3)
@@ -356,7 +354,7 @@ contains
   end function times_shown
 
   pure function half_squares(survey, first, last) result(squares)
-    !! ½ΣA² of velocities, or of curvatures, of the modes of some bins.
+    !! Return ½ΣA² of velocities, or of curvatures, over some bins.
     type(mode_survey), intent(in) :: survey
     integer, intent(in) :: first, last
     real(dp) :: squares(size(survey%points))
@@ -368,8 +366,8 @@ contains
   end function half_squares
 
   pure integer function samples_alive(survey, b, samples) result(alive)
-    !! Of a motion, at which modes beyond a bin have phases: damping leaves e⁻² of a mode after a time, and one that does not turn
-    !! has none.
+    !! Count the samples at which modes beyond a bin still have phases: until damping leaves e⁻² of a mode; 1 if it does
+    !! not oscillate.
     type(mode_survey), intent(in) :: survey
     integer, intent(in) :: b, samples
     alive = samples
@@ -383,7 +381,7 @@ contains
   end function samples_alive
 
   pure function block_bins(survey, count) result(bins)
-    !! The last bins of the blocks, or those in which they end.
+    !! Return the last bins of the blocks, or those in which blocks end.
     type(mode_survey), intent(in) :: survey
     integer, intent(in) :: count
     integer :: bins(3), ends(3), i
@@ -392,22 +390,23 @@ contains
   end function block_bins
 
   elemental real(dp) function part_of(value, whole) result(part)
-    !! At most 1; 1 where there is nothing to be a part of.
+    !! Return a ratio, at most 1; 1 for 0/0.
     real(dp), intent(in) :: value, whole
     part = 1.0_dp
     if (value < whole) part = value/whole
   end function part_of
 
   elemental real(dp) function times_of(value, square) result(times)
-    !! How many root mean squares a value is; 0 where nothing moves.
+    !! Return a value over a root mean square; 0 without motion.
     real(dp), intent(in) :: value, square
     times = 0.0_dp
     if (square > 0.0_dp) times = value/sqrt(square)
   end function times_of
 
   elemental real(dp) function spread_of_samples(samples) result(spread)
-    !! The largest of N sums of modes with random phases, over their root mean square. Few are distributed as Gauss' numbers are; of
-    !! quadratic phases larger ones are as rare as R⁻⁶ (J. Marklof, Limit theorems for theta sums, 1999).
+    !! Return the expected largest of N sums of modes with random phases over their root mean square. For small N it is
+    !! that of normal deviates; with quadratic phases values above R are as rare as R⁻⁶ (J. Marklof, Limit theorems for
+    !! theta sums, 1999).
     integer, intent(in) :: samples
     real(dp), parameter :: of_quadratic = 1.25_dp  ! tuned: the largest of 10³ to 10⁵ sums of 200 to 1000 modes
     spread = max(sqrt(2.0_dp*log(2.0_dp*max(1, samples))), of_quadratic*max(1, samples)**(1.0_dp/6.0_dp))

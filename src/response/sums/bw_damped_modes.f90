@@ -1,9 +1,9 @@
 module bw_damped_modes
-  !! Histories of damped modes: q(t) = Re Σ a e^(st), with one complex exponential for a mode that turns and two real
-  !! ones for a mode that does not.
+  !! Histories of damped modes: q(t) = Re Σ a e^(st), with one complex exponential for an oscillating mode and two real
+  !! ones for any other.
   !!
-  !! Time is cut into blocks as in bw_modal_sum, and as there the samples of all blocks are one product of the table of
-  !! turns with decay in a block and the table of states at the blocks' starts. Modes that have died away are left out.
+  !! Time is cut into blocks as in bw_modal_sum, and the samples of all blocks are one product of two tables:
+  !! exponentials within a block, and states at the starts of blocks. Modes that have decayed are skipped.
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, flow, slow_exponent, turning_square
@@ -17,11 +17,11 @@ module bw_damped_modes
   integer, parameter :: batch = 256             !! tuned: exponentials whose tables stay in the cache
   integer, parameter :: length = 128            !! tuned: samples of a block
   integer, parameter :: chunk_blocks = 32       !! tuned
-  real(dp), parameter :: dead = -60.0_dp        !! an exponential below e^(−60) of its start is nothing beside the others
+  real(dp), parameter :: dead = -60.0_dp        !! exponentials below e^(−60) of their start are negligible
   real(dp), parameter :: apart = 1.0e-4_dp      !! (2r/c)² above which two real exponentials hardly cancel
 
   type, public :: damped_motion
-    !! Damped modes and the state that they start from.
+    !! Damped modes and their initial state.
     type(dd), allocatable :: beta_squared(:)    !! (modes)
     real(dp), allocatable :: c(:)               !! damping, (modes)
     real(dp), allocatable :: q(:), q_dot(:)     !! modal displacements and velocities at t = 0, (modes)
@@ -29,18 +29,18 @@ module bw_damped_modes
   end type damped_motion
 
   type :: exponentials
-    !! A list of a e^(st).
+    !! A list of exponentials a e^(st).
     real(dp), allocatable :: decay(:)           !! Re s ≤ 0
     real(dp), allocatable :: turning(:)         !! Im s
-    type(dd), allocatable :: cycles(:)          !! Im s/2π, turns per sample
+    type(dd), allocatable :: cycles(:)          !! Im s/2π, cycles per sample
     complex(dp), allocatable :: start(:)        !! a
-    integer, allocatable :: mode(:)             !! which of the modes moves so
+    integer, allocatable :: mode(:)             !! mode of each
   end type exponentials
 
 contains
 
   elemental logical function grows(beta_squared, c, longest)
-    !! Such modes are left to bw_growing_modes, but for their part that decays.
+    !! Tell whether a mode grows; bw_growing_modes sums the growing exponential of such modes.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     real(dp), intent(in) :: longest                 !! duration
@@ -48,7 +48,7 @@ contains
   end function grows
 
   elemental logical function is_close(beta_squared, c, longest)
-    !! The two exponentials of the mode would cancel: it is at or near its critical damping, or hardly moves on.
+    !! Tell whether a mode's two exponentials would cancel: near critical damping, or too slow.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c, longest
     type(dd) :: square
@@ -57,7 +57,7 @@ contains
   end function is_close
 
   subroutine add_damped_modes(motion, grid, monitor, displacement, velocity)
-    !! Adds the motion, of modes that grow only the part that decays; leaves early if the monitor asks for it.
+    !! Add the motion; of growing modes only the decaying exponential. Returns early on a requested stop.
     type(damped_motion), intent(in) :: motion
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
@@ -94,7 +94,7 @@ contains
   end subroutine add_damped_modes
 
   pure subroutine find_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
-    !! Modes that turn first, then the slow and the fast part of those that do not.
+    !! List oscillating modes first, then the slow and the fast exponentials of others.
     type(dd), intent(in) :: beta_squared(:), square(:)
     real(dp), intent(in) :: c(:), q(:), q_dot(:)
     logical, intent(in) :: near(:)
@@ -120,7 +120,7 @@ contains
     list%start = [cmplx(q(turns), -sine, dp), cmplx(parted, 0.0_dp, dp)]
   contains
     pure function up_of(m) result(exponent)
-      !! The slower exponent of modes that do not turn.
+      !! Return the slower exponents of modes that do not oscillate.
       integer, intent(in) :: m(:)
       real(dp) :: exponent(size(m))
       type(dd) :: slow_part(size(m))
@@ -128,7 +128,7 @@ contains
       exponent = slow_part%hi
     end function up_of
     pure function down_of(m) result(exponent)
-      !! The faster exponent.
+      !! Return the faster exponents.
       integer, intent(in) :: m(:)
       real(dp) :: exponent(size(m))
       exponent = fast_exponent(beta_squared(m), c(m))
@@ -136,13 +136,13 @@ contains
   end subroutine find_exponentials
 
   elemental real(dp) function amplitude(other, own, q, q_dot)
-    !! Of e^(own·t) in a motion that is made of it and e^(other·t).
+    !! Return the amplitude of e^(own·t) in a motion of it and e^(other·t).
     real(dp), intent(in) :: other, own, q, q_dot
     amplitude = (q_dot - other*q)/(own - other)
   end function amplitude
 
   pure type(exponentials) function part_of(list, first, last) result(part)
-    !! Some of the exponentials of a list.
+    !! Return part of a list.
     type(exponentials), intent(in) :: list
     integer, intent(in) :: first, last
     part%decay = list%decay(first:last)
@@ -153,7 +153,7 @@ contains
   end function part_of
 
   subroutine add_exponentials(list, shapes, grid, monitor, displacement, velocity)
-    !! Add a batch of exponentials to histories, some blocks at a time.
+    !! Add a batch of exponentials to histories, several blocks at a time.
     type(exponentials), intent(in) :: list
     real(dp), intent(in) :: shapes(:, :)
     type(time_grid), intent(in) :: grid
@@ -206,13 +206,13 @@ contains
   end subroutine add_exponentials
 
   elemental complex(dp) function exponential(exponent, angle) result(value)
-    !! e^(exponent + i·angle).
+    !! Return e^(exponent + i·angle).
     real(dp), intent(in) :: exponent, angle
     value = exp(exponent)*cmplx(cos(angle), sin(angle), dp)
   end function exponential
 
   pure subroutine add_close(beta_squared, c, q, q_dot, shapes, grid, displacement, velocity)
-    !! A mode at or near its critical damping, sample by sample.
+    !! Add a mode near critical damping, sample by sample.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c, q, q_dot, shapes(:)
     type(time_grid), intent(in) :: grid

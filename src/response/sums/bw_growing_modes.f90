@@ -1,6 +1,6 @@
 module bw_growing_modes
-  !! Histories of modes at or beyond their critical speed, β² ≤ 0: q C + q̇ S with C = cosh|β|t, S = sinh|β|t/|β|,
-  !! and C = 1, S = t at β = 0: the same smooth functions of β² as those of the stable modes.
+  !! Histories of modes at or beyond their critical speed, β² ≤ 0: q C + q̇ S with C = cosh|β|t, S = sinh|β|t/|β|, and C
+  !! = 1, S = t at β = 0. These are the same analytic functions of β² as for stable modes.
   use bw_double_double, only: dd, sqrt, operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_time_grid, only: time_grid
@@ -9,20 +9,20 @@ module bw_growing_modes
   public :: add_growing_mode, find_overflow
 
   real(dp), parameter :: log_half = log(0.5_dp)
-  real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x taken as the square of e^(x/2)
+  real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x, computed as the square of e^(x/2)
 
 contains
 
   pure subroutine find_overflow(beta_squared, q, q_dot, shapes, grid, limits, samples, failing)
-    !! How many samples of the sum of growing modes are, at every point, no larger than given limits. Each moves as
-    !! Φ·½(q + q̇/|β|)e^(|β|t), and a part that decays.
+    !! Find the samples at which the sum of growing modes is within given limits at every point. Each mode moves as
+    !! Φ·½(q + q̇/|β|)e^(|β|t), and a decaying part.
     type(dd), intent(in) :: beta_squared(:)      !! β² ≤ 0, (modes)
     real(dp), intent(in) :: q(:), q_dot(:)       !! modal displacements and velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)         !! Φ(ξ_p), (modes, points)
     type(time_grid), intent(in) :: grid
-    real(dp), intent(in) :: limits(:)            !! logarithms of the largest displacement and, if asked for, velocity
-    integer, intent(out) :: samples              !! all where none is larger
-    integer, intent(out) :: failing              !! the mode that is largest at the first sample beyond; 0: none
+    real(dp), intent(in) :: limits(:)            !! logarithms of the largest displacement and, if requested, velocity
+    integer, intent(out) :: samples              !! samples within the limits
+    integer, intent(out) :: failing              !! largest mode at the first sample beyond; 0: none
     type(dd) :: root(size(q))
     real(dp) :: rate(size(q)), start(size(q))    ! |β|; logarithm of the growing part of the velocity at t = 0
     integer, allocatable :: grows(:)
@@ -50,13 +50,13 @@ contains
   contains
 
     pure real(dp) function time(sample)
-      !! When a sample is, in the grid's unit.
+      !! Return the time of a sample in the grid's unit.
       integer, intent(in) :: sample              ! from 1
       time = grid%step%hi*(sample - 1)
     end function time
 
     pure real(dp) function excess(sample)
-      !! By how much the logarithm of the sum's bound exceeds the limits.
+      !! Return how far the logarithm of the sum's bound exceeds the limits.
       integer, intent(in) :: sample
       real(dp), dimension(size(grows)) :: exponent, level
       exponent = rate(grows)*time(sample)
@@ -68,14 +68,14 @@ contains
   end subroutine find_overflow
 
   pure real(dp) function log_of_sum(logs)
-    !! log Σ exp(logs) where exp would overflow.
+    !! Return log Σ exp(logs) without overflow.
     real(dp), intent(in) :: logs(:)
     log_of_sum = maxval(logs)
     log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
   end function log_of_sum
 
   pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
-    !! Adds one mode's motion to some of the samples.
+    !! Add one mode to a range of samples.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: q, q_dot
     real(dp), intent(in) :: shapes(:)
@@ -95,7 +95,7 @@ contains
   end subroutine add_growing_mode
 
   elemental real(dp) function displacement_at(x, time, rate, q, q_dot, shape) result(now)
-    !! Φ·(q C + q̇ S).
+    !! Return Φ·(q C + q̇ S).
     type(dd), intent(in) :: x                    !! |β|t
     real(dp), intent(in) :: time, rate, q, q_dot, shape
     if (x%hi < 1.0_dp) then
@@ -106,7 +106,7 @@ contains
   end function displacement_at
 
   elemental real(dp) function velocity_at(x, rate, q, q_dot, shape) result(now)
-    !! Its derivative.
+    !! Return its derivative.
     type(dd), intent(in) :: x
     real(dp), intent(in) :: rate, q, q_dot, shape
     if (x%hi < 1.0_dp) then
@@ -117,17 +117,17 @@ contains
   end function velocity_at
 
   elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
-    !! sinh x/x, 1 at x = 0: the mean of cosh from 0 to x.
+    !! Return sinh x/x, 1 at x = 0: the mean of cosh from 0 to x.
     real(dp), intent(in) :: x
     mean = 1.0_dp
     if (x > 0.0_dp) mean = sinh(x)/x
   end function mean_hyperbolic_cosine
 
   elemental real(dp) function exponentials(growing, decaying, x) result(value)
-    !! growing·e^x + decaying·e^(−x). As e^x may overflow where the product does not, the growing part is multiplied
-    !! by e^(x/2) twice. The part of the exponent that rounding would lose, up to 1e-13, is added to first order.
+    !! Return growing·e^x + decaying·e^(−x). As e^x may overflow where the product does not, the growing part is
+    !! multiplied by e^(x/2) twice. The low part of the exponent, up to 1e-13, is added to first order.
     real(dp), intent(in) :: growing, decaying
-    type(dd), intent(in) :: x                     !! ≥ 0, and at most `largest_exponent` where something grows
+    type(dd), intent(in) :: x                     !! ≥ 0, and at most `largest_exponent` if something grows
     real(dp) :: half
     if (growing == 0.0_dp) then
       value = (decaying*exp(-0.5_dp*x%hi))*exp(-0.5_dp*x%hi)*(1.0_dp - x%lo)

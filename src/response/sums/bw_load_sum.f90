@@ -1,10 +1,10 @@
 module bw_load_sum
-  !! Histories of modes that loads drive, and of their free motion afterwards. From sample to sample and from knot to knot of the loads all
-  !! modes move exactly; what modes that are not summed add at once is added. Sixty-four samples without a knot are one step once more, so
-  !! that rounding does not add up over the samples of a record.
+  !! Histories of modes under loads, and of their free motion afterwards. Between samples and knots of the loads all
+  !! modes move exactly; the quasi-static contribution of omitted modes is added. Every 64 samples without a knot are
+  !! also taken in one step, so that rounding does not accumulate.
   !!
-  !! Twice as many modes are followed as are summed, if there are so many: what the others would add, beyond what follows the loads at
-  !! once, is missing, and what is missing beyond them continues the octaves of modes.
+  !! Up to twice the summed modes are followed. The contribution of the others, less its quasi-static part, is the first
+  !! octave of the truncation error, which is extrapolated beyond it.
   use bw_double_double, only: dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_load_course, only: degree_of, interval_at, load_course, next_knot, part_of_course, rates_of
@@ -20,48 +20,48 @@ module bw_load_sum
   integer, parameter :: orders = 2                  !! derivatives in time, the most
 
   type, public :: load_view
-    !! What loads drive and what is looked at: a column for each quantity at each point.
-    integer :: summed = 0                           !! modes whose sum the histories are
+    !! The loads, and the requested quantities at points, one column each.
+    integer :: summed = 0                           !! modes summed in the histories
     type(load_course), allocatable :: course(:)     !! (loads)
     real(dp), allocatable :: drive(:, :)            !! acceleration of each mode under a load of 1, (modes, loads)
-    real(dp), allocatable :: weight(:, :)           !! what each mode shows, (modes, columns)
-    real(dp), allocatable :: residual(:, :)         !! what modes that are not summed add under a load of 1, (loads, columns)
-    real(dp), allocatable :: terms(:, :)            !! the size of what that is a difference of
-    integer, allocatable :: order(:)                !! derivatives in time of what is shown, (columns)
+    real(dp), allocatable :: weight(:, :)           !! of each mode, (modes, columns)
+    real(dp), allocatable :: residual(:, :)         !! static contribution of omitted modes under a load of 1, (loads, columns)
+    real(dp), allocatable :: terms(:, :)            !! magnitude of the terms that cancel in it
+    integer, allocatable :: order(:)                !! time derivatives, (columns)
   end type load_view
 
   type, public :: load_tail
-    !! Of two octaves of modes, (columns, 2), and of all modes.
+    !! Statistics of two octaves of modes, (columns, 2), and of all modes.
     real(dp), allocatable :: largest(:, :)          !! largest magnitude at a sample
     real(dp), allocatable :: squares(:, :)          !! sum of squares over the samples
     real(dp), allocatable :: amplitude(:, :)        !! largest magnitude of each mode, (modes, 0:orders)
-    real(dp), allocatable :: lag(:, :)              !! and of how much it lags behind what moves it at once
-    real(dp), allocatable :: load(:, :)             !! and of each load, (loads, 0:orders)
-    integer :: steps = 0                            !! roundings that may have added up
+    real(dp), allocatable :: lag(:, :)              !! the same less the quasi-static part
+    real(dp), allocatable :: load(:, :)             !! the same of each load, (loads, 0:orders)
+    integer :: steps = 0                            !! steps whose rounding may accumulate
   end type load_tail
 
 contains
 
   subroutine sum_loaded_modes(modes, view, grid, samples, start, until, monitor, q, v, history, tail)
-    !! The samples of a segment, and the state at its end.
+    !! Sum the samples of a segment, and move the state to its end.
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
     type(time_grid), intent(in) :: grid             !! of the whole record
-    integer, intent(in) :: samples(2)               !! the first and the last, from 1
+    integer, intent(in) :: samples(2)               !! first and last, from 1
     type(dd), intent(in) :: start, until            !! of the segment
     class(monitor_type), intent(inout) :: monitor   !! the histories are invalid if it requests a stop
     real(dp), intent(inout) :: q(:), v(:)           !! state at the start, then at the end, (modes)
     real(dp), intent(inout) :: history(:, :)        !! of the whole record, (samples, columns)
-    type(load_tail), intent(inout) :: tail          !! of the segments before it, too
+    type(load_tail), intent(inout) :: tail          !! includes the segments before
     type(load_step) :: fine, coarse
     real(dp), allocatable :: c(:)
-    real(dp) :: knot                                ! the next of any load
+    real(dp) :: knot                                ! next knot of any load
     real(dp), dimension(modes%count) :: q_before, v_before
     real(dp) :: state(modes%count, at_once, 0:orders), load(size(view%course), at_once, 0:orders)
-    real(dp), allocatable :: power(:, :)            ! of the loads from now on, (0:degree, loads)
+    real(dp), allocatable :: power(:, :)            ! of the loads in a step, (0:degree, loads)
     complex(dp) :: tone(size(view%course))
     type(dd) :: now, next
-    integer :: first, held, j, m                    ! `first` of the samples that are held
+    integer :: first, held, j, m                    ! `first` of the buffered samples
     c = spread(0.0_dp, 1, modes%count)
     if (allocated(modes%damping)) c = modes%damping
     if (.not. allocated(tail%largest)) then
@@ -73,7 +73,7 @@ contains
     now = start
     knot = next_knot(view%course, now%hi)
     first = samples(1)
-    held = 0                                        ! samples that are not yet in the histories
+    held = 0                                        ! samples not yet in the histories
     j = samples(1)
     do
       if (monitor%stop_requested()) return
@@ -114,7 +114,7 @@ contains
     if (next%hi > 0.0_dp) call step_to(until)
   contains
     integer function samples_to_knot() result(many)
-      !! From the next sample on.
+      !! Count the samples from the next one to the next knot.
       many = samples(2) - j + 1
       if (knot - now%hi < many*grid%step%hi) many = int((knot - now%hi)/grid%step%hi)
     end function samples_to_knot
@@ -125,7 +125,7 @@ contains
     end function step_of
 
     subroutine loads_until(time)
-      !! All of them in the step from now on.
+      !! Set all loads in the step from now on.
       real(dp), intent(in) :: time
       integer :: l
       do l = 1, size(view%course)
@@ -134,7 +134,7 @@ contains
     end subroutine loads_until
 
     subroutine step_to(time)
-      !! Steps of a sampling interval share their operators.
+      !! Step all modes to a time. Steps of one sampling interval share their operators.
       type(dd), intent(in) :: time
       type(load_step) :: odd
       type(dd) :: length
@@ -154,12 +154,12 @@ contains
       now = time
       knot = next_knot(view%course, now%hi)
       if (knot - now%hi > same*now%hi) return
-      now = to_dd(knot)                             ! at once, which rounding has made two instants
+      now = to_dd(knot)                             ! two instants that differ by rounding
       knot = next_knot(view%course, now%hi)
     end subroutine step_to
 
     subroutine keep_sample(sample)
-      !! The state at a sample: of displacements, velocities and accelerations, and of the loads.
+      !! Buffer the state at a sample: displacements, velocities, accelerations and loads.
       integer, intent(in) :: sample
       integer :: l
       if (held == 0) first = sample
@@ -178,8 +178,8 @@ contains
     end subroutine keep_sample
 
     real(dp) function mean_bend(course) result(bend)
-      !! The second derivative of a polynomial, averaged over a radian of the last mode that is summed: the force of a contact begins as
-      !! t^(3/2), and no mode follows that faster.
+      !! Return the second derivative of a load, averaged over a radian of the last summed mode: a contact force starts
+      !! as t^(3/2), and no mode follows it faster.
       type(load_course), intent(in) :: course
       real(dp) :: beside(0:ubound(power, 1), 2), radian
       complex(dp) :: ignored
@@ -194,7 +194,7 @@ contains
     end function mean_bend
 
     subroutine flush()
-      !! Put the samples that are held into the histories, and their last octaves into the tail.
+      !! Put the buffered samples into the histories, and their last octaves into the tail.
       if (held == 0) return
       call put_samples(modes, view, state(:, :held, :), load(:, :held, :), history(first:first + held - 1, :), tail)
       held = 0
@@ -202,7 +202,7 @@ contains
   end subroutine sum_loaded_modes
 
   pure subroutine put_samples(modes, view, state, load, history, tail)
-    !! Sums of some samples.
+    !! Sum some samples.
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
     real(dp), intent(in) :: state(:, :, 0:), load(:, :, 0:)   !! (modes or loads, samples, orders)
@@ -214,7 +214,7 @@ contains
     integer :: b, ends(3), i, k, n, o
     n = view%summed
     ends = octave_ends(n, modes%count)
-    soft = view%drive                               ! what loads move at once
+    soft = view%drive                               ! static response
     do k = 1, size(soft, 1)
       associate (square => modes%beta_squared(k)%hi)
         soft(k, :) = soft(k, :)/merge(square, huge(square), square > 1.0_dp)
@@ -240,8 +240,8 @@ contains
   end subroutine put_samples
 
   pure function octave_ends(summed, count) result(ends)
-    !! The octaves of modes are those after the first and after the second of these: the last that is summed and that after it, or the
-    !! last two that are summed where hardly more are known.
+    !! Return the ends of octaves of modes, which start after the first and the second of these: the last summed octave
+    !! and the one after it, or the last two summed ones if few more modes are known.
     integer, intent(in) :: summed, count
     integer :: ends(3)
     ends = [summed/2, summed, count]
@@ -249,16 +249,16 @@ contains
   end function octave_ends
 
   pure logical function sees_beyond(summed, count)
-    !! So many more modes are known as are summed.
+    !! Tell whether half as many modes again are known as are summed.
     integer, intent(in) :: summed, count
     sees_beyond = 2*count >= 3*summed
   end function sees_beyond
 
   pure function tail_errors(view, tail, columns) result(errors)
-    !! An estimate of what is missing of infinitely many modes in columns of one quantity, and of what lies beyond those that are known,
-    !! (columns, 2). With ρ the ratio of two octaves the octave that is missing is the first term of a geometric series; where it is not
-    !! known, it is ρ times that before it. As waves that have not reached a point yet may do so in modes beyond, it is taken to be as
-    !! large a part of the root sum of squares of its modes' amplitudes at every point as it is where that part is largest.
+    !! Estimate the truncation error in columns of one quantity, and its part due to unknown modes, (columns, 2). It is
+    !! a geometric series with the ratio ρ of two octaves, which starts with the next octave, or with ρ times the last
+    !! one if that is unknown. Waves may reach a point in higher modes only, so an octave counts at every point with its
+    !! largest ratio, over all points, to the root sum of squares of modal amplitudes.
     type(load_view), intent(in) :: view
     type(load_tail), intent(in) :: tail
     integer, intent(in) :: columns(:)
@@ -285,7 +285,7 @@ contains
   end function tail_errors
 
   pure function rounding_of(modes, view, tail, duration) result(error)
-    !! What rounding of steps, of the modes' frequencies and of their masses leaves, and of what is added at once, (columns).
+    !! Return rounding errors due to steps, frequencies, modal masses and residuals, (columns).
     class(mode_set), intent(in) :: modes
     type(load_view), intent(in) :: view
     type(load_tail), intent(in) :: tail

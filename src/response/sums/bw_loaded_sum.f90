@@ -1,5 +1,5 @@
 module bw_loaded_sum
-  !! Histories of modes that a force drives, step by step: exact between all samples, with what modes that are not summed add at once.
+  !! Histories of modes under a contact force, exact in each step, with the quasi-static contribution of omitted modes.
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_force_step, only: drive, force_in_step, polynomial_of, step_end
   use bw_kinds, only: dp
@@ -15,12 +15,12 @@ module bw_loaded_sum
 contains
 
   subroutine find_loaded_motion(modes, ladder, sampling, samples, curved, monitor, segment)
-    !! What is seen of a segment with a load at its samples: all of it at once, since the state at a sample costs more than its sums.
+    !! Find all histories of a segment with a load together, as computing the state costs more than the sums.
     class(mode_set), intent(in) :: modes
-    type(step_end), intent(in) :: ladder(0:)         !! of the steps of its load, by their level
-    type(sampling_type), intent(in) :: sampling      !! of the whole record, with velocities or without
-    integer, intent(in) :: samples(2)                !! the first and the last of the segment, from 1
-    logical, intent(in) :: curved                    !! curvatures, too
+    type(step_end), intent(in) :: ladder(0:)         !! step operators of its load, by level
+    type(sampling_type), intent(in) :: sampling      !! of the whole record
+    integer, intent(in) :: samples(2)                !! first and last of the segment, from 1
+    logical, intent(in) :: curved                    !! with curvatures
     class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(segment_type), intent(inout) :: segment     !! with a load, whose residual is that of the points
     type(oscillators) :: parts
@@ -28,7 +28,7 @@ contains
     real(dp) :: start, length, left, force, slope, a(modes%count), c(modes%count)
     real(dp), dimension(modes%count) :: u, v, u_there, v_there
     real(dp), dimension(modes%count, size(sampling%points)) :: shapes, bends
-    real(dp) :: turned(modes%count)                  ! of a hub that is free
+    real(dp) :: turned(modes%count)                  ! rotation of a free hub
     integer :: i, sample
     a = modes%struck
     a(segment%load%taking_part + 1:) = 0.0_dp
@@ -56,7 +56,7 @@ contains
           if (monitor%stop_requested()) return
           u_there = u
           v_there = v
-          force = 0.0_dp                           ! beyond, by rounding, or in the last sample of a record
+          force = 0.0_dp                           ! after the contact, by rounding, or in the last sample of a record
           slope = 0.0_dp
           if (left <= length) call force_in_step(polynomial_of(load%force(:, i)), max(0.0_dp, left/length), force, slope)
           if (left > 0.0_dp) call drive(parts, a, modes%modal_mass, length, min(1.0_dp, left/length), load%force(:, i), &

@@ -1,12 +1,12 @@
 module bw_modal_sum
-  !! Histories of stable modes, \( v(\xi,t) = \sum_k \Phi_k(\xi)\,[q_k\cos\beta_k t + \dot q_k \sin\beta_k t/\beta_k] \),
-  !! Eq. 29, by products of matrices.
+  !! Histories of stable modes, \( v(\xi,t) = \sum_k \Phi_k(\xi)\,[q_k\cos\beta_k t + \dot q_k \sin\beta_k t/\beta_k]
+  !! \), Eq. 29, by matrix products.
   !!
-  !! Time is cut into blocks. The modal state at a block's middle follows from a phase that is reduced modulo 2π
-  !! before it is rounded. From there every mode turns alike in all blocks, forth and back: the sums of cosines are the
-  !! even part of the motion about the middle and those of sines its odd part, and their sum and difference the samples
-  !! after it and before it. Each part of all blocks is one product of a table of turns with a table of states. Nothing is
-  !! carried from sample to sample: no error grows with time.
+  !! Time is cut into blocks. The modal state at the middle of a block follows from a phase that is reduced modulo 2π
+  !! before rounding. From there the phase of each mode changes alike in all blocks, forwards and backwards: sums of
+  !! cosines are the even part of the motion about the middle, sums of sines the odd part, and their sum and difference
+  !! the samples after it and before it. Each part of all blocks is one product of a table of cosines or sines with a
+  !! table of states. As nothing is passed from sample to sample, no error grows with time.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_monitor, only: monitor_type, part_monitor
@@ -18,25 +18,25 @@ module bw_modal_sum
   public :: add_stable_modes, block_length
 
   integer, parameter :: batch = 256           !! tuned: modes whose tables stay in the cache
-  integer, parameter :: chunk_blocks = 64     !! tuned: blocks whose states do
+  integer, parameter :: chunk_blocks = 64     !! tuned: blocks per table of states
 
   type :: block_states
-    !! Modal states at the middles of some blocks.
+    !! Modal states at the middles of several blocks.
     integer :: first = 0                      !! samples before the first block
     integer :: blocks = 0
-    real(dp), allocatable :: even(:, :)       !! of cos βs in the displacement: q, (modes, blocks and more)
+    real(dp), allocatable :: even(:, :)       !! of cos βs in the displacement: q, (modes, blocks, with room for more)
     real(dp), allocatable :: odd(:, :)        !! of sin βs: q̇/β
   end type block_states
 
   type :: block_turns
-    !! What all blocks have in common: turns from the middle of a block to the samples after it.
+    !! Cosines and sines from the middle of a block to the samples after it, common to all blocks.
     real(dp), allocatable :: cosine(:, :), sine(:, :)   !! (samples of half a block, modes)
   end type block_turns
 
 contains
 
   subroutine add_stable_modes(beta_squared, q, q_dot, shapes, grid, monitor, displacement, velocity)
-    !! Adds the motion that starts from the modal state (q, q_dot) at t = 0; leaves early if the monitor asks for it.
+    !! Add the motion from the modal state (q, q_dot) at t = 0. Returns early on a requested stop.
     type(dd), intent(in) :: beta_squared(:)         !! β² > 0, (modes)
     real(dp), intent(in) :: q(:), q_dot(:)          !! modal displacements and velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
@@ -59,19 +59,19 @@ contains
       end if
       if (monitor%stop_requested()) return
     end do
-    displacement(1, :) = start            ! to the last digit: of a beam at rest position zero
+    displacement(1, :) = start            ! exact: 0 for an undeflected beam
     if (present(velocity)) velocity(1, :) = start_rate
   end subroutine add_stable_modes
 
   subroutine add_batch(beta, q, q_dot, shapes, grid, monitor, displacement, velocity)
-    !! The same of a few hundred modes.
+    !! Add a few hundred modes.
     type(dd), intent(in) :: beta(:)
     real(dp), intent(in) :: q(:), q_dot(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     real(dp), intent(inout), contiguous :: displacement(:, :)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
-    type(dd) :: cycles(size(q))           ! turns per half a sample: a block's middle lies between two samples
+    type(dd) :: cycles(size(q))           ! per half a sample: a block's middle lies between two samples
     type(block_turns) :: turns
     type(block_states) :: states
     integer :: first, length, p
@@ -91,15 +91,15 @@ contains
   end subroutine add_batch
 
   pure integer function block_length(samples) result(length)
-    !! A power of two near √samples: the two tables of turns together are smallest there.
+    !! Return a power of two near √samples, which minimises the size of the two tables.
     integer, intent(in) :: samples
     length = 2**min(8, max(3, nint(0.5_dp*log(real(samples, dp))/log(2.0_dp))))
   end function block_length
 
   pure subroutine turns_in_block(half, cycles, turns)
-    !! Make the table of turns of half a block, about its middle.
+    !! Tabulate cosines and sines of half a block, about its middle.
     integer, intent(in) :: half                     !! samples of half a block
-    type(dd), intent(in) :: cycles(:)               !! turns per half a sample
+    type(dd), intent(in) :: cycles(:)               !! cycles per half a sample
     type(block_turns), intent(out) :: turns
     real(dp), dimension(size(cycles), half) :: cosine, sine
     call turn_table(cycles, 1.0_dp, 2.0_dp, cosine, sine)
@@ -108,10 +108,10 @@ contains
   end subroutine turns_in_block
 
   pure subroutine states_at_blocks(first, length, samples, cycles, start, start_rate, states)
-    !! States at the middles of the next blocks.
+    !! Find the states at the middles of the next blocks.
     integer, intent(in) :: first, length            !! samples before the first block, and in each
     integer, intent(in) :: samples
-    type(dd), intent(in) :: cycles(:)               !! turns per half a sample
+    type(dd), intent(in) :: cycles(:)               !! cycles per half a sample
     real(dp), intent(in), contiguous :: start(:), start_rate(:)   !! q and q̇/β at t = 0
     type(block_states), intent(inout) :: states
     real(dp), dimension(size(start), min(chunk_blocks, (samples - first + length - 1)/length)) :: cosine, sine
@@ -127,11 +127,11 @@ contains
   end subroutine states_at_blocks
 
   pure subroutine add_products(turns, states, even_weight, even, odd_weight, odd, history)
-    !! All samples of some blocks of one history.
+    !! Add all samples of several blocks to one history.
     type(block_turns), intent(in) :: turns
     type(block_states), intent(in) :: states
     real(dp), intent(in), contiguous :: even_weight(:), odd_weight(:)   !! of the modes
-    real(dp), intent(in), contiguous :: even(:, :), odd(:, :)   !! amplitudes that are weighted, (modes, blocks and more)
+    real(dp), intent(in), contiguous :: even(:, :), odd(:, :)   !! weighted amplitudes, (modes, blocks, with room for more)
     real(dp), intent(inout), contiguous :: history(:)       !! (samples)
     real(dp), dimension(size(turns%cosine, 1), states%blocks) :: cosines, sines
     real(dp) :: samples(2*size(turns%cosine, 1))
@@ -143,13 +143,13 @@ contains
       before = states%first + 2*half*(b - 1)
       samples(half:1:-1) = cosines(:, b) - sines(:, b)
       samples(half + 1:) = cosines(:, b) + sines(:, b)
-      count = min(2*half, size(history) - before)           ! a last block may be cut short
+      count = min(2*half, size(history) - before)           ! the last block may be shorter
       history(before + 1:before + count) = history(before + 1:before + count) + samples(:count)
     end do
   end subroutine add_products
 
   pure subroutine multiply(left, weight, right, product)
-    !! left·diag(weight)·right.
+    !! Return left·diag(weight)·right.
     real(dp), intent(in), contiguous :: left(:, :)          !! (samples of half a block, modes)
     real(dp), intent(in), contiguous :: weight(:), right(:, :)   !! (modes), (modes, blocks and more)
     real(dp), intent(out), contiguous :: product(:, :)      !! (samples of half a block, blocks)

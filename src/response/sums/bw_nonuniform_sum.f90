@@ -1,15 +1,14 @@
 module bw_nonuniform_sum
   !! Histories of many stable modes by a non-uniform fast Fourier transform, in modes + samples·log(samples) steps.
   !!
-  !! Every mode, at its frequency modulo the sampling rate, is carried onto a uniform grid of frequencies with the
-  !! kernel of bw_spreading_kernel; a fast transform turns the grid into samples, and what the kernel did to them is
-  !! divided out. Sines and cosines have grids of their own, of real numbers over 0 … ½ of the sampling rate: what starts
-  !! from rest position needs those of sines for displacements and those of cosines for velocities. Frequencies, places
-  !! and weights are those of all grids. Places are relative to the nearest grid point, found before they are rounded:
-  !! nothing is lost to the length of the record.
+  !! Every mode, at its frequency modulo the sampling rate, is spread onto a uniform grid of frequencies with the kernel of
+  !! bw_spreading_kernel; a fast transform of the grid gives samples, which are divided by the kernel's transform. Sines and
+  !! cosines have separate real grids from 0 to the Nyquist frequency: a motion from zero displacement needs sines for
+  !! displacements and cosines for velocities. Frequencies, grid positions and weights are common to all grids. Positions are
+  !! relative to the nearest grid point, computed before rounding, so no accuracy is lost in long records.
   !!
-  !! **Errors**: as `transform_error` says, over the peak, for modes that turn at least once in the record. The
-  !! amplitude q̇/β of a slower one is larger than its motion, and the error follows the amplitude.
+  !! **Errors**: `transform_error`, over the peak, for modes with at least one cycle in the record. The amplitude q̇/β
+  !! of slower ones exceeds their motion, and the error is relative to the amplitude.
   !!
   !! **Source**: Dutt and Rokhlin (1993), doi:10.1137/0914081; Barnett, Magland and af Klinteberg (2019),
   !! doi:10.1137/18M120885X.
@@ -26,18 +25,18 @@ module bw_nonuniform_sum
   private
   public :: points_at_once
 
-  integer, parameter :: batch = 256                !! tuned: modes whose places and coefficients stay in the cache
-  integer, parameter :: most_points = 16           !! tuned: whose coefficients of a batch stay in the cache
-  integer, parameter :: most_kept = 2**20          !! numbers of the grids that a sum keeps for the next, 8 MB
-  integer, parameter :: most_numbers = 2**23       !! of the grids in memory at a time, 64 MB; a single grid may be more
+  integer, parameter :: batch = 256                !! tuned: modes whose positions and coefficients stay in the cache
+  integer, parameter :: most_points = 16           !! tuned: points whose coefficients of a batch stay in the cache
+  integer, parameter :: most_kept = 2**20          !! numbers of grids kept for the next sum, 8 MB
+  integer, parameter :: most_numbers = 2**23       !! of grids in memory at a time, 64 MB; a single grid may be larger
 
-  ! Kinds of grids, in this order, each of all points; a sum has those that are not zero.
+  ! Kinds of grids, in this order, each for all points; a sum has those that are not zero.
   integer, parameter :: sines = 1, rate_cosines = 2, cosines = 3, rate_sines = 4
   logical, parameter :: of_cosines(4) = [.false., .true., .true., .false.]
 
   type, public :: nonuniform_sum
-    !! A sum under way: modes are added in as many parts as one likes, and turned into samples once. Opened again, it
-    !! keeps the kernel, the plan and the memory of the last sum as far as they serve.
+    !! A sum in progress: modes are added in any number of parts and transformed once. Reopened, it reuses kernel, plan
+    !! and memory of the last sum if they fit.
     private
     integer :: half = 0                            !! half the points of a grid
     integer :: points = 0                          !! of the beam
@@ -46,7 +45,7 @@ module bw_nonuniform_sum
     type(spreading_kernel) :: kernel
     type(sine_sum_plan) :: plan
     real(dp), allocatable :: spectra(:, :)
-      !! (2·half grid points and room for the kernel, points·kinds); half the kernel's width lies before the first
+      !! (2·half grid points, with room for the kernel, points·kinds); half the kernel's width lies before the first
     real(dp), allocatable :: start(:), start_dot(:)   !! the sum at t = 0, (points)
   contains
     procedure :: open => open_sum
@@ -58,7 +57,7 @@ module bw_nonuniform_sum
 contains
 
   pure integer function points_at_once(half, samples, points, kinds) result(group)
-    !! For how many points the grids may be in memory together: they take no more than the histories do themselves, or 64 MB.
+    !! Return how many points may have grids in memory together: no more numbers than the histories, or 64 MB.
     integer, intent(in) :: half, samples, points
     integer, intent(in) :: kinds                    !! of grids
     integer(i8) :: numbers
@@ -67,14 +66,14 @@ contains
   end function points_at_once
 
   subroutine open_sum(self, grid, width, half, points, with_velocity, moved)
-    !! Make room for a sum, and what of kernel and grids the last one does not leave.
+    !! Prepare a sum, and the kernel and grids that do not remain from the last.
     class(nonuniform_sum), intent(inout) :: self
     type(time_grid), intent(in) :: grid
     integer, intent(in) :: width                    !! of the kernel
     integer, intent(in) :: half                     !! half the points of a grid of frequencies
     integer, intent(in) :: points                   !! of the beam
     logical, intent(in) :: with_velocity
-    logical, intent(in) :: moved                    !! modes do not start from rest position
+    logical, intent(in) :: moved                    !! modes have initial displacements
     integer :: columns, rows
     logical :: known
     known = self%kernel%width == width .and. self%half == half .and. self%grid%samples == grid%samples
@@ -95,7 +94,7 @@ contains
   end subroutine open_sum
 
   subroutine close_sum(self, displacement, velocity, monitor)
-    !! Adds the samples to histories.
+    !! Transform the sum and add its samples to histories.
     class(nonuniform_sum), intent(inout) :: self
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
@@ -122,28 +121,28 @@ contains
   end subroutine close_sum
 
   subroutine shrink(self)
-    !! Give back the memory of large grids.
+    !! Release the memory of large grids.
     class(nonuniform_sum), intent(inout) :: self
     if (.not. allocated(self%spectra)) return
     if (size(self%spectra) > most_kept) deallocate (self%spectra)
   end subroutine shrink
 
   pure integer function first_of(self, kind) result(column)
-    !! The first column of a kind of grids.
+    !! Return the first column of a kind of grids.
     class(nonuniform_sum), intent(in) :: self
     integer, intent(in) :: kind
     column = 1 + self%points*count(self%with(:kind - 1))
   end function first_of
 
   subroutine add_modes(self, beta, q_dot, shapes, q)
-    !! Adds modes to all grids.
+    !! Add modes to all grids.
     class(nonuniform_sum), intent(inout) :: self
     type(dd), intent(in), contiguous :: beta(:)     !! β > 0, (modes)
     real(dp), intent(in), contiguous :: q_dot(:)    !! modal velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
-    real(dp), intent(in), optional, contiguous :: q(:)   !! modal displacements at t = 0, (modes); for a sum opened for them
+    real(dp), intent(in), optional, contiguous :: q(:)   !! modal displacements at t = 0, (modes); if opened with `moved`
     real(dp) :: offset(batch), side(batch), amplitude(batch)
-    real(dp), allocatable :: coefficients(:, :)     ! there may be thousands of points: not on the stack
+    real(dp), allocatable :: coefficients(:, :)     ! too large for the stack with thousands of points
     type(dd) :: turns
     integer :: place(batch), first, kind, last, n, p
     turns = self%grid%step/(dd_pi*2.0_dp)
@@ -177,7 +176,7 @@ contains
   end subroutine add_modes
 
   pure subroutine multiply(n, a, b, product)
-    !! The product of two lists, element by element, of a length that the compiler sees.
+    !! Return the elementwise product of two lists, of a length known to the compiler.
     integer, intent(in) :: n
     real(dp), intent(in) :: a(n), b(n)
     real(dp), intent(inout) :: product(n)
@@ -185,14 +184,14 @@ contains
   end subroutine multiply
 
   pure subroutine find_places(fraction, points, place, offset, side)
-    !! Where modes lie among grid points m + ½, `points` to a turn. A frequency above half the sampling rate is that of
-    !! the mirrored phase. The fraction is split so that the product with its larger part is exact.
-    type(dd), intent(in) :: fraction(:)       !! turns per sample, −½ … ½
+    !! Find the positions of modes among grid points m + ½, `points` to a cycle. Frequencies above Nyquist have the
+    !! mirrored phase. The fraction is split so that the product with its larger part is exact.
+    type(dd), intent(in) :: fraction(:)       !! cycles per sample, −½ … ½
     integer, intent(in) :: points             !! ≤ 2²⁹
     integer, intent(out) :: place(:)          !! m of the grid point to the left of the mode, from −1
-    real(dp), intent(out) :: offset(:)        !! way from there to the mode, 0 … 1 spacings
+    real(dp), intent(out) :: offset(:)        !! distance from there, 0 … 1 spacings
     real(dp), intent(out) :: side(:)          !! −1 for a mirrored phase, else 1
-    real(dp), parameter :: coarse = 1.5_dp*2.0_dp**29        ! whose last bit is 2⁻²³
+    real(dp), parameter :: coarse = 1.5_dp*2.0_dp**29        ! its last bit is 2⁻²³
     real(dp) :: large, left, position, sign_of, size_of, whole
     integer :: i
     do i = 1, size(fraction)

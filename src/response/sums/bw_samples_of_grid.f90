@@ -1,6 +1,6 @@
 module bw_samples_of_grid
-  !! The last steps of the non-uniform transform: what was carried beyond the ends of a grid is folded back, and the sums
-  !! over its points, the kernel divided out, are added to histories.
+  !! The last steps of the non-uniform transform: fold back what was spread beyond the ends of a grid, and add the sums
+  !! over its points, divided by the kernel's transform, to histories.
   use bw_kinds, only: dp
   use bw_sine_sum, only: block, fine_turns, middle_sum, pair_sums, quarter_sums, turn_block, turns_of_block
   use bw_spreading_kernel, only: kernel_factors, spreading_kernel
@@ -11,8 +11,8 @@ module bw_samples_of_grid
 contains
 
   pure subroutine fold_ends(half, width, cosine, spectra)
-    !! What was carried below frequency 0 or above half the sampling rate belongs to its mirror image: the same of
-    !! cosines, the opposite of sines.
+    !! Fold what was spread below frequency 0 or above Nyquist onto its mirror image, with the same sign for cosines and
+    !! the opposite one for sines.
     integer, intent(in) :: half                       !! half the points of a grid
     integer, intent(in) :: width                      !! of the kernel, half of which lies before the first point
     logical, intent(in) :: cosine(:)                  !! (grids)
@@ -31,7 +31,7 @@ contains
   end subroutine fold_ends
 
   pure subroutine add_samples(kernel, half, cosine, skip, grids, history)
-    !! Adds all samples but the first, which is left to the state at t = 0 itself.
+    !! Add all samples but the first, which follows from the state at t = 0.
     type(spreading_kernel), intent(in) :: kernel
     integer, intent(in) :: half                       !! half the points of a grid
     logical, intent(in) :: cosine
@@ -63,14 +63,14 @@ contains
   end subroutine add_samples
 
   pure integer function sample_of(half, run, j) result(sample)
-    !! Which sample the sum number `j` of one of the four runs of `pair_sums` is.
+    !! Return the sample of the sum number `j` in one of the four runs of `pair_sums`.
     integer, intent(in) :: half, run, j
     integer, parameter :: origin(4) = [0, 1, 1, 2], step(4) = [1, 1, -1, -1]
     sample = origin(run)*half + step(run)*j
   end function sample_of
 
   pure subroutine factors_of_block(kernel, half, turns, samples, factor)
-    !! Of the samples that are wanted.
+    !! Find the factors of the requested samples.
     type(spreading_kernel), intent(in) :: kernel
     integer, intent(in) :: half
     type(turn_block), intent(in) :: turns
@@ -84,7 +84,7 @@ contains
   end subroutine factors_of_block
 
   pure subroutine add_runs(half, turns, factor, sums, history)
-    !! Add the sums of a block to their samples: two runs go up from there, two down.
+    !! Add the sums of a block to their samples: two runs ascend, two descend.
     integer, intent(in) :: half
     type(turn_block), intent(in) :: turns
     real(dp), intent(in), dimension(block, 4) :: factor, sums
@@ -98,7 +98,7 @@ contains
     end do
     do run = 3, 4
       first = sample_of(half, run, turns%first)
-      beyond = max(0, first - size(history) + 1)          ! sums of samples that are not wanted
+      beyond = max(0, first - size(history) + 1)          ! sums beyond the record
       last = turns%count
       do i = beyond + 1, last
         history(first - i + 1) = history(first - i + 1) + factor(i, run)*sums(i, run)
@@ -107,7 +107,7 @@ contains
   end subroutine add_runs
 
   pure subroutine add_sample(kernel, half, sample, sum, history)
-    !! Add one sum to its sample, if that is wanted.
+    !! Add one sum to its sample, if that is in the record.
     type(spreading_kernel), intent(in) :: kernel
     integer, intent(in) :: half, sample
     real(dp), intent(in) :: sum

@@ -1,6 +1,5 @@
 module bw_set_sum
-  !! Histories of the modes of one set, from any state: Eq. 29. It never asks which event left that state. Of many modes no more
-  !! at a time than whose shapes may be in memory.
+  !! Histories of the modes of one set, from any initial state: Eq. 29. Many modes are summed in parts whose shapes fit in memory.
   use bw_damped_modes, only: add_damped_modes, damped_motion, grows
   use bw_double_double, only: dd, sqrt, operator(*), operator(-)
   use bw_growing_modes, only: add_growing_mode, find_overflow
@@ -20,32 +19,32 @@ module bw_set_sum
   integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
   integer, parameter :: most_numbers = 2**22   !! values of shapes in memory at a time
   real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
-    !! of the largest number, less what the roundings of a logarithm may amount to
+    !! of the largest number, less rounding errors of a logarithm
 
 contains
 
   subroutine free_motion(modes, q_dot, sampling, monitor, response, workspace)
-    !! The motion that starts from rest position with given modal velocities.
+    !! Sum the motion without initial displacement, with given modal velocities.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q_dot(:)             !! modal velocities at t = 0, m/s, (modes)
     type(sampling_type), intent(in) :: sampling
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(out) :: response
-    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans may serve again
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans are reused
     call start_histories(sampling, response)
     call add_motion(modes, q_dot*sampling%unit_time, monitor, response, workspace=workspace)
     call finish_histories(response)
   end subroutine free_motion
 
   subroutine add_motion(modes, rate, monitor, response, displaced, workspace, range)
-    !! Add modes that start from any state; velocities are in m per unit of the grid's time until the histories are finished.
+    !! Add modes with any initial state. Velocities are in m per unit of the grid's time until the histories are finished.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)              !! modal velocities at t = 0, m per l²/h, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response   !! started
-    real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
-    type(nonuniform_sum), intent(inout), optional :: workspace    !! as that of `free_motion`
-    integer, intent(in), optional :: range(2)    !! the first and the last of the modes that are added; absent: all
+    real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: 0
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! see `free_motion`
+    integer, intent(in), optional :: range(2)    !! first and last mode added; absent: all
     type(nonuniform_sum) :: own
     real(dp), allocatable :: q(:)
     integer :: ends(2)
@@ -68,10 +67,10 @@ contains
   end subroutine add_motion
 
   subroutine add_stable(modes, ends, q, rate, monitor, workspace, response)
-    !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
-    !! products, whose error follows its motion and not its amplitude.
+    !! Add modes below their critical speed. One that completes less than a cycle in the record is left to matrix
+    !! products, whose error is relative to its motion, not to its amplitude.
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: ends(2)               !! the first and the last that are added
+    integer, intent(in) :: ends(2)               !! first and last mode added
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
@@ -90,7 +89,7 @@ contains
       call add_transformed(modes, turns, choice, q, rate, monitor, workspace, response)
       if (monitor%stop_requested()) return
       others = stable .and. .not. turns
-      part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! of few modes
+      part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! few modes remain
     else
       others = stable
     end if
@@ -98,8 +97,7 @@ contains
   end subroutine add_stable
 
   subroutine add_products(modes, chosen, q, rate, monitor, response)
-    !! Some of the modes, by products of matrices; shapes are found for the same modes whichever are chosen, since a set may have
-    !! those of all of them.
+    !! Add some of the modes by matrix products. Shapes are evaluated in fixed ranges, as a set may have stored them for all modes.
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: chosen(:)             !! (modes)
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
@@ -123,7 +121,7 @@ contains
   end subroutine add_products
 
   subroutine add_transformed(modes, chosen, choice, q, rate, monitor, workspace, response)
-    !! Some of the modes, by the transform; shapes are found for some modes and points at a time.
+    !! Add some of the modes by the transform, with shapes for part of the modes and points at a time.
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: chosen(:)             !! (modes)
     type(sum_choice), intent(in) :: choice
@@ -167,9 +165,9 @@ contains
   end subroutine add_transformed
 
   subroutine add_damped(modes, ends, q, rate, monitor, response)
-    !! Damped modes.
+    !! Add damped modes.
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: ends(2)               !! as those of `add_stable`
+    integer, intent(in) :: ends(2)               !! see `add_stable`
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response
@@ -191,8 +189,9 @@ contains
   end subroutine add_damped
 
   subroutine add_damped_batch(first, motion, monitor, response)
-    !! Of those that grow, A e^(st) is the motion of an undamped mode with β² = −s².
-    integer, intent(in) :: first                 !! number of the first of the modes
+    !! Add a batch of damped modes. The growing exponential A e^(st) of unstable ones is the motion of an undamped mode
+    !! with β² = −s².
+    integer, intent(in) :: first                 !! number of the first mode
     type(damped_motion), intent(in) :: motion
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
@@ -212,14 +211,14 @@ contains
         call add_growing_batch(first - 1 + k, -(up*up), growing, growing*up%hi, shapes(k, :), monitor, response)
       end if
     end associate
-    response%displacement(1, :) = start          ! to the last digit: of a beam at rest position zero
+    response%displacement(1, :) = start          ! exact: 0 for an undeflected beam
     if (allocated(response%velocity)) response%velocity(1, :) = start_rate
   end subroutine add_damped_batch
 
   subroutine add_growing(modes, ends, q, rate, monitor, response)
-    !! Modes at or beyond their critical speed.
+    !! Add modes at or beyond their critical speed.
     class(mode_set), intent(in) :: modes
-    integer, intent(in) :: ends(2)               !! as those of `add_stable`
+    integer, intent(in) :: ends(2)               !! see `add_stable`
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
@@ -232,7 +231,7 @@ contains
   end subroutine add_growing
 
   subroutine add_growing_batch(number, beta_squared, q, rate, shapes, monitor, response)
-    !! Up to the first sample at which their sum overflows, or a velocity in m/s.
+    !! Add growing modes up to the first sample at which their sum, or a velocity in m/s, overflows.
     integer, intent(in) :: number(:)             !! of the modes
     type(dd), intent(in) :: beta_squared(:)      !! none above 0
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
@@ -258,13 +257,13 @@ contains
   end subroutine add_growing_batch
 
   pure integer function modes_at_once(points) result(modes)
-    !! A bound of the memory that shapes take.
-    integer, intent(in) :: points                !! how many
+    !! Return how many modes may have shapes in memory at a time.
+    integer, intent(in) :: points                !! their number
     modes = max(batch, most_numbers/max(64, points))
   end function modes_at_once
 
   pure function numbers_between(first, last) result(k)
-    !! first, first + 1, … last.
+    !! Return first, first + 1, … last.
     integer, intent(in) :: first, last
     integer :: k(max(0, last - first + 1))
     integer :: i
@@ -272,7 +271,7 @@ contains
   end function numbers_between
 
   pure function numbers_of(chosen) result(k)
-    !! The places of what is true, ascending.
+    !! Return the indices of true elements, ascending.
     logical, intent(in) :: chosen(:)
     integer, allocatable :: k(:)
     k = pack(numbers_between(1, size(chosen)), chosen)

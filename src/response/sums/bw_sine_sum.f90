@@ -1,12 +1,11 @@
 module bw_sine_sum
-  !! Sine and cosine sums over grid points that lie half a spacing beside whole numbers,
-  !! \( y_j = \sum_{m=0}^{n-1} x_m \sin(\pi(m + ½)j/n) \) and the same with the cosine, by fast transforms of n/2 complex
-  !! numbers.
+  !! Sine and cosine sums over grid points half a spacing off the integers, \( y_j = \sum_{m=0}^{n-1} x_m \sin(\pi(m +
+  !! ½)j/n) \) and the same with the cosine, by fast transforms of n/2 complex numbers.
   !!
-  !! Even grid points ahead and odd ones back, \( v_r = x_{2r} \), \( v_{n-1-r} = ∓x_{2r+1} \), make both parts of one sum:
-  !! with \( U_j = e^{iπj/2n} \sum_r v_r e^{2πijr/n} \) the sines are \( y_j = \mathrm{Im}\,U_j \),
-  !! \( y_{n-j} = \mathrm{Re}\,U_j \), the cosines the other way round. What the transform leaves is made into sums a block
-  !! at a time, so that who wants them may put them where they belong while they are in the cache.
+  !! With even grid points in ascending and odd ones in descending order, \( v_r = x_{2r} \), \( v_{n-1-r} = ∓x_{2r+1}
+  !! \), both parts are one sum: with \( U_j = e^{iπj/2n} \sum_r v_r e^{2πijr/n} \) the sines are \( y_j =
+  !! \mathrm{Im}\,U_j \), \( y_{n-j} = \mathrm{Re}\,U_j \), and the cosines vice versa. The sums are computed from the
+  !! transform in blocks, so that the caller can use them while they are in the cache.
   !!
   !! **Source**: Makhoul (1980), doi:10.1109/TASSP.1980.1163351.
   use, intrinsic :: iso_c_binding
@@ -19,10 +18,10 @@ module bw_sine_sum
 
   include 'fftw3.f03'
 
-  integer, parameter, public :: block = 128    !! tuned: what belongs to one block stays in the fastest cache
+  integer, parameter, public :: block = 128    !! tuned: a block stays in the fastest cache
 
   type, public :: sine_sum_plan
-    !! FFTW's plan for one length and one alignment, made when it is first needed.
+    !! FFTW's plan for one length and alignment, made when first needed.
     private
     integer :: half = 0
     integer(c_int) :: alignment = 0
@@ -33,7 +32,7 @@ module bw_sine_sum
   end type sine_sum_plan
 
   type, public :: turn_block
-    !! The factors w = e^(iπj/2n) and w⁵ of `count` neighbouring j.
+    !! The factors w = e^(iπj/2n) and w⁵ for `count` consecutive j.
     integer :: first = 1, count = 0
     real(dp), dimension(block) :: c, s, c5, s5
   end type turn_block
@@ -42,8 +41,8 @@ module bw_sine_sum
 contains
 
   elemental integer function next_fast_half(least) result(half)
-    !! The smallest number from `least` on that is a power of two times 1, 9/8, 5/4, 3/2, 25/16 or 15/8: FFTW is at
-    !! its fastest there.
+    !! Return the smallest number from `least` on that is a power of two times 1, 9/8, 5/4, 3/2, 25/16 or 15/8, which
+    !! are fastest in FFTW.
     integer, intent(in) :: least           !! ≥ 1
     integer, parameter :: odd(*) = [1, 3, 5, 9, 15, 25]
     integer :: i, candidate
@@ -58,13 +57,13 @@ contains
   end function next_fast_half
 
   subroutine transform_columns(self, half, cosines, skip, values, monitor)
-    !! In, after the first rows: x_m, m = 0 … n − 1. Out: Z_j, j = 0 … n/2 − 1, real and imaginary parts in turn: the
-    !! transform of v taken as n/2 complex numbers, of which `pair_sums`, `middle_sum` and `quarter_sums` make the sums.
-    !! Planned with FFTW_ESTIMATE: measured plans differ from run to run, and so would the last bits. Not in place: that would
-    !! take several times as long to plan.
+    !! Transform columns. In, after the first rows: x_m, m = 0 … n − 1. Out: Z_j, j = 0 … n/2 − 1, real and imaginary
+    !! parts alternating: the transform of v taken as n/2 complex numbers, from which `pair_sums`, `middle_sum` and
+    !! `quarter_sums` compute the sums. Planned with FFTW_ESTIMATE, as measured plans, and thus the last bits, differ
+    !! between runs; and not in place, as planning would take several times as long.
     class(sine_sum_plan), intent(inout) :: self
     integer, intent(in) :: half                    !! n/2
-    logical, intent(in) :: cosines(:)              !! columns whose sums are of cosines
+    logical, intent(in) :: cosines(:)              !! columns with sums of cosines
     integer, intent(in) :: skip                    !! rows before the first
     real(dp), intent(inout), contiguous, target :: values(0:, :)   !! (n and more, columns)
     class(monitor_type), intent(inout), optional :: monitor        !! the sums are invalid if it requests a stop
@@ -83,7 +82,7 @@ contains
   end subroutine transform_columns
 
   subroutine prepare(self, half, alignment, before, after)
-    !! Make the plan if the one there is does not serve. FFTW does not touch the arrays for it.
+    !! Make a plan unless the present one fits. FFTW does not touch the arrays.
     type(sine_sum_plan), intent(inout) :: self
     integer, intent(in) :: half
     integer(c_int), intent(in) :: alignment
@@ -96,14 +95,14 @@ contains
   end subroutine prepare
 
   subroutine destroy(self)
-    !! Give FFTW's plan back.
+    !! Destroy FFTW's plan.
     type(sine_sum_plan), intent(inout) :: self
     if (self%half /= 0) call fftw_destroy_plan(self%plan)
     self%half = 0
   end subroutine destroy
 
   pure subroutine pack_column(half, sign, x, v)
-    !! Put even grid points ahead and odd ones back.
+    !! Put even grid points first, and odd ones behind in descending order.
     integer, intent(in) :: half
     real(dp), intent(in) :: sign                   !! of odd grid points
     real(dp), intent(in) :: x(0:2*half - 1)
@@ -118,17 +117,17 @@ contains
   end subroutine pack_column
 
   pure type(turn_block) function fine_turns(half) result(turns)
-    !! The factors of j = 0 … block − 1.
+    !! Return the factors of j = 0 … block − 1.
     integer, intent(in) :: half                    !! n/2
     real(dp) :: angle(block)
     integer :: i
     angle = [(pi*i/(4.0_dp*half), i=0, block - 1)]
-    turns%c = cos(angle)      ! apart from the sines: a loop of both would call them one angle at a time
+    turns%c = cos(angle)      ! apart from the sines, so that the compiler vectorises both
     turns%s = sin(angle)
   end function fine_turns
 
   pure subroutine turns_of_block(half, fine, first, turns)
-    !! The factors of j = first, first + 1 … as products, up to (half − 1)/2.
+    !! Compute the factors of j = first, first + 1 …, up to (half − 1)/2, as products.
     integer, intent(in) :: half, first
     type(turn_block), intent(in) :: fine
     type(turn_block), intent(inout) :: turns
@@ -153,11 +152,11 @@ contains
   end subroutine turns_of_block
 
   pure subroutine pair_sums(turns, count, low, high, cosine, sums)
-    !! The sums at j, n/2 + j, n/2 − j and n − j, for the j of a block.
+    !! Return the sums at j, n/2 + j, n/2 − j and n − j, for the j of a block.
     type(turn_block), intent(in) :: turns
-    integer, intent(in) :: count                         !! of the block
+    integer, intent(in) :: count                         !! in the block
     real(dp), intent(in) :: low(2, count)                !! Z_j
-    real(dp), intent(in) :: high(2, count)               !! Z_(n/2−j), from the last to the first
+    real(dp), intent(in) :: high(2, count)               !! Z_(n/2−j), in descending order of j
     logical, intent(in) :: cosine
     real(dp), intent(out) :: sums(block, 4)
     if (cosine) then
@@ -168,8 +167,8 @@ contains
   end subroutine pair_sums
 
   pure subroutine turn_pairs(turns, count, low, high, near_re, near_im, far_re, far_im)
-    !! U_j and U_(n/2−j): with A = Z_j, B = conj(Z_(n/2−j)), P = w(A + B)/2 and S = w⁵(A − B)/2i they are P + S and
-    !! e^(iπ/4) conj(P − S).
+    !! Return U_j and U_(n/2−j): with A = Z_j, B = conj(Z_(n/2−j)), P = w(A + B)/2 and S = w⁵(A − B)/2i they are P + S
+    !! and e^(iπ/4) conj(P − S).
     type(turn_block), intent(in) :: turns
     integer, intent(in) :: count
     real(dp), intent(in) :: low(2, count), high(2, count)
@@ -195,13 +194,13 @@ contains
   end subroutine turn_pairs
 
   pure real(dp) function middle_sum(z) result(sum)
-    !! At n/2, of either kind.
+    !! Return the sum at n/2, of either kind.
     real(dp), intent(in) :: z(0:)                        !! Z
     sum = sqrt(0.5_dp)*(z(0) - z(1))
   end function middle_sum
 
   pure function quarter_sums(half, z, cosine) result(sums)
-    !! At n/4 and 3n/4, where j and n/2 − j are one; n/2 even.
+    !! Return the sums at n/4 and 3n/4, where j = n/2 − j; n/2 even.
     integer, intent(in) :: half
     real(dp), intent(in) :: z(0:)                        !! Z
     logical, intent(in) :: cosine

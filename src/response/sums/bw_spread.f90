@@ -1,28 +1,28 @@
 module bw_spread
-  !! Carries modes onto a grid of frequencies: the innermost loop of the non-uniform transform.
+  !! Spreading of modes onto a grid of frequencies: the innermost loop of the non-uniform transform.
   use bw_kinds, only: dp
   use bw_spreading_kernel, only: cells, high_degree, low_degree, spreading_kernel, vector
   implicit none (type, external)
   private
   public :: spread_modes, rows_of
 
-  integer, parameter :: group = 8             !! tuned: modes whose weights are made before any is put to use
+  integer, parameter :: group = 8             !! tuned: modes whose weights are computed before use
 
 contains
 
   elemental integer function rows_of(width) result(rows)
-    !! Grid points that a mode touches: those of the kernel in whole vectors, the weights beyond it 0.
+    !! Return the grid points that a mode touches: those of the kernel in whole vectors, with weights 0 beyond it.
     integer, intent(in) :: width
     rows = vector*((width + vector - 1)/vector)
   end function rows_of
 
   pure subroutine spread_modes(kernel, first, offset, coefficients, grid)
-    !! Adds every mode, times its coefficients and the kernel around its frequency, to the grids.
+    !! Add every mode, times its coefficients and the kernel around its frequency, to the grids.
     type(spreading_kernel), intent(in) :: kernel
     integer, intent(in), contiguous :: first(:)
-      !! place, from 1, of the first grid point that a mode reaches, (modes)
+      !! index, from 1, of the first grid point that a mode touches, (modes)
     real(dp), intent(in) :: offset(:)
-      !! where in the spacing left of the middle of those points it lies, 0 … 1, (modes)
+      !! position in the spacing left of the middle of those points, 0 … 1, (modes)
     real(dp), intent(in), contiguous :: coefficients(:, :)   !! (modes, grids)
     real(dp), intent(inout), contiguous :: grid(:, :)        !! (grid points, grids)
     real(dp) :: place(group), weights(vector, group)
@@ -45,10 +45,10 @@ contains
   ! Horner's rule is written out: as a loop the compiler takes it apart.
 
   pure subroutine low_weights(t, n, cell, x, weights)
-    !! One vector of the weights of `n` modes, by polynomials of the lower degree.
+    !! Evaluate one vector of the weights of `n` modes by polynomials of lower degree.
     real(dp), intent(in) :: t(vector, 0:low_degree, cells)           !! of the kernel
     integer, intent(in) :: n, cell(n)
-    real(dp), intent(in) :: x(n)                                     !! place in the cell, −1 … 1
+    real(dp), intent(in) :: x(n)                                     !! position in the cell, −1 … 1
     real(dp), intent(inout) :: weights(vector, group)
     integer :: c, i, k
     do k = 1, n
@@ -61,7 +61,7 @@ contains
   end subroutine low_weights
 
   pure subroutine high_weights(t, n, cell, x, weights)
-    !! The same by those of the higher degree.
+    !! Evaluate the same by polynomials of higher degree.
     real(dp), intent(in) :: t(vector, 0:high_degree, cells)
     integer, intent(in) :: n, cell(n)
     real(dp), intent(in) :: x(n)
@@ -78,11 +78,11 @@ contains
   end subroutine high_weights
 
   pure subroutine spread_group(n, weights, done, first, beyond, coefficients, grid)
-    !! One vector of the weights of the next `n` modes is put to use.
+    !! Apply one vector of the weights of the next `n` modes.
     integer, intent(in) :: n
     real(dp), intent(in) :: weights(vector, group)
     integer, intent(in) :: done                                      !! modes before them
-    integer, intent(in), contiguous :: first(:)                      !! of all modes, as in `spread_modes`
+    integer, intent(in), contiguous :: first(:)                      !! see `spread_modes`
     integer, intent(in) :: beyond                                    !! grid points before this vector
     real(dp), intent(in), contiguous :: coefficients(:, :)
     real(dp), intent(inout), contiguous :: grid(:, :)

@@ -1,13 +1,12 @@
 module bw_spreading_kernel
-  !! The Kaiser–Bessel kernel that carries a point onto the `width` grid points around it,
-  !! \( \psi(x) = I_0(b\sqrt{1 - (2x/w)^2})/I_0(b) \) for |x| < w/2, x in spacings of the grid.
+  !! The Kaiser–Bessel kernel that spreads a point onto the `width` grid points around it, \( \psi(x) = I_0(b\sqrt{1 -
+  !! (2x/w)^2})/I_0(b) \) for |x| < w/2, x in spacings of the grid.
   !!
-  !! It is evaluated by piecewise polynomials: a spacing is cut into `cells`, and in each cell the weights of all w
-  !! grid points are polynomials of the same place, which vector registers evaluate together. Its Fourier transform
-  !! has a closed form.
+  !! It is evaluated by piecewise polynomials: a spacing is cut into `cells`, and in each cell the weights of all w grid points
+  !! are polynomials of one position, evaluated together in vector registers. Its Fourier transform has a closed form.
   !!
-  !! **Errors**: below 2.2e-14 of the kernel's peak for widths to 20, all of it rounding; below 4e-10 for widths to 8, whose
-  !! aliasing is ten times that on the finest grid.
+  !! **Errors**: below 2.2e-14 of the kernel's peak for widths to 20, all rounding; below 4e-10 for widths to 8, whose
+  !! aliasing error is ten times that on the finest grid.
   !! **Source**: Kaiser and Schafer (1980), doi:10.1109/TASSP.1980.1163349; for the use of it, Barnett, Magland and
   !! af Klinteberg (2019), doi:10.1137/18M120885X.
   use bw_constants, only: pi
@@ -20,7 +19,7 @@ module bw_spreading_kernel
   integer, parameter, public :: low_degree = 4   !! of each, for narrow kernels
   integer, parameter, public :: high_degree = 7  !! for the others
   integer, parameter :: narrow = 8               !! width
-  integer, parameter, public :: vector = 8       !! grid points whose weights are made together
+  integer, parameter, public :: vector = 8       !! grid points whose weights are computed together
 
   type, public :: spreading_kernel
     integer :: width = 0                         !! w, even
@@ -28,15 +27,15 @@ module bw_spreading_kernel
     real(dp) :: sharpness = 0.0_dp               !! b
     real(dp) :: peak = 0.0_dp                    !! I₀(b)
     real(dp), allocatable :: table(:, :, :, :)
-      !! (vector, 0:degree, cells, vectors): coefficients of the powers of the place in the cell, −1 … 1; 0 beyond w
+      !! (vector, 0:degree, cells, vectors): coefficients of powers of the position in the cell, −1 … 1; 0 beyond w
   end type spreading_kernel
 
 contains
 
   pure type(spreading_kernel) function kernel_of(width, oversampling) result(kernel)
-    !! The kernel whose transform is smallest beyond the frequencies that alias onto those wanted.
+    !! Return the kernel whose transform is smallest beyond the frequencies that alias onto the wanted ones.
     integer, intent(in) :: width            !! w, a multiple of 4, 4 … 20
-    real(dp), intent(in) :: oversampling    !! grid points per sample wanted, > 1
+    real(dp), intent(in) :: oversampling    !! grid points per wanted sample, > 1
     kernel%width = width
     kernel%degree = degree_of(width)
     kernel%sharpness = pi*width*(1.0_dp - 0.5_dp/oversampling)
@@ -46,13 +45,13 @@ contains
   end function kernel_of
 
   elemental integer function degree_of(width) result(degree)
-    !! Of the polynomials of a kernel.
+    !! Return the degree of a kernel's polynomials.
     integer, intent(in) :: width
     degree = merge(low_degree, high_degree, width <= narrow)
   end function degree_of
 
   pure subroutine fill_table(width, degree, kernel)
-    !! Polynomials through the kernel at Chebyshev's nodes of every cell.
+    !! Fit polynomials to the kernel at the Chebyshev nodes of every cell.
     integer, intent(in) :: width, degree
     type(spreading_kernel), intent(inout) :: kernel
     real(dp), dimension(0:degree) :: node
@@ -83,8 +82,8 @@ contains
   end subroutine set_cell
 
   pure function power_coefficients(node) result(matrix)
-    !! Row: value at a Chebyshev node; column: what it adds to the coefficient of a power in the interpolating
-    !! polynomial, \( \frac{1}{d+1}\sum_j (2 - \delta_{j0}) T_j(x_i) T_j(x) \).
+    !! Return the contribution of the value at each Chebyshev node (rows) to the coefficient of each power (columns) of
+    !! the interpolating polynomial, \( \frac{1}{d+1}\sum_j (2 - \delta_{j0}) T_j(x_i) T_j(x) \).
     real(dp), intent(in) :: node(0:)
     real(dp) :: matrix(0:size(node) - 1, 0:size(node) - 1)
     real(dp), dimension(0:size(node) - 1) :: last, now, next      ! Chebyshev polynomials, by their powers
@@ -107,7 +106,7 @@ contains
   end function power_coefficients
 
   pure function unscaled(kernel, x) result(values)
-    !! I₀(b√(1 − (2x/w)²)), inside the kernel or, by less than rounding, outside.
+    !! Return I₀(b√(1 − (2x/w)²)), inside the kernel or outside by less than rounding.
     type(spreading_kernel), intent(in) :: kernel
     real(dp), intent(in) :: x(:)
     real(dp) :: values(size(x))
@@ -115,20 +114,20 @@ contains
   end function unscaled
 
   pure function bessel_series(y) result(sum)
-    !! I₀(2√y) = Σ yᵐ/(m!)², all terms positive; y ≤ 1000.
+    !! Return I₀(2√y) = Σ yᵐ/(m!)², a sum of positive terms; y ≤ 1000.
     real(dp), intent(in) :: y(:)
     real(dp) :: sum(size(y))
     integer :: m
     sum = 1.0_dp
-    do m = 10 + nint(3.0_dp*sqrt(maxval(y))), 1, -1          ! those after it are together below 1e-17 of the sum
+    do m = 10 + nint(3.0_dp*sqrt(maxval(y))), 1, -1          ! terms beyond it add less than 1e-17 of the sum
       sum = 1.0_dp + sum*y*(1.0_dp/real(m*m, dp))
     end do
   end function bessel_series
 
   elemental real(dp) function transform_error(width, oversampling) result(error)
-    !! Largest error of a transform with this kernel over the peak of its samples: what frequencies beyond those
-    !! wanted alias onto them, and rounding, which grows as the kernel's transform falls from frequency 0 to the
-    !! highest one wanted. The two factors are measured, over sums of up to 20 000 modes.
+    !! Return the largest error of a transform with this kernel over the peak of its samples: aliasing of frequencies
+    !! beyond the wanted ones, and rounding, amplified as the kernel's transform falls from frequency 0 to the highest
+    !! wanted one. The two factors are measured, for sums of up to 20 000 modes.
     integer, intent(in) :: width
     real(dp), intent(in) :: oversampling    !! ≥ 1
     real(dp) :: aliasing, s
@@ -139,8 +138,8 @@ contains
   end function transform_error
 
   pure subroutine kernel_factors(kernel, first, step, grid, factor)
-    !! What undoes the kernel: one over its transform \( w\sinh(s)/(s I_0(b)) \), \( s = \sqrt{b^2 - (\pi w j/M)^2} \), at
-    !! samples j = first, first + step, …
+    !! Return the reciprocal of the kernel's transform \( w\sinh(s)/(s I_0(b)) \), \( s = \sqrt{b^2 - (\pi w j/M)^2} \),
+    !! at samples j = first, first + step, …
     type(spreading_kernel), intent(in) :: kernel
     integer, intent(in) :: first, step
     integer, intent(in) :: grid                  !! M, points of the grid

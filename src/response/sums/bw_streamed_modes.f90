@@ -1,6 +1,6 @@
 module bw_streamed_modes
-  !! Histories of more modes than are in memory at a time: batch by batch they are solved, spread onto the grids of the
-  !! transform and forgotten, and the grids are turned into samples once.
+  !! Histories of more modes than fit in memory: batch by batch they are solved, spread onto the grids of the transform
+  !! and dropped, and the grids are transformed once.
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: deflections, mode_set, mode_source, take_terms
@@ -20,15 +20,15 @@ module bw_streamed_modes
 contains
 
   subroutine add_modes_of_source(source, force, first, last, tolerance, monitor, response, workspace)
-    !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform
-    !! where that is faster, but for those that turn less than once in the record and for damped ones.
+    !! Add modes `first` … `last`, undeflected at the start, with velocities force·Φ_k(1)/M_k: by the transform if that
+    !! is faster, except those with less than a cycle in the record and damped ones.
     class(mode_source), intent(in) :: source
-    real(dp), intent(in) :: force                !! velocities in m per l²/h, as in `add_motion`
+    real(dp), intent(in) :: force                !! velocities are in m per l²/h, as in `add_motion`
     integer, intent(in) :: first, last
-    real(dp), intent(in) :: tolerance            !! of the transform, over the peak of what it adds
+    real(dp), intent(in) :: tolerance            !! error of the transform over the peak of these modes
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response   !! started
-    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans may serve again
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans are reused
     type(nonuniform_sum) :: own
     type(sum_choice) :: choice
     integer :: samples, turning
@@ -51,11 +51,11 @@ contains
   end subroutine add_modes_of_source
 
   integer function first_turning(source, first, last, grid) result(k)
-    !! The first mode of those that turns at least once in the record; `last` + 1 where none does.
+    !! Return the first mode that completes a cycle in the record; `last` + 1 if none does.
     class(mode_source), intent(in) :: source
     integer, intent(in) :: first, last
     type(time_grid), intent(in) :: grid
-    integer, parameter :: step = 16              ! all but short records end with the first
+    integer, parameter :: step = 16              ! one step suffices except in short records
     type(dd) :: beta(step)
     real(dp) :: drive(step), shapes(step, 0)
     integer :: i, n, slow
@@ -70,7 +70,7 @@ contains
   end function first_turning
 
   subroutine add_sets(source, force, first, last, monitor, response)
-    !! Modes in sets of bounded size.
+    !! Add modes in sets of bounded size.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
@@ -90,7 +90,8 @@ contains
   end subroutine add_sets
 
   subroutine transform_source(source, force, first, last, choice, monitor, workspace, response)
-    !! Where the grids of all points are too many to hold, all modes are solved again for every group of points.
+    !! Add modes by the transform. If the grids of all points do not fit in memory, modes are solved again for every
+    !! group of points.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
@@ -131,7 +132,7 @@ contains
   end subroutine transform_source
 
   subroutine find_terms(source, quantity, number, xi, longest, beta, drive, shapes)
-    !! What the transform asks of modes; of curvatures through a set.
+    !! Find the terms of modes that the transform needs; for curvatures through a set.
     class(mode_source), intent(in) :: source
     integer, intent(in) :: quantity, number(:)
     real(dp), intent(in) :: xi(:), longest
@@ -148,7 +149,7 @@ contains
   end subroutine find_terms
 
   pure real(dp) function record_of(source, grid) result(longest)
-    !! For how long the phases of modes are to be right, in l²/h.
+    !! Return the duration over which phases are accurate, l²/h.
     class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
     longest = source%stretch*(grid%samples*grid%step%hi)

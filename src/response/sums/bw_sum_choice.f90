@@ -1,9 +1,8 @@
 module bw_sum_choice
-  !! How the histories of stable modes are summed: by the products of bw_modal_sum or the transform of
-  !! bw_nonuniform_sum, whichever a model of their costs finds faster.
+  !! The choice of a method to sum stable modes: the products of bw_modal_sum or the transform of bw_nonuniform_sum,
+  !! whichever is faster by a model of their costs.
   !!
-  !! Widths of the kernel trade with the fineness of the grid: the widths are tried in turn, each with the smallest
-  !! grid that keeps the tolerance.
+  !! A wider kernel allows a coarser grid: widths are tried in turn, each with the smallest grid that meets the tolerance.
   use bw_kinds, only: dp
   use bw_modal_sum, only: block_length
   use bw_sine_sum, only: next_fast_half
@@ -14,43 +13,43 @@ module bw_sum_choice
   public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
 
   type, public :: sum_choice
-    logical :: transform = .false.    !! by the non-uniform transform
+    logical :: transform = .false.    !! use the non-uniform transform
     integer :: width = 0              !! of its kernel
     integer :: half = 0               !! half the points of its grid of frequencies
   end type sum_choice
 
   real(dp), parameter :: rounding = 8.0_dp*epsilon(1.0_dp)   ! of the products, over the peak
-  integer, parameter :: narrowest = 4                ! and the step to the next
-  integer, parameter :: widest = 20                  ! wider kernels grow rounding more than they save
-  integer, parameter :: most_samples = 2**27         ! the largest grid is still numbered by an integer
+  integer, parameter :: narrowest = 4                ! and increment
+  integer, parameter :: widest = 20                  ! wider kernels amplify rounding more than they save
+  integer, parameter :: most_samples = 2**27         ! so that points of the largest grid have default integer numbers
   integer, parameter :: finest = 8                   ! grid points per sample
 
-  ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios
-  ! matter alone.
+  ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Only
+  ! their ratios matter.
   real(dp), parameter :: product_set_up = 25.5e-6_dp   ! a call
   real(dp), parameter :: product_mode = 292e-9_dp      ! a mode
-  real(dp), parameter :: product_turn = 0e0_dp         ! an entry of the tables of turns, each for a mode
+  real(dp), parameter :: product_turn = 0e0_dp         ! an entry of the tables of cosines and sines, for each mode
   real(dp), parameter :: product_entry = 36.1e-12_dp   ! an entry of these tables, read for all histories of a block
   real(dp), parameter :: product_state = 1.34e-9_dp    ! a mode's state at a block of a history
   real(dp), parameter :: product_term = 69.4e-12_dp    ! a mode at a sample of a history
   real(dp), parameter :: product_sample = 1.64e-9_dp   ! a sample of a history
   real(dp), parameter :: set_up = 88.4e-6_dp           ! kernel and plan
-  real(dp), parameter :: mode_phase = 7.08e-9_dp       ! place and phase of a mode
+  real(dp), parameter :: mode_phase = 7.08e-9_dp       ! position and phase of a mode
   real(dp), parameter :: mode_weight = 11.4e-9_dp      ! a vector of weights of a wide kernel
-  real(dp), parameter :: mode_spread = 4.11e-9_dp      ! a vector of weights put to use, for each history
+  real(dp), parameter :: mode_spread = 4.11e-9_dp      ! adding a vector of weights, for each history
   real(dp), parameter :: grid_point = 917e-12_dp       ! a point of the grid and step of the fast transform, for each history
-  real(dp), parameter :: sample = 2.45e-9_dp           ! a sample made and added, for each history
+  real(dp), parameter :: sample = 2.45e-9_dp           ! computing and adding a sample, for each history
   real(dp), parameter :: factor = 7.92e-9_dp           ! the kernel's factor of a sample
 
 contains
 
   pure type(sum_choice) function chosen_sum(modes, samples, histories, tolerance, must_transform) result(choice)
-    !! The fastest sum within the tolerance.
+    !! Return the fastest method within the tolerance.
     integer, intent(in) :: modes
     integer, intent(in) :: samples
-    integer, intent(in) :: histories      !! displacements and velocities of all points
+    integer, intent(in) :: histories      !! displacements and velocities at all points
     real(dp), intent(in) :: tolerance     !! of the transform, over the peak
-    logical, intent(in), optional :: must_transform   !! leave out the products
+    logical, intent(in), optional :: must_transform   !! exclude the products
     real(dp) :: least, seconds
     integer :: half, width
     if (modes == 0 .or. samples > most_samples) return
@@ -68,9 +67,9 @@ contains
   end function chosen_sum
 
   pure real(dp) function sum_seconds(modes, samples, histories, tolerance) result(seconds)
-    !! What the chosen sum takes, by the model.
+    !! Return the time of the chosen method, by the model.
     integer, intent(in) :: modes, samples, histories
-    real(dp), intent(in) :: tolerance     !! as that of `chosen_sum`
+    real(dp), intent(in) :: tolerance     !! see `chosen_sum`
     type(sum_choice) :: choice
     choice = chosen_sum(modes, samples, histories, tolerance)
     if (choice%transform) then
@@ -81,7 +80,7 @@ contains
   end function sum_seconds
 
   elemental real(dp) function error_of_sum(choice, samples) result(error)
-    !! Over the peak.
+    !! Return the error over the peak.
     type(sum_choice), intent(in) :: choice
     integer, intent(in) :: samples
     error = rounding
@@ -89,7 +88,7 @@ contains
   end function error_of_sum
 
   pure integer function grid_for_width(width, samples, tolerance) result(half)
-    !! Half the points of the smallest fast grid within the tolerance; 0 where none is.
+    !! Return half the points of the smallest fast grid within the tolerance; 0 if there is none.
     integer, intent(in) :: width, samples
     real(dp), intent(in) :: tolerance
     half = next_fast_half(max(width, samples/2 + 1))
@@ -103,7 +102,7 @@ contains
   end function grid_for_width
 
   pure real(dp) function product_seconds(modes, samples, histories) result(seconds)
-    !! What products take, by the model.
+    !! Return the time of products, by the model.
     integer, intent(in) :: modes, samples, histories
     real(dp) :: blocks, length, states
     length = block_length(samples)
@@ -114,7 +113,7 @@ contains
   end function product_seconds
 
   pure real(dp) function transform_seconds(modes, samples, histories, width, half) result(seconds)
-    !! What the transform takes with this kernel and grid, by the model.
+    !! Return the time of the transform with this kernel and grid, by the model.
     integer, intent(in) :: modes, samples, histories, width, half
     real(dp) :: points, powers, vectors
     points = 2.0_dp*half
