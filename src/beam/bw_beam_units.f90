@@ -1,8 +1,8 @@
 module bw_beam_units
-  !! The beam's own units, in which everything inside is computed: length l, time l²/h, mass m_i = ρAl.
+  !! The beam's own units, used in all computations: length l, time l²/h, mass m_i = ρAl.
   !!
-  !! Units of length, time and mass changed by powers of two change these by powers of two exactly, so
-  !! numbers without dimensions keep their bits.
+  !! If units of length, time and mass change by powers of two, these change by powers of two exactly, so dimensionless
+  !! numbers keep their bits.
   use bw_kinds, only: dp, qp
   use bw_beam_par, only: beam_mass, beam_par, second_moment_of, sections_of_beam
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
@@ -29,7 +29,7 @@ module bw_beam_units
 contains
 
   pure type(beam_units) function units_of(beam) result(units)
-    !! The beam's own units, from its numbers as they were read.
+    !! Return the beam's own units from its inputs.
     type(beam_par), intent(in) :: beam
     type(dd) :: length
     length = to_dd(beam%length)
@@ -46,9 +46,8 @@ contains
   end function units_of
 
   pure type(dd) function root_of_stiffness(beam) result(h)
-    !! h = (D/4)√(E/ρ) for a solid circle, where A and I would only add roundings; √(E/ρ)√(I/A) else, each root by
-    !! itself, since h² may leave the range of numbers.
-    !! Of several pieces that of the root, over the mean of ρA.
+    !! Return h: (D/4)√(E/ρ) for a solid circle, where A and I would only add rounding; else √(E/ρ)√(I/A), with separate
+    !! roots, as h² may overflow. Of several pieces that of the root, with the mean of ρA.
     type(beam_par), intent(in) :: beam
     type(dd) :: sound
     if (allocated(beam%pieces)) then
@@ -66,7 +65,7 @@ contains
   end function root_of_stiffness
 
   pure real(dp) function slenderness(beam) result(r)
-    !! r = √(I/A)/l: D/(4l) for a solid circle; of several pieces the largest; 0 where it is not known.
+    !! Return r = √(I/A)/l: D/(4l) for a solid circle; the largest of several pieces; 0 if unknown.
     type(beam_par), intent(in) :: beam
     if (beam%is_lumped) then
       r = 0.0_dp
@@ -82,7 +81,7 @@ contains
   end function slenderness
 
   pure type(shear_numbers) function shear_of(shear, beam) result(numbers)
-    !! s² = EI/(κGAl²) = 2(1 + ν)r²/κ, the shear modulus being E/(2(1 + ν)).
+    !! Return s² = EI/(κGAl²) = 2(1 + ν)r²/κ, with the shear modulus E/(2(1 + ν)), and r².
     type(shear_par), intent(in) :: shear
     type(beam_par), intent(in) :: beam
     numbers%rotary = slenderness(beam)**2
@@ -90,7 +89,7 @@ contains
   end function shear_of
 
   elemental real(dp) function in_newton_seconds(momentum, units, speed) result(value)
-    !! A momentum or an impulse, N s, from one in m_i V; missing where it is too large.
+    !! Convert a momentum or an impulse from m_i V to N s; missing on overflow.
     real(dp), intent(in) :: momentum
     type(beam_units), intent(in) :: units
     real(dp), intent(in) :: speed               !! V, m/s
@@ -98,7 +97,7 @@ contains
   end function in_newton_seconds
 
   elemental real(dp) function in_joules(energy, units, speed) result(value)
-    !! An energy, J, from one in m_i V²; missing where it is too large.
+    !! Convert an energy from m_i V² to J; missing on overflow.
     real(dp), intent(in) :: energy
     type(beam_units), intent(in) :: units
     real(dp), intent(in) :: speed               !! V, m/s

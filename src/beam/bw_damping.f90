@@ -1,7 +1,6 @@
 module bw_damping
-  !! Damping of modes one by one, q̈ + cq̇ + β²q = 0. The same ratio ζ for every mode: c = 2ζhP². Rayleigh's constants:
-  !! c = a + bK/M. K is the elastic stiffness, K/M = (hP²)² where shapes are in closed form: neither the rotation nor the
-  !! tension that it brings damps anything.
+  !! Modal damping, q̈ + cq̇ + β²q = 0. One damping ratio ζ for all modes: c = 2ζhP². Rayleigh damping: c = a + bK/M,
+  !! with the elastic stiffness K, K/M = (hP²)² for shapes in closed form; neither rotation nor its tension contributes.
   use bw_beam_units, only: beam_units
   use bw_damping_par, only: by_ratio, damping_par
   use bw_double_double, only: dd, to_dd, operator(+), operator(*)
@@ -23,7 +22,7 @@ module bw_damping
 contains
 
   pure type(damping_law) function law_of(damping, units) result(law)
-    !! A damping law without dimensions.
+    !! Return the damping law without dimensions.
     type(damping_par), intent(in) :: damping
     type(beam_units), intent(in) :: units
     if (by_ratio(damping)) then
@@ -35,15 +34,15 @@ contains
   end function law_of
 
   elemental real(dp) function rates(self, elastic) result(c)
-    !! c of a mode.
+    !! Return c of a mode.
     class(damping_law), intent(in) :: self
-    real(dp), intent(in) :: elastic       !! λ = K/M, in (h/l²)²; what rounding leaves below 0 is 0
+    real(dp), intent(in) :: elastic       !! λ = K/M, in (h/l²)²; values below 0, due to rounding, count as 0
     c = self%mass + 2.0_dp*self%ratio*sqrt(max(0.0_dp, elastic)) + self%stiffness*max(0.0_dp, elastic)
   end function rates
 
   elemental type(dd) function quarter_squares(self, elastic) result(square)
-    !! c²/4 of a mode, to all digits of λ: ζ²λ, or ¼(a + bλ)². At and near the critical damping β² − c²/4 has only those that
-    !! it has beyond binary64.
+    !! Return c²/4 of a mode to all digits of λ: ζ²λ, or ¼(a + bλ)². Near critical damping β² − c²/4 has only the digits
+    !! beyond binary64.
     class(damping_law), intent(in) :: self
     type(dd), intent(in) :: elastic       !! λ, in (h/l²)²
     type(dd) :: half

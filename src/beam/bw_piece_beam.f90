@@ -1,9 +1,9 @@
 module bw_piece_beam
   !! A beam of uniform pieces with bodies and springs at their ends, without tension.
   !!
-  !! Lengths are in l, so that the pieces' lengths add to 1; stiffness, mass and time are in any units that belong together,
-  !! such as EI and ρA of a uniform beam and l²/h. Numbers are double-double: a quotient of two inputs is then as good as
-  !! the inputs, also for phases at the end of a long history.
+  !! Lengths are in l, so those of the pieces add to 1; stiffness, mass and time are in any consistent units, such as EI
+  !! and ρA of a uniform beam and l²/h. Numbers are double-double: a quotient of two inputs is as accurate as the
+  !! inputs, also for phases at the end of a long history.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(/), operator(==)
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -13,41 +13,41 @@ module bw_piece_beam
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
 
-  real(dp), parameter, public :: rigid = 1.0e60_dp   !! a spring, in EI/l³ or EI/l, that is rigid to the last digit
+  real(dp), parameter, public :: rigid = 1.0e60_dp   !! a spring, in EI/l³ or EI/l, that is rigid to rounding
 
   type, public :: uniform_piece
     type(dd) :: length = dd(1.0_dp)
     type(dd) :: stiffness = dd(1.0_dp)        !! B = EI
     type(dd) :: mass = dd(1.0_dp)             !! m = ρA, per length
     type(dd) :: compliance                    !! s = 1/(κGA); 0: no shear
-    type(dd) :: rotary                        !! ρI, per length; 0: sections turn without inertia
+    type(dd) :: rotary                        !! ρI, per length; 0: no rotary inertia
   end type uniform_piece
 
   type, public :: beam_joint
-    !! What is attached at the outer end of a piece; springs are to the rotating frame.
+    !! A joint: the attachments at the outer end of a piece. Springs act in the rotating frame.
     type(dd) :: mass
     type(dd) :: inertia                       !! J
     type(dd) :: stiffness                     !! k_v, against deflection
-    type(dd) :: turning_stiffness             !! k_θ, against turning of the section
+    type(dd) :: turning_stiffness             !! k_θ, against rotation of the section
   end type beam_joint
 
   type, public :: beam_root
-    !! Springs at ξ = 0; what is rigid has no spring.
+    !! The support at ξ = 0. A rigid one has no spring.
     logical :: holds_deflection = .true.
     logical :: holds_turning = .true.
-    type(dd) :: stiffness                     !! k_v, unless the deflection is held
-    type(dd) :: turning_stiffness             !! k_θ, unless the turning is held
-    logical :: on_hub = .false.               !! it is held by a hub that is free to turn
+    type(dd) :: stiffness                     !! k_v, unless deflection is held
+    type(dd) :: turning_stiffness             !! k_θ, unless rotation is held
+    logical :: on_hub = .false.               !! on a hub that is free to rotate
     type(dd) :: hub_inertia                   !! J of the hub about its axis
     type(dd) :: hub_radius                    !! R, distance of ξ = 0 from the axis
   end type beam_root
 
   type, public :: piece_beam
-    !! A component that is added here, or to a part, stands in the equality of its type, too.
+    !! The beam. A component added here, or to a part, belongs in the comparison of its type as well.
     type(uniform_piece), allocatable :: piece(:)   !! from the root outwards, (n)
     type(beam_joint), allocatable :: joint(:)      !! at the outer ends of the pieces; the last is the tip, (n)
     type(beam_root) :: root
-    type(dd) :: spin_squared                       !! Ω², square of the angular velocity of the beam's reference
+    type(dd) :: spin_squared                       !! Ω², square of the angular velocity of the rotating frame
     logical :: in_plane = .false.                  !! the beam bends in the plane of rotation
   contains
     procedure, private :: same_beam
@@ -61,7 +61,7 @@ module bw_piece_beam
 contains
 
   pure logical function same_beam(self, other) result(same)
-    !! To the bit, so that their modes are the same.
+    !! Compare two beams bitwise: equal beams have the same modes.
     class(piece_beam), intent(in) :: self
     type(piece_beam), intent(in) :: other
     same = size(self%piece) == size(other%piece) .and. (self%in_plane .eqv. other%in_plane)
@@ -89,7 +89,7 @@ contains
   end function same_root
 
   pure type(dd) function joint_position(beam, i) result(position)
-    !! Where piece i ends, from the root.
+    !! Return the end of piece i, from the root.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: i                       !! 0 … n; 0 is the root
     integer :: j
@@ -99,7 +99,7 @@ contains
   end function joint_position
 
   pure integer function joint_at(beam, xi) result(joint)
-    !! The joint at a place, 0 the root; −1 where there is none.
+    !! Return the joint at a place, 0 for the root; −1 if there is none.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi
     type(dd) :: gap
@@ -112,7 +112,7 @@ contains
   end function joint_at
 
   pure function junctions_of(beam) result(joints)
-    !! The joints within the beam that carry something, or at which its section changes, from the root outwards.
+    !! Return the joints within the beam with attachments or a step of the section, from the root outwards.
     type(piece_beam), intent(in) :: beam
     integer, allocatable :: joints(:)
     type(uniform_piece) :: as_long
@@ -128,11 +128,11 @@ contains
   end function junctions_of
 
   pure subroutine cut_at(beam, position, i)
-    !! Make a joint at a position by cutting the piece there in two; none is cut where a joint already is, or as near as a place
-    !! that was rounded. The pieces after the cut end as before.
+    !! Make a joint at a position by cutting the piece there. None is cut at an existing joint, to within rounding.
+    !! Later pieces keep their ends.
     type(piece_beam), intent(inout) :: beam
     type(dd), intent(in) :: position               !! from the root, 0 < position ≤ the beam's length
-    integer, intent(out) :: i                      !! the joint there
+    integer, intent(out) :: i                      !! the joint at that position
     type(piece_beam) :: whole
     type(dd) :: before, left
     do i = 1, size(beam%piece)
@@ -153,9 +153,9 @@ contains
   end subroutine cut_at
 
   pure subroutine attach(beam, position, body)
-    !! Add a body, and springs, at a position.
+    !! Attach a body with springs at a position.
     type(piece_beam), intent(inout) :: beam
-    type(dd), intent(in) :: position               !! as that of `cut_at`
+    type(dd), intent(in) :: position               !! see `cut_at`
     type(beam_joint), intent(in) :: body
     integer :: i
     call cut_at(beam, position, i)
@@ -168,7 +168,7 @@ contains
   end subroutine attach
 
   pure type(piece_beam) function cut_all(beam, parts) result(fine)
-    !! The same beam with every piece cut into equal parts.
+    !! Return the beam with every piece cut into equal parts.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: parts(:)                !! of each piece, ≥ 1, (n)
     integer :: i, j, last
@@ -187,14 +187,14 @@ contains
   end function cut_all
 
   pure integer function root_power(root) result(power)
-    !! The power of ξ as which shapes rise at the root.
+    !! Return the power of ξ with which shapes rise at the root.
     type(beam_root), intent(in) :: root
     power = 0
     if (root%holds_deflection) power = merge(2, 1, root%holds_turning)
   end function root_power
 
   pure function holds_tip(beam) result(held)
-    !! Whether the tip is rigidly held against deflection, and against turning.
+    !! Tell whether deflection and rotation of the tip are rigidly held.
     type(piece_beam), intent(in) :: beam
     logical :: held(2)
     associate (tip => beam%joint(size(beam%joint)))
@@ -203,7 +203,7 @@ contains
   end function holds_tip
 
   pure logical function is_held(beam, xi)
-    !! Whether a place is an end of the beam that is rigidly held against deflection.
+    !! Tell whether a place is an end of the beam with rigidly held deflection.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi
     logical :: tip(2)
@@ -212,7 +212,7 @@ contains
   end function is_held
 
   pure real(dp) function arm_of(beam, xi) result(arm)
-    !! By how much a place moves where a hub that is free turns by 1: its distance from the axis; 0 without such a hub.
+    !! Return the displacement of a place per rotation of a free hub: its distance from the axis; 0 without such a hub.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi
     arm = 0.0_dp
@@ -220,10 +220,10 @@ contains
   end function arm_of
 
   pure real(dp) function side_of_tip(beam, motion, moment) result(side)
-    !! A number of the sign that a deflection has at the tip, or, where the tip is held, next to it.
+    !! Return a number with the sign of the deflection at the tip or, if the tip is held, next to it.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: motion(2)              !! v and ψ of the tip
-    real(dp), intent(in) :: moment                 !! M there, or what has its sign
+    real(dp), intent(in) :: moment                 !! M there, up to a positive factor
     logical :: held(2)
     held = holds_tip(beam)
     side = motion(1)
@@ -231,7 +231,7 @@ contains
   end function side_of_tip
 
   pure integer function modes_at_rest(beam) result(number)
-    !! Modes of which it is known that λ = 0: rigid motions that no spring holds and that no inertia of turning hastens.
+    !! Count the modes known to have λ = 0: rigid motions without springs, not destabilised by rotary inertia.
     type(piece_beam), intent(in) :: beam
     integer :: holds
     logical :: turns

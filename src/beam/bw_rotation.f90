@@ -1,7 +1,6 @@
 module bw_rotation
-  !! Rotation at a constant angular velocity. In plane the term −ω²v of Eq. 1 is taken off the square of every
-  !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing. In either plane
-  !! it brings a tension into the beam, which stiffens it.
+  !! Rotation at constant angular velocity. In plane the term −ω²v of Eq. 1 lowers the square of every frequency; out of plane,
+  !! without tension or shear, rotation has no effect. In either plane it brings a tension into the beam, which stiffens it.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp
@@ -13,20 +12,20 @@ module bw_rotation
 contains
 
   pure logical function acts_in_plane(rotation)
-    !! The beam moves in the plane of rotation, where the centrifugal force acts on its deflection.
+    !! Tell whether the beam moves in the plane of rotation, where the centrifugal force acts on its deflection.
     type(rotation_par), intent(in) :: rotation
     acts_in_plane = rotation%plane == 'in'
   end function acts_in_plane
 
   pure type(dd) function dimensionless_speed(rotation, units) result(omega)
-    !! |ω| l²/h.
+    !! Return |ω| l²/h.
     type(rotation_par), intent(in) :: rotation
     type(beam_units), intent(in) :: units
     omega = to_dd(abs(rotation%angular_velocity))*units%time
   end function dimensionless_speed
 
   pure real(dp) function speed_in_plane(rotation, units) result(speed)
-    !! |ω| l²/h where rotation acts in the plane of the motion, else 0.
+    !! Return |ω| l²/h if rotation acts in the plane of motion, else 0.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
     type(dd) :: full
@@ -35,7 +34,7 @@ contains
   end function speed_in_plane
 
   pure type(dd) function full_speed_in_plane(rotation, units) result(speed)
-    !! The same speed in all its digits.
+    !! Return the same in double-double.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
     if (.not. present(rotation)) return
@@ -43,8 +42,7 @@ contains
   end function full_speed_in_plane
 
   pure function tension_of(omega, hub_radius, gamma) result(tension)
-    !! The tension T(ξ) = Ω²[½(1 − ξ²) + R(1 − ξ) + γ(1 + R)] in EI/l², as the three numbers of
-    !! t_0 + t_1ξ + t_2ξ².
+    !! Return the tension T(ξ) = Ω²[½(1 − ξ²) + R(1 − ξ) + γ(1 + R)] in EI/l² as the coefficients of t_0 + t_1ξ + t_2ξ².
     real(dp), intent(in) :: omega            !! Ω = |ω|l²/h
     real(dp), intent(in) :: hub_radius       !! R in l
     real(dp), intent(in) :: gamma            !! mass at the tip

@@ -1,8 +1,7 @@
 module bw_scene_pieces
-  !! The beam of a scene as pieces with bodies and springs at their ends, without its tension and without dimensions: lengths in l,
-  !! times in l²/h, masses in m_i. So EI at the root is 1, and so is the mean of ρA. Numbers are double-double; of a piece that tapers
-  !! they are those of its inner end, and its section varies by a law. Where tension leaves bending to thin layers these are pieces
-  !! of their own.
+  !! The beam of a scene as pieces with bodies and springs at their ends, without dimensions and without its tension: lengths in
+  !! l, times in l²/h, masses in m_i, so EI at the root and the mean of ρA are 1. Numbers are double-double. A tapering piece
+  !! has those of its inner end, and a law of its section. Thin layers in which tension confines bending are separate pieces.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, second_moment_of
   use bw_beam_piece, only: mass_law, rotary_law, stiffness_law, stretch_law
   use bw_beam_units, only: beam_units
@@ -21,20 +20,20 @@ module bw_scene_pieces
   public :: in_uniform_parts, joints_of_bodies, mass_struck, pieces_of, varying_of
 
   type, public :: struck_beam
-    !! A beam of pieces, and what strikes it.
+    !! A beam of pieces and the place of the impact.
     type(piece_beam) :: beam
-    integer :: struck = 1                          !! the joint at which the mass strikes, of the beam with and without it
+    integer :: struck = 1                          !! joint at which the mass strikes, with and without it
     real(dp) :: position = 1.0_dp                  !! ξ₀ of it
-    type(beam_joint) :: captured                   !! what the beam has there of the mass that it has captured
-    real(dp) :: lightness = 1.0_dp                 !! masses of the beam over those that it has, where it stands for one on a free hub
-    type(piece_law), allocatable :: section(:)     !! how sections vary along the pieces of a beam that tapers, else unallocated
+    type(beam_joint) :: captured                   !! what the captured mass adds to the joint
+    real(dp) :: lightness = 1.0_dp                 !! mass of the beam, if it replaces one on a free hub, over its own
+    type(piece_law), allocatable :: section(:)     !! variation of sections along tapering pieces; unallocated: uniform
   contains
     procedure, private :: same_struck
     generic :: operator(==) => same_struck
   end type struck_beam
 
   type :: full_units
-    !! What dimensions are taken off with, in binary128.
+    !! Units of a beam in binary128.
     real(qp) :: length = 1.0_qp                    !! l, m
     real(qp) :: stiffness = 1.0_qp                 !! EI of the root piece, N m²
     real(qp) :: mass = 1.0_qp                      !! m_i, kg
@@ -43,7 +42,7 @@ module bw_scene_pieces
 contains
 
   pure logical function same_struck(self, other) result(same)
-    !! To the bit, of a beam that does not taper.
+    !! Compare two beams without taper bitwise.
     class(struck_beam), intent(in) :: self
     type(struck_beam), intent(in) :: other
     same = self%beam == other%beam .and. self%struck == other%struck .and. self%position == other%position &
@@ -51,13 +50,13 @@ contains
   end function same_struck
 
   pure type(struck_beam) function pieces_of(scene, units, loaded, present) result(pieces)
-    !! The beam with all that the scene attaches to it. Its pieces are the same whichever bodies are there.
-    type(scene_type), intent(in) :: scene          !! without sweeps; its tension is left to the caller
+    !! Return the beam with all attachments of a scene. Its pieces are the same for any bodies.
+    type(scene_type), intent(in) :: scene          !! without sweeps; the caller adds tension
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: loaded                  !! the captured body is there
-    logical, intent(in), optional :: present(:)    !! which bodies are, (bodies); absent: those at t = 0
+    logical, intent(in) :: loaded                  !! with the captured body
+    logical, intent(in), optional :: present(:)    !! which bodies are attached, (bodies); absent: those at t = 0
     type(full_units) :: full
-    type(beam_joint), allocatable :: away(:)       ! bodies that are not there
+    type(beam_joint), allocatable :: away(:)       ! bodies that are not attached
     logical, allocatable :: there(:)
     integer :: i
     there = at_start(scene)
@@ -116,14 +115,14 @@ contains
   end function is_given
 
   pure type(beam_joint) function merge_joint(joint, there) result(attached)
-    !! Nothing where a body is not there.
+    !! Return the joint's attachments if the body is there, else none.
     type(beam_joint), intent(in) :: joint
     logical, intent(in) :: there
     if (there) attached = joint
   end function merge_joint
 
   pure subroutine attach_body(beam, position, body)
-    !! Anywhere; at the root there are springs alone.
+    !! Attach a body anywhere; at the root only its springs count.
     type(piece_beam), intent(inout) :: beam
     real(dp), intent(in) :: position               !! ξ
     type(beam_joint), intent(in) :: body
@@ -136,11 +135,11 @@ contains
   end subroutine attach_body
 
   pure subroutine cut_its_layers(scene, units, away, pieces)
-    !! Cut layers as thin as they become with all that the beam ever has, so that its pieces are the same with it and without.
+    !! Cut layers as thin as with all bodies that the beam ever carries, so that its pieces do not depend on them.
     type(scene_type), intent(in) :: scene          !! with tension
     type(beam_units), intent(in) :: units
-    type(beam_joint), intent(in) :: away(:)        !! bodies that are not there, (bodies)
-    type(struck_beam), intent(inout) :: pieces     !! with what it captures, which its beam does not have yet
+    type(beam_joint), intent(in) :: away(:)        !! bodies that are not attached, (bodies)
+    type(struck_beam), intent(inout) :: pieces     !! with the mass that it captures, not yet attached
     type(struck_beam) :: heaviest
     integer :: i
     heaviest = pieces
@@ -153,11 +152,11 @@ contains
   end subroutine cut_its_layers
 
   pure subroutine find_sections(scene, pieces)
-    !! The sections of pieces that taper, which are parts of those that the scene gives.
-    type(scene_type), intent(in) :: scene          !! whose beam tapers
+    !! Find the sections of tapering pieces, which are parts of those in the scene.
+    type(scene_type), intent(in) :: scene          !! with taper
     type(struck_beam), intent(inout) :: pieces
     type(full_units) :: full
-    real(qp) :: ends(2)                            ! of a part, from 0 to 1 over the given piece
+    real(qp) :: ends(2)                            ! of a part, from 0 to 1 over the scene's piece
     real(qp) :: outer, length
     integer :: g, i
     full = full_units_of(scene%beam)
@@ -188,7 +187,7 @@ contains
   end subroutine find_sections
 
   pure subroutine set_law(whole, ends, value, law)
-    !! A part of a polynomial: its value at the inner end, and the part over that.
+    !! Return part of a polynomial: its value at the inner end, and the rest over that.
     real(qp), intent(in) :: whole(0:)
     real(qp), intent(in) :: ends(2)                !! of the part
     type(dd), intent(out) :: value
@@ -196,7 +195,7 @@ contains
     real(qp) :: part(0:size(whole) - 1)
     integer :: i, j, n
     n = size(whole) - 1
-    part = whole                                   ! of powers of x less the inner end, by Horner's scheme
+    part = whole                                   ! shift of the origin by Horner's scheme
     do i = 0, n - 1
       do j = n - 1, i, -1
         part(j) = part(j) + ends(1)*part(j + 1)
@@ -208,7 +207,7 @@ contains
   end subroutine set_law
 
   pure type(varying_beam) function varying_of(scene, units, pieces) result(varying)
-    !! The beam with what varies along its pieces, tension or sections.
+    !! Return the beam with its tension and the variation of its sections.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(struck_beam), intent(in) :: pieces
@@ -220,7 +219,7 @@ contains
   end function varying_of
 
   pure subroutine in_uniform_parts(pieces)
-    !! Put steps in the place of taper, for estimates.
+    !! Replace taper by steps, for estimates.
     type(struck_beam), intent(inout) :: pieces
     type(varying_beam) :: varying
     if (.not. allocated(pieces%section)) return
@@ -231,7 +230,7 @@ contains
   end subroutine in_uniform_parts
 
   pure real(dp) function mass_struck(scene, units) result(mass)
-    !! Mass of the bodies at the place of the blow, in m_i.
+    !! Return the mass of the bodies at the struck place, in m_i.
     type(scene_type), intent(in) :: scene          !! without sweeps, with an impact
     type(beam_units), intent(in) :: units
     type(struck_beam) :: pieces
@@ -242,7 +241,7 @@ contains
   end function mass_struck
 
   pure function joints_of_bodies(scene) result(joints)
-    !! The bodies of a scene and their springs, without dimensions, (bodies).
+    !! Return the bodies of a scene with their springs, without dimensions, (bodies).
     type(scene_type), intent(in) :: scene
     type(beam_joint), allocatable :: joints(:)
     integer :: i
@@ -269,7 +268,7 @@ contains
   end function piece_of
 
   elemental subroutine add_shear(given, shear, full, piece)
-    !! 1/(κGA) = 2(1 + ν)/κ · 1/(EA), the shear modulus being E/(2(1 + ν)), and ρI; none where only ρA and EI are known.
+    !! Set 1/(κGA) = 2(1 + ν)/κ · 1/(EA), with the shear modulus E/(2(1 + ν)), and ρI; neither if only ρA and EI are given.
     type(beam_piece), intent(in) :: given
     type(shear_par), intent(in) :: shear
     type(full_units), intent(in) :: full
@@ -281,7 +280,7 @@ contains
   end subroutine add_shear
 
   pure type(beam_root) function root_of(support, full) result(root)
-    !! What is not given is rigid.
+    !! Return the support of the root. Springs that are not given are rigid.
     type(support_par), intent(in) :: support
     type(full_units), intent(in) :: full
     root%holds_deflection = .not. allocated(support%stiffness)
@@ -293,7 +292,7 @@ contains
   end function root_of
 
   pure type(beam_joint) function tip_of(support, full) result(tip)
-    !! What is not given is a spring that is rigid to the last digit.
+    !! Return the tip's support. Springs that are not given are rigid to rounding.
     type(support_par), intent(in) :: support
     type(full_units), intent(in) :: full
     tip%stiffness = to_dd(rigid)
@@ -314,7 +313,7 @@ contains
   end function joint_of
 
   pure type(dd) function spring_of(stiffness) result(spring)
-    !! A stiffness in EI/l³ or EI/l. What is beyond the reach of other inputs (bw_scene_scales) is rigid to the last digit.
+    !! Return a stiffness in EI/l³ or EI/l. Beyond the range of other inputs (bw_scene_scales) it is rigid to rounding.
     real(qp), intent(in) :: stiffness
     spring = to_dd(min(stiffness, real(rigid, qp)))
   end function spring_of

@@ -1,9 +1,9 @@
 module bw_tension_layers
-  !! Pieces of their own for the layers in which tension that is far stronger than bending leaves bending to a beam.
+  !! Separate pieces for thin layers to which strong tension confines bending.
   !!
-  !! At the ends of a piece, where something holds it, turns it or jumps, bending falls as e^(−x/δ) with δ = √(B(1 + sT)/T), and
-  !! where T itself rises from 0 with T' as an Airy function of x/δ with δ = (B/T')^⅓. Polynomials over a whole piece of length L
-  !! need several √(L/δ) to resolve that; over a piece of 20δ they need a few tens, however strong the tension.
+  !! At supports, rotational loads and steps, bending decays as e^(−x/δ) with δ = √(B(1 + sT)/T), and where T rises from
+  !! 0 with slope T' as an Airy function of x/δ with δ = (B/T')^⅓. Polynomials over a whole piece of length L need
+  !! several √(L/δ) to resolve that; over a piece of 20δ a few tens suffice for any tension.
   use bw_double_double, only: dd, to_dd, operator(-)
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_joint, piece_beam, uniform_piece
@@ -12,17 +12,17 @@ module bw_tension_layers
   private
   public :: cut_layers
 
-  real(dp), parameter :: depth = 20.0_dp           !! δ in a layer's piece: 2e-9 of the bending is left beyond it
-  real(dp), parameter :: thin = 0.05_dp            !! of a piece is a layer that gets a piece of its own
-  real(dp), parameter, public :: most_layers = depth/thin    !! δ in a piece whose layers are not cut off
+  real(dp), parameter :: depth = 20.0_dp           !! length of a layer's piece in δ: bending beyond it is 2e-9
+  real(dp), parameter :: thin = 0.05_dp            !! thickest layer over the piece that gets its own piece
+  real(dp), parameter, public :: most_layers = depth/thin    !! longest piece in δ without separate layers
 
 contains
 
   pure subroutine cut_layers(beam, pulled, joint)
     !! Cut thin layers off the ends of the pieces of a beam.
     type(piece_beam), intent(inout) :: beam
-    type(varying_beam), intent(in) :: pulled       !! the same pieces under the tension that they have
-    integer, intent(inout) :: joint                !! the number of a joint, which it keeps track of
+    type(varying_beam), intent(in) :: pulled       !! the same pieces with their tension
+    integer, intent(inout) :: joint                !! number of a joint, updated
     type(piece_beam) :: whole
     type(dd) :: part(3)
     real(dp) :: layer(2)
@@ -45,9 +45,9 @@ contains
   end subroutine cut_layers
 
   pure subroutine cut_piece(length, layer, part, parts)
-    !! The lengths of the parts of a piece, which add up to its own.
+    !! Return the lengths of the parts of a piece, which add to its own.
     type(dd), intent(in) :: length
-    real(dp), intent(in) :: layer(2)               !! at the inner end and at the outer one
+    real(dp), intent(in) :: layer(2)               !! at the inner and the outer end
     type(dd), intent(out) :: part(3)               !! the first `parts` of them
     integer, intent(out) :: parts
     type(dd) :: rest
@@ -66,7 +66,7 @@ contains
   end subroutine cut_piece
 
   pure function widths_of(pulled, i) result(width)
-    !! δ at the inner end of a piece and at the outer one, in l; 1 where it is more, as in a beam that does not turn.
+    !! Return δ at the inner and the outer end of a piece, in l; at most 1.
     type(varying_beam), intent(in) :: pulled
     integer, intent(in) :: i                       !! the piece
     real(dp) :: width(2), pull(2), rise(2), stiffness(2), compliance(2)

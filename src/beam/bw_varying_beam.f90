@@ -1,8 +1,8 @@
 module bw_varying_beam
-  !! A beam of pieces in which something varies along a piece: the tension that rotation brings into it, and sections that taper.
+  !! A beam of pieces with properties that vary along a piece: tension due to rotation, and tapering sections.
   !!
-  !! Along a piece every property is a polynomial in x, from 0 at its inner end to 1 at its outer end, over the value that the piece
-  !! of `piece_beam` has. The tension is T(ξ) = Ω²[∫ρA(R + ξ)dξ + Σm_b(R + ξ_b)] over all that lies beyond ξ.
+  !! Every property is a polynomial in x, from 0 at the inner end of a piece to 1 at the outer, relative to the value in
+  !! `piece_beam`. The tension is T(ξ) = Ω²[∫ρA(R + ξ)dξ + Σm_b(R + ξ_b)] over all that lies beyond ξ.
   use bw_double_double, only: dd, to_dd, to_quad, operator(/), operator(*)
   use bw_kinds, only: dp, qp
   use bw_piece_beam, only: beam_joint, joint_position, piece_beam, uniform_piece
@@ -10,24 +10,24 @@ module bw_varying_beam
   private
   public :: pull_at, softest, stepped, tension_in_pieces, turning_inertia, under_tension, value_of, without_tension
 
-  integer, parameter, public :: soft_parts = 32   !! uniform ones that each piece of `softest` and `stepped` is cut into
+  integer, parameter, public :: soft_parts = 32   !! uniform parts of each piece in `softest` and `stepped`
 
   type, public :: piece_law
-    !! Coefficients of 1, x, x², …; the first is 1 but for the tension.
+    !! Coefficients of 1, x, x², … along a piece; the first is 1 except for tension.
     real(dp), allocatable :: stiffness(:)          !! of EI
     real(dp), allocatable :: mass(:)               !! of ρA
     real(dp), allocatable :: shear(:)              !! of κGA
     real(dp), allocatable :: rotary(:)             !! of ρI
-    real(dp), allocatable :: tension(:)            !! of T/Ω² by the beam's own mass; not over a value of the piece
-    real(dp) :: pull = 0.0_dp                      !! Σm_b(R + ξ_b), T/Ω² by the bodies beyond the piece
+    real(dp), allocatable :: tension(:)            !! of T/Ω² due to the beam's own mass, absolute
+    real(dp) :: pull = 0.0_dp                      !! Σm_b(R + ξ_b), T/Ω² due to bodies beyond the piece
   end type piece_law
 
   type, public :: varying_beam
-    !! A component that is added here, or to `piece_law`, stands in `same_beam`, too.
+    !! The beam. A component added here, or to `piece_law`, belongs in `same_beam` as well.
     type(piece_beam) :: beam
     type(piece_law), allocatable :: law(:)         !! (pieces)
-    logical :: is_pulled = .false.                 !! by the tension of its rotation
-    real(dp) :: hub_radius = 0.0_dp                !! R in l, where it is
+    logical :: is_pulled = .false.                 !! with tension due to rotation
+    real(dp) :: hub_radius = 0.0_dp                !! R in l, with tension
   contains
     procedure :: tapers
     procedure :: tension
@@ -45,9 +45,9 @@ module bw_varying_beam
 contains
 
   pure type(varying_beam) function without_tension(beam, sections) result(varying)
-    !! The beam with the sections that it has.
+    !! Return the beam with its sections, without tension.
     type(piece_beam), intent(in) :: beam
-    type(piece_law), intent(in), optional :: sections(:)   !! without tension; absent: all pieces are uniform
+    type(piece_law), intent(in), optional :: sections(:)   !! absent: uniform pieces
     integer :: i
     varying%beam = beam
     if (present(sections)) then
@@ -61,10 +61,10 @@ contains
   end function without_tension
 
   pure type(varying_beam) function under_tension(beam, hub_radius, sections) result(varying)
-    !! The same with the tension of its rotation.
+    !! Return the same with the tension due to rotation.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: hub_radius             !! R in l
-    type(piece_law), intent(in), optional :: sections(:)   !! as above
+    type(piece_law), intent(in), optional :: sections(:)   !! see `without_tension`
     real(qp) :: outer, inner, bodies, beyond
     integer :: i
     varying = without_tension(beam, sections)
@@ -91,12 +91,12 @@ contains
   end subroutine make_uniform
 
   pure subroutine pull_piece(mass, length, inner, law, beyond)
-    !! T/Ω² = T(1) + P(1) − P(x), P' = mL(R + ξ) over the piece.
+    !! Set T/Ω² = T(1) + P(1) − P(x), P' = mL(R + ξ), over the piece.
     real(qp), intent(in) :: mass                   !! ρA at the inner end
     real(qp), intent(in) :: length
-    real(qp), intent(in) :: inner                  !! R + ξ of the inner end
+    real(qp), intent(in) :: inner                  !! R + ξ at the inner end
     type(piece_law), intent(inout) :: law
-    real(qp), intent(inout) :: beyond              !! T/Ω² of the beam at the outer end, then at the inner one
+    real(qp), intent(inout) :: beyond              !! T/Ω² of the beam at the outer end, then at the inner end
     real(qp) :: pull(0:size(law%mass) + 1)         ! coefficients of P
     integer :: k
     pull = 0.0_qp
@@ -105,12 +105,12 @@ contains
       pull(k + 2) = pull(k + 2) + mass*length*law%mass(k + 1)*length/(k + 2)
     end do
     law%tension = real([0.0_qp, -pull(1:)], dp)
-    law%tension(1) = real(beyond, dp) - sum(value_of(law%tension, [1.0_dp]))   ! so that it is exactly 0 at a free tip
+    law%tension(1) = real(beyond, dp) - sum(value_of(law%tension, [1.0_dp]))   ! exactly 0 at a free tip
     beyond = beyond + sum(pull)
   end subroutine pull_piece
 
   pure logical function tapers(self)
-    !! A property of a section varies along a piece.
+    !! Tell whether a property of a section varies along a piece.
     class(varying_beam), intent(in) :: self
     integer :: i
     tapers = .false.
@@ -122,7 +122,7 @@ contains
   end function tapers
 
   pure function tension(self, i) result(t)
-    !! T/Ω² as a polynomial in x over piece i, with the pull of the bodies beyond it.
+    !! Return T/Ω² as a polynomial in x over piece i, including bodies beyond it.
     class(varying_beam), intent(in) :: self
     integer, intent(in) :: i
     real(dp), allocatable :: t(:)
@@ -131,7 +131,7 @@ contains
   end function tension
 
   pure function tension_in_pieces(beam, hub_radius) result(t)
-    !! T/Ω² = t_0 + t_1x + t_2x² in each of some uniform pieces, (3, pieces).
+    !! Return T/Ω² = t_0 + t_1x + t_2x² in each of several uniform pieces, (3, pieces).
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: hub_radius             !! R in l
     real(dp) :: t(3, size(beam%piece))
@@ -144,7 +144,7 @@ contains
   end function tension_in_pieces
 
   pure real(dp) function turning_inertia(self) result(inertia)
-    !! About the axis of the hub, without the hub.
+    !! Return the moment of inertia about the hub's axis, without the hub.
     type(varying_beam), intent(in) :: self
     real(dp) :: arm
     integer :: i, k
@@ -163,7 +163,7 @@ contains
   end function turning_inertia
 
   pure real(dp) function pull_at(self, i, x) result(pull)
-    !! The tension at a place of a piece; 0 where there is none.
+    !! Return the tension at a place of a piece; 0 without tension.
     class(varying_beam), intent(in) :: self
     integer, intent(in) :: i                       !! the piece
     real(dp), intent(in) :: x                      !! from 0 to 1 over it
@@ -172,7 +172,7 @@ contains
   end function pull_at
 
   pure function value_of(polynomial, x) result(value)
-    !! Of a law, at places from 0 to 1 over a piece.
+    !! Return the values of a law at places from 0 to 1 over a piece.
     real(dp), intent(in) :: polynomial(0:), x(:)
     real(dp) :: value(size(x))
     integer :: i
@@ -183,22 +183,22 @@ contains
   end function value_of
 
   pure type(piece_beam) function softest(self) result(beam)
-    !! A beam of many uniform pieces that are nowhere stiffer or heavier, without tension: no point of this one gives more to a force
-    !! that grows as e^(st) than it does there.
+    !! Return a beam of many uniform pieces that is nowhere stiffer or heavier, without tension: under a force that
+    !! grows as e^(st) each of its points moves at least as far.
     class(varying_beam), intent(in) :: self
     beam = in_parts(self, least_value)
   end function softest
 
   pure type(piece_beam) function stepped(self) result(beam)
-    !! The same of many uniform pieces with the sections of their middles, which the beam is like to within about 1e-3 of a frequency.
+    !! Return a beam of many uniform pieces with the sections of their middles; its frequencies agree to within about 1e-3.
     class(varying_beam), intent(in) :: self
     beam = in_parts(self, middle_value)
   end function stepped
 
   pure type(piece_beam) function in_parts(self, uniform_value) result(beam)
-    !! The beam of uniform pieces without tension; every joint is that of so many pieces more.
+    !! Return a beam of uniform parts without tension. Joints keep their attachments.
     class(varying_beam), intent(in) :: self
-    procedure(value_interface) :: uniform_value    !! that stands for a polynomial between two places
+    procedure(value_interface) :: uniform_value    !! value in place of a polynomial between two places
     integer :: i, j
     beam = self%beam
     beam%piece = [(spread(self%beam%piece(i), 1, soft_parts), i=1, size(self%beam%piece))]
@@ -222,7 +222,7 @@ contains
   end function middle_value
 
   pure real(dp) function least_value(polynomial, ends) result(least)
-    !! A bound of a positive polynomial from below, between two places: the least of its coefficients in Bernstein's form there.
+    !! Return a lower bound of a positive polynomial between two places, its least Bernstein coefficient.
     real(dp), intent(in) :: polynomial(0:), ends(2)
     real(dp) :: coefficient(0:size(polynomial) - 1), own(0:size(polynomial) - 1)
     integer :: i, j, n
@@ -250,7 +250,7 @@ contains
   end function binomial
 
   pure logical function same_beam(self, other) result(same)
-    !! To the bit, so that their modes are the same.
+    !! Compare two beams bitwise: equal beams have the same modes.
     class(varying_beam), intent(in) :: self
     type(varying_beam), intent(in) :: other
     integer :: i

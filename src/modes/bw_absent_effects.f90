@@ -1,21 +1,20 @@
 module bw_absent_effects
-  !! What the effects that a scene leaves out would do to its frequencies and histories: closed estimates from the inputs, to
-  !! first order in the effect, and no second solve. No number of modes makes up for what they find.
+  !! Estimates of what the effects that a scene leaves out would change in its frequencies and histories: closed form
+  !! from the inputs, to first order, without a second solution. More modes do not reduce these errors.
   !!
-  !! An effect is estimated where the scene itself says how strong it would be: the tension of its rotation (of a hub
-  !! without radius), the shear of its section (Poisson's ratio 0.3, the coefficient of a solid circle), the stretch of a beam
-  !! that bends in the plane of its rotation. The last has no group, so that nothing but this estimate tells of it: Coriolis
-  !! forces 2ωρAv̇ along the beam stretch it, which is as if each mode had more mass, 4ω²∫S²/(EA), S being the momentum ∫ρAΦ of
-  !! all beyond a place. That is the shear force over Λ = β² + Ω². It holds of modes far slower than waves along the beam;
-  !! faster ones hardly stretch it.
+  !! An effect is estimated if the scene determines its strength: the tension of its rotation (with hub radius 0), the shear of
+  !! its section (Poisson's ratio 0.3, the coefficient of a solid circle), and the stretch of a beam bending in the plane of its
+  !! rotation. The last has no input group, so only this estimate shows it: Coriolis forces 2ωρAv̇ along the beam stretch it,
+  !! which adds 4ω²∫S²/(EA) to the modal mass, with the momentum S = ∫ρAΦ of all beyond a place, the shear force over Λ = β² +
+  !! Ω². This holds for modes far slower than longitudinal waves; faster ones hardly stretch the beam.
   !!
-  !! Tension, inertia of the sections and shear weigh integrals of the squares of a shape's derivatives over the beam, which
-  !! are known in closed form. Φ'''' = α⁴Φ lets the shape be split into p = ½(Φ + Φ''/α²), p'' = α²p, and q = ½(Φ − Φ''/α²),
-  !! q'' = −α²q. Then p'² − α²p² and q'² + α²q² are constant along the beam, 2p'q' = (pq)'' and 2α²pq = (p'q − pq')', so that
-  !! every integral follows from values at the ends, by parts. Of a built-up beam they are sums over points (bw_absent_of_pieces).
+  !! Tension, rotary inertia and shear need integrals of squared derivatives of a shape, known in closed form. By Φ''''
+  !! = α⁴Φ the shape is the sum of p = ½(Φ + Φ''/α²), p'' = α²p, and q = ½(Φ − Φ''/α²), q'' = −α²q. Then p'² − α²p² and
+  !! q'² + α²q² are constant, 2p'q' = (pq)'' and 2α²pq = (p'q − pq')', so every integral follows from end values by
+  !! parts. For a built-up beam they are sums over points (bw_absent_of_pieces).
   !!
-  !! Integrals and shifts are in the beam's own units. **Errors** of the integrals: 1e-10 relatively, for k to 10⁵; 1e-7 for
-  !! mode 1 where γ > 10⁵. **Source**: Rayleigh's quotient of the shape without the effect.
+  !! Integrals and shifts are in the beam's own units. **Errors** of the integrals: 1e-10 relatively, for k to 10⁵; 1e-7
+  !! for mode 1 where γ > 10⁵. **Source**: Rayleigh's quotient of the shape without the effect.
   use bw_absent_of_pieces, only: highest_estimated, shifts_of_pieces
   use bw_beam_units, only: beam_units, shear_numbers, shear_of, slenderness, units_of
   use bw_double_double, only: dd, sqrt
@@ -44,21 +43,21 @@ module bw_absent_effects
     real(dp) :: p = 0.0_dp, p_slope = 0.0_dp, q = 0.0_dp, q_slope = 0.0_dp
   end type end_values
 
-  real(dp), parameter :: static_below = 0.04_dp   !! α of mode 1 below which its shape is that of a force at the tip to 1e-7
+  real(dp), parameter :: static_below = 0.04_dp   !! α of mode 1 below which its shape is that of a static tip force to 1e-7
 
 contains
 
   subroutine absent_changes(scene, number, change, steadies, square, inward)
-    !! By how much each effect would change the frequencies, relatively, of the modes in force after t = 0: those with the mass at
-    !! the tip where it is captured.
+    !! Find the relative change of frequencies by each effect, for the modes after t = 0: with the mass at the tip if it
+    !! is captured.
     type(scene_type), intent(in) :: scene                              !! without sweeps
     integer, intent(in) :: number(:)                                   !! of the modes, ascending
     real(dp), intent(out) :: change(size(number), size(absent_words))
-      !! 0 where the effect is on or cannot be, and of modes of a built-up beam beyond `highest_estimated`
-    logical, intent(out) :: steadies(size(absent_words))               !! the first mode grows, and would not
-    real(dp), intent(out) :: square(size(number))                      !! β², about; 0 where it is not known
+      !! 0 if the effect is on or impossible, and for modes of a built-up beam beyond `highest_estimated`
+    logical, intent(out) :: steadies(size(absent_words))               !! the effect would stabilise an unstable first mode
+    real(dp), intent(out) :: square(size(number))                      !! β², approximately; 0 if unknown
     real(dp), intent(out) :: inward(size(number))
-      !! relative change of the frequency over the length by which a captured mass would be further in; 0 of the paper's beam
+      !! relative change of frequency per length by which a captured mass moves inwards; 0 for the paper's beam
     type(shape_type) :: shape(size(number))
     real(dp) :: shift(size(number), size(absent_words)), moved(size(number)), stretch(size(number))
     integer :: e, known
@@ -68,7 +67,7 @@ contains
     moved = 0.0_dp
     stretch = 0.0_dp
     inward = 0.0_dp
-    if (allocated(scene%hub)) then           ! it is estimated for a root that is held alone
+    if (allocated(scene%hub)) then           ! the estimate needs a root held alone
       known = 0
       square = 0.0_dp
     else if (is_papers_beam(scene)) then
@@ -102,28 +101,28 @@ contains
   end subroutine absent_changes
 
   pure logical function is_papers_beam(scene) result(is)
-    !! One piece, clamped, with nothing but a mass at its tip.
+    !! Tell whether the beam is one clamped piece with at most a mass at its tip.
     type(scene_type), intent(in) :: scene
     is = .not. has_parts(scene%groups)
     if (is .and. allocated(scene%capture)) is = scene%impact%position == 1.0_dp
   end function is_papers_beam
 
   elemental real(dp) function relative_change(square, shift) result(change)
-    !! The relative change of a frequency whose square is shifted; 0 where there is no frequency.
+    !! Return the relative change of a frequency whose square is shifted; 0 for an unstable mode.
     real(dp), intent(in) :: square, shift
     change = 0.0_dp
     if (square > 0.0_dp) change = shift/square/(1.0_dp + sqrt(1.0_dp + max(-1.0_dp, shift/square)))
   end function relative_change
 
   pure real(dp) function tip_mass(scene) result(gamma)
-    !! The mass ratio at the tip after t = 0: 0 where no mass is captured.
+    !! Return the mass ratio at the tip after t = 0; 0 without capture.
     type(scene_type), intent(in) :: scene
     gamma = 0.0_dp
     if (allocated(scene%capture)) gamma = scene%impact%mass_ratio
   end function tip_mass
 
   pure real(dp) function spin_squared(scene) result(square)
-    !! Ω², by which rotation in the plane of the motion lowers every β²; 0 where there is none.
+    !! Return Ω², by which rotation in the plane of motion lowers every β²; else 0.
     type(scene_type), intent(in) :: scene
     type(dd) :: omega
     square = 0.0_dp
@@ -133,7 +132,7 @@ contains
   end function spin_squared
 
   pure function tension_shifts(scene, shape) result(shifts)
-    !! What the tension of the scene's rotation adds to each β², (modes); 0 where nothing rotates.
+    !! Return the shift of each β² by the tension of the scene's rotation, (modes); 0 without rotation.
     type(scene_type), intent(in) :: scene
     type(shape_type), intent(in) :: shape(:)
     real(dp) :: shifts(size(shape))
@@ -151,7 +150,7 @@ contains
   end function tension_shifts
 
   pure function shear_shifts(scene, shape) result(shifts)
-    !! What shear of the scene's section, or of the usual one, adds to each β², (modes).
+    !! Return the shift of each β² by shear of the scene's section, or of a usual one, (modes).
     type(scene_type), intent(in) :: scene
     type(shape_type), intent(in) :: shape(:)
     real(dp) :: shifts(size(shape))
@@ -165,7 +164,7 @@ contains
   end function shear_shifts
 
   pure real(dp) function tension_shift(shape, tension) result(shift)
-    !! What a tension T(ξ) = t_0 + t_1ξ + t_2ξ² adds to β²: ∫TΦ'²/M, an upper bound for the lowest mode.
+    !! Return the shift ∫TΦ'²/M of β² by a tension T(ξ) = t_0 + t_1ξ + t_2ξ², an upper bound for the lowest mode.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: tension(3)           !! t_0, t_1, t_2 in EI/l²
     type(slope_integrals) :: integrals
@@ -174,11 +173,11 @@ contains
   end function tension_shift
 
   pure real(dp) function shear_shift(shape, compliance, rotary) result(shift)
-    !! What shear and the inertia of the sections add to β², < 0.
+    !! Return the shift < 0 of β² by shear and rotary inertia.
     !!
-    !! Of a long wave they take the fraction s²α² + r²α² off α⁴, at the ends ∫Φ'''²/α⁴ and ∫Φ'² over M in place of α²; of
-    !! a short one the lower root of Timoshenko's relation \( r^2s^2\beta^4 - (1 + (r^2+s^2)\alpha^2)\beta^2 + \alpha^4 = 0 \)
-    !! is taken, so that no wave is faster than sound.
+    !! Long waves lose the fraction s²α² + r²α² of α⁴, at the ends with ∫Φ'''²/α⁴ and ∫Φ'² over M in place of α². Short
+    !! waves take the lower root of Timoshenko's relation \( r^2s^2\beta^4 - (1 + (r^2+s^2)\alpha^2)\beta^2 + \alpha^4 =
+    !! 0 \), so that none is faster than sound.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: compliance           !! s² = EI/(κGAl²)
     real(dp), intent(in) :: rotary               !! r² = I/(Al²)
@@ -192,7 +191,7 @@ contains
   end function shear_shift
 
   elemental real(dp) function stretch_mass(shape, spin_squared, rotary) result(mass)
-    !! What Coriolis forces in the plane of rotation add to the modal mass, over it: 4Ω²r²∫Φ'''²/α⁸ over M.
+    !! Return the relative increase of modal mass due to Coriolis forces in the plane of rotation: 4Ω²r²∫Φ'''²/α⁸ over M.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: spin_squared         !! Ω²
     real(dp), intent(in) :: rotary               !! r² = I/(Al²): EI/(EA) in l²
@@ -206,7 +205,7 @@ contains
   ! Integrals
 
   elemental type(slope_integrals) function slope_integrals_of(shape) result(integrals)
-    !! The integrals of one mode; of the first with a very heavy mass those of a force at the tip.
+    !! Return the integrals of one mode; for the first with a very heavy mass those of a static tip force.
     type(shape_type), intent(in) :: shape
     type(end_values) :: root, tip
     real(dp) :: growing(0:2), turning(0:2), both(0:2)
@@ -226,7 +225,7 @@ contains
   end function slope_integrals_of
 
   pure function square_moments(root, root_slope, tip, tip_slope, square) result(moments)
-    !! ∫ξⁿf'² dξ, n = 0, 1, 2, of an f with f'' = `square` f.
+    !! Return ∫ξⁿf'² dξ, n = 0, 1, 2, for f with f'' = `square` f.
     real(dp), intent(in) :: root, root_slope, tip, tip_slope, square
     real(dp) :: moments(0:2)
     real(dp) :: constant, product, of_value
@@ -239,7 +238,7 @@ contains
   end function square_moments
 
   pure function product_moments(root, tip, alpha) result(moments)
-    !! 2∫ξⁿp'q' dξ, n = 0, 1, 2.
+    !! Return 2∫ξⁿp'q' dξ, n = 0, 1, 2.
     type(end_values), intent(in) :: root, tip
     real(dp), intent(in) :: alpha
     real(dp) :: moments(0:2)
@@ -253,12 +252,12 @@ contains
   end function product_moments
 
   function model_errors(scene, modes, velocity, displacement) result(errors)
-    !! By each absent effect, over the peak of the displacement: the largest difference of the history that these modes start,
-    !! with their own frequencies and with those of the effect; all of it where a mode grows that would not. An estimate, within a
-    !! factor of three in the tests; the shapes are taken as they are, and a later release changes nothing.
+    !! Estimate the error due to each absent effect over the peak displacement: the largest difference of the history of
+    !! these modes with and without shifted frequencies; 1 if an unstable mode would be stable. Within a factor of three
+    !! in the tests. Shapes are unchanged, and a later release is ignored.
     type(scene_type), intent(in) :: scene          !! without sweeps, with a response
     class(mode_set), intent(in) :: modes           !! the first modes that move
-    real(dp), intent(in) :: velocity(:)            !! (modes), what they start with, m/s
+    real(dp), intent(in) :: velocity(:)            !! (modes), initial velocities, m/s
     real(dp), intent(in) :: displacement(:, :)     !! (samples, points), m
     real(dp) :: errors(size(absent_words))
     integer, parameter :: most_times = 500
@@ -290,7 +289,7 @@ contains
 
   elemental real(dp) function swing(beta, time)
     !! sin(βt)/β, t for β = 0.
-    real(dp), intent(in) :: beta                   !! ≥ 0
+    real(dp), intent(in) :: beta                   !! Return sin(βt)/β, or t for β = 0.
     real(dp), intent(in) :: time
     swing = time
     if (beta > 0.0_dp) swing = sin(beta*time)/beta

@@ -1,8 +1,7 @@
 module bw_absent_of_pieces
-  !! What tension, and shear with the inertia of sections, add to β² of a beam of pieces, to first order: integrals over the shapes
-  !! of the beam without them, ∫Tv'² of the one, −∫sN² − β²∫ρIv'² of the other, N being the shear force, over the modal mass.
-  !! And what stretch by Coriolis forces adds to that mass, over it: 4Ω²∫S²/(EA), S the momentum of all beyond a place: N and what
-  !! springs beyond hold, over Λ = β² + Ω².
+  !! First-order shifts of β² of a beam of pieces: by tension ∫Tv'²/M, by shear and rotary inertia (−∫sN² − β²∫ρIv'²)/M with the
+  !! shear force N, integrals over shapes without these effects. And the relative increase of M by Coriolis stretch:
+  !! 4Ω²∫S²/(EA)/M, with the momentum S of all beyond a place: N and the forces of springs beyond, over Λ = β² + Ω².
   use bw_beam_units, only: beam_units, units_of
   use bw_constants, only: pi
   use bw_double_double, only: to_dd
@@ -21,13 +20,13 @@ module bw_absent_of_pieces
   private
   public :: place_shifts, shifts_of_pieces
 
-  integer, parameter, public :: highest_estimated = 200   !! mode; shapes of higher ones would take too many points
+  integer, parameter, public :: highest_estimated = 200   !! mode; higher shapes would need too many points
 
 contains
 
   subroutine shifts_of_pieces(scene, number, square, tension, shear, stretch, place)
-    !! β² of the beam without either, and what each would add to it, (modes): by the rotation and shear of the scene, a hub without
-    !! radius and the usual shear where it names none. And what it would gain were a captured mass further in (`place_shifts`).
+    !! Find β² of the beam without either effect, its shifts by each, (modes), and that of moving a captured mass
+    !! inwards (`place_shifts`). Rotation and shear are those of the scene, or hub radius 0 and usual shear by default.
     type(scene_type), intent(in) :: scene                  !! without sweeps
     integer, intent(in) :: number(:)                       !! of the modes, ascending, ≤ `highest_estimated`
     real(dp), intent(out) :: square(:), tension(:), shear(:), stretch(:), place(:)
@@ -69,10 +68,10 @@ contains
   end subroutine shifts_of_pieces
 
   pure function place_shifts(modes, gamma) result(shifts)
-    !! What β² gains for each length of the beam by which a captured body is moved inwards: (Λγ(Φ²)' + β²J(Ψ²)')/M at its place,
-    !! Ψ' the mean on both sides of the body. Moments elsewhere are those of the piece inside.
+    !! Return the increase of β² per length of the beam by which a captured body moves inwards: (Λγ(Φ²)' + β²J(Ψ²)')/M
+    !! at its place, Ψ' the mean of both sides. Moments elsewhere are those of the inner piece.
     type(piece_set), intent(in) :: modes
-    real(dp), intent(in) :: gamma                          !! mass of the body; 0 where there is none
+    real(dp), intent(in) :: gamma                          !! mass of the body; 0: none
     real(dp) :: shifts(modes%count)
     real(dp), dimension(modes%count) :: curvature, square
     real(dp) :: state(4, modes%count, 1)
@@ -92,15 +91,15 @@ contains
   end function place_shifts
 
   subroutine add_integrals(modes, full, pull, tension, shear, stretch)
-    !! By the midpoint rule, in several points of each half wave of a mode.
+    !! Add the integrals by the midpoint rule, with several points in each half wave of a mode.
     type(piece_set), intent(in) :: modes
-    type(piece_beam), intent(in) :: full                   !! the pieces of the modes, with compliance and rotary inertia
+    type(piece_beam), intent(in) :: full                   !! pieces of the modes, with compliance and rotary inertia
     real(dp), intent(in) :: pull(:, :)                     !! T = t_0 + t_1x + t_2x² in each piece, (3, pieces)
     real(dp), intent(out) :: tension(:), shear(:), stretch(:)
     integer, parameter :: fewest = 16, of_half_wave = 12   ! points
     real(dp), dimension(modes%count) :: taken, elastic
     type(piece_frequency) :: frequency
-    real(dp) :: both, held, beyond             ! what springs further out hold of a mode; the shear force beyond a joint
+    real(dp) :: both, held, beyond             ! forces of springs further out; shear force beyond a joint
     integer :: i, k, points
     tension = 0.0_dp
     taken = 0.0_dp
@@ -123,8 +122,8 @@ contains
     shear = elastic*(2.0_dp/(taken + sqrt(max(0.0_dp, taken**2 - 4.0_dp*both*elastic))) - 1.0_dp)
   contains
     subroutine add_points(x, piece, numbers)
-      !! Mode k over piece i.
-      real(dp), intent(in) :: x(:)                         !! of its length, (points)
+      !! Add the points of piece i for mode k.
+      real(dp), intent(in) :: x(:)                         !! relative to its length, (points)
       type(uniform_piece), intent(in) :: piece
       type(piece_numbers), intent(in) :: numbers
       real(dp) :: part, state(4, size(x)), ends(4, 2)
@@ -141,13 +140,13 @@ contains
   end subroutine add_integrals
 
   pure real(dp) function stretching(piece) result(stiffness)
-    !! EA = B ρA/(ρI).
+    !! Return EA = B ρA/(ρI).
     type(uniform_piece), intent(in) :: piece               !! with rotary inertia
     stiffness = piece%stiffness%hi*piece%mass%hi/piece%rotary%hi
   end function stretching
 
   pure function midpoints(number) result(x)
-    !! Of so many equal parts of the length 1.
+    !! Return the midpoints of equal parts of [0, 1].
     integer, intent(in) :: number
     real(dp) :: x(number)
     integer :: i

@@ -1,5 +1,5 @@
 module bw_beam_parts
-  !! A beam cut into parts over which its state changes little, and how each part carries the state from its start to its end: by Gauss's
+  !! A beam cut into parts over which its state varies slowly, and the transfer matrix of each part by Gauss
   !! collocation, for motions that grow as e^(st) (bw_static_shape). Without dimensions, as the beam.
   !!
   !! The state z = (v, ψ, M, Q) obeys v' = (ψ + sQ)/(1 + sT), ψ' = M/B, M' = −Q + Tv' − Rψ, Q' = −mλv with
@@ -14,21 +14,21 @@ module bw_beam_parts
   private
   public :: cut_parts, gauss_places
 
-  integer, parameter :: stages = 8                !! of Gauss's collocation, which is exact to the order of twice as many
-  real(dp), parameter :: calm = 0.7_dp            !! how much the state may change over a part
+  integer, parameter :: stages = 8                !! of Gauss collocation; its order is twice that
+  real(dp), parameter :: calm = 0.7_dp            !! limit of the change of the state over a part
 
   type, public :: beam_part
     !! A part of a piece.
     integer :: piece = 1
     real(dp) :: from = 0.0_dp, to = 1.0_dp        !! places over the piece
-    logical :: ends_piece = .false.               !! the joint at its end is passed after it
-    real(dp) :: across(4, 4) = 0.0_dp             !! the state at its end by that at its start
+    logical :: ends_piece = .false.               !! the joint there comes after it
+    real(dp) :: across(4, 4) = 0.0_dp             !! final state by initial state
   end type beam_part
 
 contains
 
   pure subroutine cut_parts(given, shift, xi, parts, end_of)
-    !! Parts that end where pieces do, and at all points.
+    !! Cut the beam into parts that end at joints and at all points.
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: shift, xi(:)
     type(beam_part), allocatable, intent(out) :: parts(:)
@@ -63,7 +63,7 @@ contains
   end subroutine cut_parts
 
   pure integer function parts_of(given, i, shift) result(parts)
-    !! Into how many parts a piece is cut.
+    !! Return the number of parts of a piece.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: i                      !! the piece
     real(dp), intent(in) :: shift
@@ -83,7 +83,7 @@ contains
   end function parts_of
 
   pure function carried(given, shift, part) result(across)
-    !! The state at the end of a part by that at its start.
+    !! Return the transfer matrix of a part.
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: shift
     type(beam_part), intent(in) :: part
@@ -115,7 +115,7 @@ contains
   end function carried
 
   pure function state_law(given, i, shift, x) result(law)
-    !! z' = law z at places over a piece, (4, 4, places).
+    !! Return the matrix of z' = law z at places over a piece, (4, 4, places).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: i                      !! the piece
     real(dp), intent(in) :: shift, x(:)
@@ -150,7 +150,7 @@ contains
   end function state_law
 
   pure subroutine gauss_places(place, weight)
-    !! Gauss's points from 0 to 1 and their weights.
+    !! Return Gauss points on [0, 1] and their weights.
     real(dp), allocatable, intent(out) :: place(:), weight(:)
     real(dp) :: a(stages, stages)
     allocate (place(stages), weight(stages))
@@ -158,7 +158,7 @@ contains
   end subroutine gauss_places
 
   pure subroutine gauss_rule(place, weight, a)
-    !! Gauss's points from 0 to 1, their weights, and the integrals of Lagrange's polynomials up to each of them.
+    !! Return Gauss points on [0, 1], their weights, and the integrals of Lagrange polynomials up to each of them.
     real(dp), intent(out) :: place(stages), weight(stages), a(stages, stages)
     real(dp) :: p(0:stages), slope, x
     real(dp) :: powers(stages, stages), integrals(stages, stages)

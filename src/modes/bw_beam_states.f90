@@ -1,11 +1,11 @@
 module bw_beam_states
-  !! Motions e^(st) of a beam of pieces, s any complex number, that its far end allows: of an imaginary s = iΩ those of harmonic
-  !! forces, of a real s those in which no mode is in the way. A state is v, ψ, M and the shear force N.
+  !! Motions e^(st) of a beam of pieces that satisfy the conditions at its far end, for any complex s: imaginary s = iΩ
+  !! for harmonic forces, real s without resonances. A state is v, ψ, M and the shear force N.
   !!
-  !! What lies beyond a point leaves it two independent states. Pairs of such states are carried along a leg, from the end of the
-  !! beam piece by piece: across a piece that is shorter than its waves by the powers of its length, across others by waves that
-  !! decay, or at least do not grow, from where they start. So neither differences of nearly equal numbers appear nor exponentials
-  !! that grow. Both legs run towards the force; that of the root sees the beam from there, with ψ and N of the other sign.
+  !! The beam beyond a point admits two independent states. Such pairs are propagated along a leg, from the end of the
+  !! beam piece by piece: by power series across pieces shorter than their waves, across others by waves that do not
+  !! grow away from their start. This avoids both cancellation and growing exponentials. Both legs run towards the
+  !! force; the leg of the root is seen from there, with ψ and N reversed.
   !!
   !! Without dimensions, as the beam; without tension.
   use bw_kinds, only: dp
@@ -18,14 +18,14 @@ module bw_beam_states
   integer, parameter, public :: deflection = 1, turning = 2, moment = 3, shear_force = 4   !! components of a state
 
   type, public :: inertia_type
-    !! What the inertia of a motion is multiplied by: β² = −s², and Ω² of the rotation where it acts.
-    complex(dp) :: lambda                        !! λ, of every deflection
-    complex(dp) :: rho                           !! ρ, of the turning of sections
-    complex(dp) :: square                        !! β², of the turning of bodies
+    !! Factors of inertia in a motion: β² = −s², with Ω² where rotation acts.
+    complex(dp) :: lambda                        !! λ, for deflections
+    complex(dp) :: rho                           !! ρ, for rotation of sections
+    complex(dp) :: square                        !! β², for rotation of bodies
   end type inertia_type
 
   type, public :: piece_state
-    !! Waves e^(∓κx) of a piece, those that decay outwards first. Where v is 1, ψ and N are ∓ and M is ± those that are kept.
+    !! Waves e^(∓κx) of a piece, those that decay outwards first. For v = 1, ψ and N are ∓ and M is ± the stored values.
     complex(dp) :: decay(2)                      !! κ, Re κ ≥ 0
     complex(dp) :: turn(2)                       !! ψ
     complex(dp) :: bend(2)                       !! M
@@ -36,21 +36,21 @@ module bw_beam_states
   end type piece_state
 
   type, public :: crossing_type
-    !! A piece of a leg, from its far end to its near one.
+    !! A piece of a leg, from its far end to its near end.
     type(piece_state) :: piece
-    complex(dp) :: far(4, 2)                     !! two states at the far end, whose v, ψ are 1, 0 and 0, 1 unless it is held
-    complex(dp) :: near(4, 2)                    !! two at the near end
-    complex(dp) :: outwards(2, 2)                !! from the near pair's amplitudes to the far pair's
-    complex(dp) :: coming(2, 2)                  !! from the near pair's amplitudes to those of waves that start at the far end
-    complex(dp) :: onwards(2, 2)                 !! from the far pair's amplitudes to those of the near pair of the piece beyond
-    logical :: short = .false.                   !! than its waves
+    complex(dp) :: far(4, 2)                     !! two states at the far end, with v, ψ equal to 1, 0 and 0, 1 unless it is held
+    complex(dp) :: near(4, 2)                    !! two states at the near end
+    complex(dp) :: outwards(2, 2)                !! amplitudes of the far pair by those of the near pair
+    complex(dp) :: coming(2, 2)                  !! amplitudes of waves starting at the far end by those of the near pair
+    complex(dp) :: onwards(2, 2)                 !! amplitudes of the next piece's near pair by those of the far pair
+    logical :: short = .false.                   !! shorter than its waves
   end type crossing_type
 
 contains
 
   pure type(inertia_type) function inertia_at(beam, square, loss) result(inertia)
-    !! Of a motion with β², of a beam whose elasticity is (1 + `loss`) times its own. A factor of all elasticity divides all inertia:
-    !! what follows is (1 + `loss`) times the answer.
+    !! Return the factors for a motion with β², of a beam with elasticity (1 + `loss`) times its own. Dividing all
+    !! inertia by that instead multiplies the response by 1 + `loss`.
     type(piece_beam), intent(in) :: beam
     complex(dp), intent(in) :: square
     complex(dp), intent(in), optional :: loss    !! absent: 0
@@ -66,10 +66,10 @@ contains
   end function inertia_at
 
   elemental type(piece_state) function waves_of(piece, inertia) result(waves)
-    !! e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, Bψ' = M, M' = −Rψ − N, N' = −mλv.
+    !! Return the waves e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, Bψ' = M, M' = −Rψ − N, N' = −mλv.
     type(uniform_piece), intent(in) :: piece
     type(inertia_type), intent(in) :: inertia
-    real(dp), parameter :: apart = 1.0e-7_dp     ! of the two squares, so that waves are independent
+    real(dp), parameter :: apart = 1.0e-7_dp     ! relative difference of the two squares, to keep waves independent
     complex(dp) :: root, b, c
     associate (stiffness => piece%stiffness%hi, mass => piece%mass%hi)
       waves%length = piece%length%hi
@@ -89,9 +89,9 @@ contains
   end function waves_of
 
   pure subroutine lead_from_tip(beam, from, inertia, leg)
-    !! The leg of the pieces beyond a joint, the outermost one last.
+    !! Build the leg of the pieces beyond a joint, outermost last.
     type(piece_beam), intent(in) :: beam
-    integer, intent(in) :: from                  !! the joint: 0 is the root
+    integer, intent(in) :: from                  !! joint; 0 is the root
     type(inertia_type), intent(in) :: inertia
     type(crossing_type), intent(inout) :: leg(:) !! (n − from)
     integer :: i
@@ -108,7 +108,7 @@ contains
   end subroutine lead_from_tip
 
   pure subroutine lead_from_root(beam, to, inertia, leg)
-    !! The leg of the pieces up to a joint, that of the root last.
+    !! Build the leg of the pieces up to a joint, that of the root last.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: to                    !! the joint
     type(inertia_type), intent(in) :: inertia
@@ -127,7 +127,7 @@ contains
   end subroutine lead_from_root
 
   pure function ending(root) result(states)
-    !! Two independent states that an end allows which is held so, as seen towards it.
+    !! Return two independent states at an end with given support, as seen towards it.
     type(beam_root), intent(in) :: root
     complex(dp) :: states(4, 2)
     states = 0.0_dp
@@ -138,7 +138,7 @@ contains
   end function ending
 
   pure function joined(joint, inertia, beyond) result(before)
-    !! States before a joint from those beyond it.
+    !! Return the states before a joint from those beyond it.
     type(beam_joint), intent(in) :: joint
     type(inertia_type), intent(in) :: inertia
     complex(dp), intent(in) :: beyond(4, 2)
@@ -149,11 +149,11 @@ contains
   end function joined
 
   pure subroutine turn_to_motions(states, unit, amplitudes)
-    !! Two states with their combinations in their place of which v, ψ are 1, 0 and 0, 1: what a joint adds to M and the shear force,
-    !! however much, then stands in one number of each.
+    !! Replace two states by combinations with v, ψ equal to 1, 0 and 0, 1. What a joint adds to M and N, however large,
+    !! then affects one number of each.
     complex(dp), intent(in) :: states(4, 2)
     complex(dp), intent(out) :: unit(4, 2)
-    complex(dp), intent(out) :: amplitudes(2, 2)   !! of the two states in each of these
+    complex(dp), intent(out) :: amplitudes(2, 2)   !! of the two states in each combination
     amplitudes = inverse_of(states(:2, :))
     unit(3:, :) = matmul(states(3:, :), amplitudes)
     unit(:2, :) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
@@ -168,7 +168,7 @@ contains
   end function inverse_of
 
   pure subroutine cross(crossing)
-    !! From the far end of a piece to its near one.
+    !! Propagate the states from the far end of a piece to its near end.
     type(crossing_type), intent(inout) :: crossing
     crossing%short = is_short(crossing%piece, crossing%piece%length)
     if (crossing%short) then
@@ -180,7 +180,7 @@ contains
   end subroutine cross
 
   pure function across(piece, states, way) result(there)
-    !! Two states at the far end of a piece, or combinations of them, at a place so far before it.
+    !! Return combinations of two states at the far end of a piece, propagated by a given distance.
     type(piece_state), intent(in) :: piece
     complex(dp), intent(in) :: states(4, 2)
     real(dp), intent(in) :: way                  !! ≥ 0
@@ -200,11 +200,11 @@ contains
   end function is_short
 
   pure function by_powers(piece, states, way) result(there)
-    !! States so far outwards, |κ| times the way being below 1: a power series in it.
+    !! Propagate states by a power series, for |κ| times the distance below 1.
     type(piece_state), intent(in) :: piece
     complex(dp), intent(in) :: states(:, :)
     real(dp), intent(in) :: way
-    integer, parameter :: powers = 24            !! of less than 1, over their factorials
+    integer, parameter :: powers = 24            ! powers of less than 1, over factorials
     complex(dp) :: there(4, size(states, 2)), term(4), last(4)
     integer :: i, j
     there = states
@@ -222,11 +222,11 @@ contains
   end function by_powers
 
   pure subroutine by_waves(piece, states, way, there, outwards, coming)
-    !! Combinations of states whose outward waves are 1, 0 and 0, 1 at a place so far before them.
+    !! Return combinations of states whose outward waves are 1, 0 and 0, 1 at a given distance.
     type(piece_state), intent(in) :: piece
     complex(dp), intent(in) :: states(4, 2)
     real(dp), intent(in) :: way
-    complex(dp), intent(out) :: there(4, 2), outwards(2, 2), coming(2, 2)   !! as those of a crossing
+    complex(dp), intent(out) :: there(4, 2), outwards(2, 2), coming(2, 2)   !! see crossing_type
     complex(dp) :: even(2, 2), odd(2, 2), left(2), back(2, 2)   ! v, M and ψ, N of both waves together; (waves, states)
     integer :: i, j
     even(1, :) = (piece%bend(2)*states(1, :) - states(3, :))/(piece%bend(2) - piece%bend(1))
@@ -256,7 +256,7 @@ contains
   end subroutine by_waves
 
   pure complex(dp) function motion_within(crossing, amplitudes, way) result(v)
-    !! The deflection of a piece at a place so far beyond its near end.
+    !! Return the deflection of a piece at a distance beyond its near end.
     type(crossing_type), intent(in) :: crossing
     complex(dp), intent(in) :: amplitudes(2)     !! of the near pair
     real(dp), intent(in) :: way                  !! 0 … the piece's length
@@ -273,7 +273,7 @@ contains
   end function motion_within
 
   pure function mirrored(states) result(seen)
-    !! States as they are seen the other way.
+    !! Return states as seen in the opposite direction.
     complex(dp), intent(in) :: states(4, 2)
     complex(dp) :: seen(4, 2)
     seen = states
@@ -281,7 +281,7 @@ contains
   end function mirrored
 
   pure subroutine solve(system, right)
-    !! Solve a few equations, each over its largest coefficient.
+    !! Solve a small system with rows scaled by their largest coefficients.
     complex(dp), intent(inout), contiguous :: system(:, :)   !! overwritten
     complex(dp), intent(inout), contiguous :: right(:)       !! then the solution
     real(dp) :: largest
@@ -294,7 +294,7 @@ contains
       right(i) = right(i)/largest
     end do
     call zgesv(n, 1, system, n, pivot, right, n, info)
-    if (info /= 0) right = 0.0_dp                ! no beam that is held by its inertia has such equations
+    if (info /= 0) right = 0.0_dp                ! cannot happen for a beam held by its inertia
   end subroutine solve
 
 end module bw_beam_states

@@ -1,11 +1,11 @@
 module bw_flexibility
-  !! How far a point of a beam of pieces gives to a force there that grows as e^(st): its flexibility at the imaginary frequency
-  !! is, β² = −s², where no mode is in the way. As a sum over all modes it is ΣΦ_k(ξ)²/(M_k(β_k² + s²)), so that it tells what
-  !! modes that are not summed add to it. Without tension.
+  !! The flexibility of a beam of pieces at an imaginary frequency is, β² = −s², below all resonances: the displacement
+  !! of a point under a force there that grows as e^(st). As a modal sum it is ΣΦ_k(ξ)²/(M_k(β_k² + s²)), and so gives
+  !! the part of omitted modes. Without tension.
   !! Without dimensions, as the beam.
   !!
-  !! **Limit**: pieces are uniform. Of a beam that tapers the flexibility is at most that of many uniform pieces which are nowhere
-  !! stiffer or heavier (`softest` of bw_varying_beam), so that a bound follows from these.
+  !! **Limit**: pieces are uniform. The flexibility of a tapering beam is at most that of many uniform pieces that are
+  !! nowhere stiffer or heavier (`softest` of bw_varying_beam), which gives a bound.
   use bw_beam_states, only: across, crossing_type, deflection, inertia_at, inertia_type, lead_from_root, lead_from_tip, mirrored, &
     moment, piece_state, solve, waves_of
   use bw_kinds, only: dp
@@ -15,8 +15,8 @@ module bw_flexibility
   public :: mean_square_curvature, mean_square_shape, moment_stiffness, point_flexibility
 
   type, public :: flexibility_table
-    !! Flexibilities of a beam at points, at the shifts s² = 4ʲ that somebody has asked for: each is found once.
-    real(dp), allocatable :: at(:, :)            !! (points, j); negative: not asked for
+    !! Flexibilities of a beam at points, at requested shifts s² = 4ʲ, each computed once.
+    real(dp), allocatable :: at(:, :)            !! (points, j); negative: not computed
   contains
     procedure :: cover
   end type flexibility_table
@@ -24,8 +24,8 @@ module bw_flexibility
 contains
 
   pure subroutine cover(self, beam, xi, first, last)
-    !! Find what is not there of the shifts from 4^first to 4^last.
-    class(flexibility_table), intent(inout) :: self   !! of this beam and these points, if it has any
+    !! Compute missing flexibilities for shifts from 4^first to 4^last.
+    class(flexibility_table), intent(inout) :: self   !! of this beam and these points, if not empty
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi(:)                !! (points)
     integer, intent(in) :: first, last
@@ -47,26 +47,27 @@ contains
   end subroutine cover
 
   pure function point_flexibility(beam, shift, xi) result(flexibility)
-    !! ΣΦ_k(ξ)²/(M_k(β_k² + s²)): the deflection of each point under a force of 1 there, (points).
+    !! Return ΣΦ_k(ξ)²/(M_k(β_k² + s²)), the deflection of each point under a force of 1 there, (points).
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: shift                !! s² > Ω²
     real(dp), intent(in) :: xi(:)                !! 0 ≤ ξ ≤ 1, (points)
     real(dp) :: flexibility(size(xi))
     flexibility = point_response(beam, shift, xi, [0.0_dp, 0.0_dp, 0.0_dp, -1.0_dp], deflection)
-    flexibility = max(0.0_dp, flexibility)       ! of what is held, rounding
+    flexibility = max(0.0_dp, flexibility)       ! rounding at a support
   end function point_flexibility
 
   pure function moment_stiffness(beam, shift, xi) result(stiffness)
-    !! s²ΣB²Φ_k''(ξ)²/(M_kβ_k²(β_k² + s²)): the moment at each point that a kink of 1 there takes beyond the static one, (points).
+    !! Return s²ΣB²Φ_k''(ξ)²/(M_kβ_k²(β_k² + s²)), the moment at each point due to a kink of 1 there, less the static
+    !! one, (points).
     type(piece_beam), intent(in) :: beam
-    real(dp), intent(in) :: shift, xi(:)         !! as those of `point_flexibility`
+    real(dp), intent(in) :: shift, xi(:)         !! see `point_flexibility`
     real(dp) :: stiffness(size(xi))
     stiffness = max(0.0_dp, -point_response(beam, shift, xi, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp], moment))
   end function moment_stiffness
 
   pure function mean_square_shape(beam, frequency, xi) result(mean)
-    !! The mean of Φ_k(ξ)²/M_k over modes about an angular frequency: the flexibility there over Σ1/(β_k² + s²), which modes that are
-    !! spaced as waves on long pieces make ¼Σ∫Re κ dx/s², (points).
+    !! Return the mean of Φ_k(ξ)²/M_k over modes near an angular frequency: the flexibility over Σ1/(β_k² + s²), which
+    !! is ¼Σ∫Re κ dx/s² for modes spaced as waves on long pieces, (points).
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: frequency            !! s > Ω
     real(dp), intent(in) :: xi(:)                !! (points)
@@ -75,15 +76,15 @@ contains
   end function mean_square_shape
 
   pure function mean_square_curvature(beam, frequency, xi) result(mean)
-    !! The same of (BΦ_k''(ξ))²/(M_kβ_k²), (points).
+    !! Return the mean of (BΦ_k''(ξ))²/(M_kβ_k²) likewise, (points).
     type(piece_beam), intent(in) :: beam
-    real(dp), intent(in) :: frequency, xi(:)     !! as those of `mean_square_shape`
+    real(dp), intent(in) :: frequency, xi(:)     !! see `mean_square_shape`
     real(dp) :: mean(size(xi))
     mean = moment_stiffness(beam, frequency**2, xi)/spacing_sum(beam, frequency)
   end function mean_square_curvature
 
   pure real(dp) function spacing_sum(beam, frequency) result(sums)
-    !! s²Σ1/(β_k² + s²).
+    !! Return s²Σ1/(β_k² + s²).
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: frequency
     type(piece_state) :: waves(size(beam%piece))
@@ -93,10 +94,10 @@ contains
   end function spacing_sum
 
   pure function point_response(beam, shift, xi, jump, seen) result(values)
-    !! One component of the state at each point, where the state jumps there from the inner side to the outer one, (points).
+    !! Return one component of the state at each point for a jump of the state there, (points).
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: shift, xi(:), jump(4)
-    integer, intent(in) :: seen                  !! which component
+    integer, intent(in) :: seen                  !! component of the state
     real(dp) :: values(size(xi)), inner, outer, ends(size(beam%piece))
     type(crossing_type) :: to_tip(size(beam%piece)), to_root(size(beam%piece))
     type(inertia_type) :: inertia

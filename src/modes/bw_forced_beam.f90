@@ -1,9 +1,9 @@
 module bw_forced_beam
-  !! The response of a beam of pieces to a force F e^(iΩt), exactly and without modes: its boundary problem at a complex frequency.
+  !! The exact response of a beam of pieces to a force F e^(iΩt), without modes: its boundary value problem at a complex frequency.
   !!
-  !! Undamped it is that of real β² = Ω². Rayleigh's damping of the mass, a, takes iΩa off all β²; that of the elasticity, b, multiplies
-  !! all of it by 1 + iΩb. A ratio that all modes share belongs to no such operator, and tension to no such waves: what sums of modes
-  !! leave out of those is the matter of bw_modal_response. Without dimensions, as the beam.
+  !! Undamped, β² = Ω² is real. Mass-proportional Rayleigh damping, a, subtracts iΩa from β²; stiffness-proportional
+  !! damping, b, multiplies all elasticity by 1 + iΩb. One damping ratio for all modes has no such operator, and tension
+  !! no such waves; bw_modal_response treats them by modal sums. Without dimensions, as the beam.
   use bw_beam_states, only: crossing_type, ending, inertia_at, inertia_type, joined, lead_from_root, lead_from_tip, mirrored, &
     motion_within, solve
   use bw_double_double, only: dd, to_dd
@@ -13,18 +13,18 @@ module bw_forced_beam
   private
 
   type :: beam_point
-    !! A place on a leg: in one of its pieces, so far beyond the near end of that.
-    integer :: piece = 0                         !! 0: it is where the force is
+    !! A place on a leg: a piece, and the distance beyond its near end.
+    integer :: piece = 0                         !! 0: at the force
     real(dp) :: way = 0.0_dp
     logical :: to_tip = .true.                   !! on the leg to the tip; else on that to the root
-    logical :: held = .false.                    !! at an end that is held rigidly
+    logical :: held = .false.                    !! at a rigidly held end
   end type beam_point
 
   type, public :: forced_beam
     !! A beam with the place of a force, and points.
     type(piece_beam), private :: beam            !! with a joint where the force acts
     integer, private :: forced = 0               !! the joint
-    logical, private :: held = .false.           !! the force acts where the beam is held rigidly
+    logical, private :: held = .false.           !! the force acts at a rigidly held end
     type(beam_point), allocatable, private :: point(:)
     type(crossing_type), allocatable, private :: to_tip(:), to_root(:)   !! legs at the last frequency
   contains
@@ -36,7 +36,7 @@ module bw_forced_beam
 contains
 
   pure subroutine place(self, beam, position, xi)
-    !! Let a force act on a beam.
+    !! Place a force and points on a beam.
     class(forced_beam), intent(inout) :: self
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: position             !! of the force, 0 ≤ ξ ≤ 1
@@ -74,7 +74,7 @@ contains
   end subroutine place
 
   pure integer function points(self)
-    !! How many there are.
+    !! Return the number of points.
     class(forced_beam), intent(in) :: self
     points = size(self%point)
   end function points
@@ -82,8 +82,8 @@ contains
   pure subroutine respond(self, square, loss, v)
     !! Find the deflection of each point under a force of 1.
     class(forced_beam), intent(inout) :: self
-    complex(dp), intent(in) :: square            !! β² of the motion: Ω², or less iΩa
-    complex(dp), intent(in) :: loss              !! iΩb; 0 where no elasticity damps
+    complex(dp), intent(in) :: square            !! β² of the motion: Ω², less iΩa if damped
+    complex(dp), intent(in) :: loss              !! iΩb; 0 without damping of elasticity
     complex(dp), intent(out) :: v(:)             !! (points)
     type(inertia_type) :: inertia
     complex(dp) :: sides(4, 4), equations(4, 4), amplitude(4), here
@@ -117,9 +117,9 @@ contains
   end subroutine respond
 
   pure function near_end(leg, root) result(states)
-    !! Two states that a leg allows at the force.
+    !! Return the two states of a leg at the force.
     type(crossing_type), intent(in) :: leg(:)
-    type(beam_root), intent(in) :: root          !! how the end is held, of a leg without a piece
+    type(beam_root), intent(in) :: root          !! support of the end, for a leg without pieces
     complex(dp) :: states(4, 2)
     if (size(leg) == 0) then
       states = ending(root)
@@ -129,7 +129,7 @@ contains
   end function near_end
 
   pure complex(dp) function deflection_on(leg, near, point) result(v)
-    !! The deflection of a point on a leg, whose amplitudes are known at its near end.
+    !! Return the deflection of a point on a leg from the amplitudes at its near end.
     type(crossing_type), intent(in) :: leg(:)
     complex(dp), intent(in) :: near(2)
     type(beam_point), intent(in) :: point

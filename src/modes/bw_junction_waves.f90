@@ -1,10 +1,10 @@
 module bw_junction_waves
   !! Transmission and reflection of bending waves at a junction: a body, a spring or a step of the section between two pieces.
   !!
-  !! Both pieces are taken to go on without end, so that the numbers are the junction's own. A bending wave of frequency Ω arrives from the
-  !! root's side. What leaves are the two waves of either piece, e^(∓κx), of which those that decay carry no power by themselves. v, ψ, M
-  !! and N on the two sides differ by what the junction adds; these are four equations for the four amplitudes. Undamped, the
-  !! power ½Ω Im(v*N + ψ*M) is conserved. The waves that leave are those that a vanishing damping makes decay outwards.
+  !! Both pieces are taken as infinite, so the coefficients belong to the junction alone. A bending wave of frequency Ω arrives
+  !! from the root's side. Two waves leave in either piece, e^(∓κx); decaying ones carry no power by themselves. v, ψ, M and N
+  !! on the two sides differ by what the junction adds, which gives four equations for four amplitudes. Undamped, the power ½Ω
+  !! Im(v*N + ψ*M) is conserved. Outgoing waves are those that decay outwards under vanishing damping.
   use bw_beam_states, only: deflection, inertia_at, inertia_type, joined, moment, piece_state, shear_force, solve, turning, waves_of
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
@@ -12,17 +12,18 @@ module bw_junction_waves
   private
   public :: find_scattered
 
-  integer, parameter :: bending = 2              !! the wave of a piece that propagates at every frequency
+  integer, parameter :: bending = 2              !! the wave that propagates at every frequency
 
 contains
 
   pure subroutine find_scattered(beam, joint, square, transmitted, reflected)
-    !! The shares of a bending wave's power that a junction transmits and reflects; beyond the cutoff of shear, into both waves of a piece.
+    !! Find the shares of a bending wave's power that a junction transmits and reflects; beyond the shear cutoff into
+    !! both waves of a piece.
     type(piece_beam), intent(in) :: beam         !! without tension
     integer, intent(in) :: joint                 !! one of `junctions_of`
     real(dp), intent(in) :: square               !! Ω² > 0
     real(dp), intent(out) :: transmitted, reflected
-    real(dp), parameter :: damping = 1.0e-30_dp  ! that vanishes beside 1
+    real(dp), parameter :: damping = 1.0e-30_dp  ! vanishes beside 1
     type(inertia_type) :: inertia
     complex(dp) :: incident(4), back(4, 2), onwards(4, 2), system(4, 4), amplitude(4)
     inertia = inertia_at(beam, square*cmplx(1.0_dp, -damping, dp))
@@ -39,7 +40,7 @@ contains
   end subroutine find_scattered
 
   pure function running(waves, direction) result(states)
-    !! The states of the two waves of a piece, where v is 1.
+    !! Return the states of a piece's two waves with v = 1.
     type(piece_state), intent(in) :: waves
     real(dp), intent(in) :: direction            !! 1: outwards; -1: towards the root
     complex(dp) :: states(4, 2)
@@ -50,7 +51,7 @@ contains
   end function running
 
   pure real(dp) function power(state)
-    !! What runs outwards, over −½Ω.
+    !! Return the outward power over −½Ω.
     complex(dp), intent(in) :: state(4)
     power = aimag(conjg(state(deflection))*state(shear_force) + conjg(state(turning))*state(moment))
   end function power

@@ -1,9 +1,8 @@
 module bw_modal_flow
-  !! The exact motion of one mode, q̈ + cq̇ + β²q = 0, from any state:
-  !! q = e^(−ct/2)[q C + (q̇ + ½cq) S] with C and S of β² − c²/4: cos and sin where it is positive (the mode turns), cosh
-  !! and sinh where it is negative (overdamped, or growing where β² < 0). There the exponents are joined,
-  !! r − ½c = −β²/(r + ½c) with r² = ¼c² − β², so that neither cancels nor overflows on its own. How fast a mode turns, and how
-  !! fast it grows or decays, follow from the same numbers.
+  !! The exact motion of one mode, q̈ + cq̇ + β²q = 0, from any state: q = e^(−ct/2)[q C + (q̇ + ½cq) S] with C and S of
+  !! β² − c²/4: cos and sin if it is positive (oscillating), cosh and sinh if it is negative (overdamped, or growing for
+  !! β² < 0). In the latter case the exponents are combined, r − ½c = −β²/(r + ½c) with r² = ¼c² − β², to avoid
+  !! cancellation and overflow. Angular frequencies and growth or decay rates follow from the same numbers.
   !!
   !! Without dimensions: times in l²/h.
   use bw_double_double, only: dd, dd_pi, sqrt, to_dd, operator(*), operator(+), operator(-), operator(/)
@@ -20,22 +19,22 @@ module bw_modal_flow
 contains
 
   elemental type(dd) function turning_square(beta_squared, c) result(square)
-    !! β² − c²/4: positive for a mode that turns, of which it is the square of the angular frequency.
+    !! Return β² − c²/4, positive for an oscillating mode: its squared angular frequency.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     square = beta_squared - to_dd(0.5_dp*c)*(0.5_dp*c)
   end function turning_square
 
   elemental type(dd) function slow_exponent(beta_squared, c) result(exponent)
-    !! r − ½c of a mode that does not turn, positive where it grows; −½c of one that turns: the real part of the
-    !! eigenvalue that matters longest.
+    !! Return the largest real part of the eigenvalues: r − ½c without oscillation, positive if the mode grows; −½c with
+    !! oscillation.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     exponent = exponent_of(beta_squared, c, turning_square(beta_squared, c))
   end function slow_exponent
 
   elemental type(dd) function exponent_of(beta_squared, c, turning) result(exponent)
-    !! `slow_exponent` where β² − c²/4 is known to more digits than follow from β² and c.
+    !! Return the same if β² − c²/4 is known to more digits than follow from β² and c.
     type(dd), intent(in) :: beta_squared, turning
     real(dp), intent(in) :: c
     type(dd) :: sum
@@ -47,7 +46,7 @@ contains
   end function exponent_of
 
   elemental real(dp) function fast_exponent(beta_squared, c) result(exponent)
-    !! −(r + ½c) of a mode that does not turn.
+    !! Return the smaller exponent −(r + ½c) of a mode that does not oscillate.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     type(dd) :: root
@@ -56,8 +55,8 @@ contains
   end function fast_exponent
 
   pure real(dp) function left_beyond(beta_squared, c, stiffness, time) result(left)
-    !! A bound of what damping leaves after a time of β|q| of any mode beyond this one that starts with velocity 1: (1 + σt)e^(−σt), σ
-    !! the slowest decay of them. Exponents of modes that stiffness damps too much to turn go to −1/b.
+    !! Bound the factor (1 + σt)e^(−σt) by which damping reduces β|q| of modes beyond this one, after initial velocity
+    !! 1; σ is their slowest decay rate. Exponents of modes overdamped by stiffness damping tend to −1/b.
     type(dd), intent(in) :: beta_squared         !! > 0
     real(dp), intent(in) :: c
     real(dp), intent(in) :: stiffness            !! b of Rayleigh's law
@@ -72,7 +71,7 @@ contains
   end function left_beyond
 
   elemental subroutine flow(beta_squared, c, time, q, q_dot)
-    !! Move a mode's state on by a time ≥ 0. **Limit**: e^(rt − ½ct) must not overflow.
+    !! Move a mode's state forward by a time ≥ 0. **Limit**: e^(rt − ½ct) must not overflow.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c                !! ≥ 0; 0: undamped
     type(dd), intent(in) :: time
@@ -98,7 +97,7 @@ contains
   end subroutine flow
 
   elemental subroutine join(cosine, sine, square, c, time, q, q_dot)
-    !! Form the state from C and S, which are of like size.
+    !! Combine C and S, which are of similar size, to the state.
     real(dp), intent(in) :: cosine, sine, square, c, time
     real(dp), intent(inout) :: q, q_dot
     real(dp) :: start, rate, decay
@@ -110,7 +109,7 @@ contains
   end subroutine join
 
   elemental subroutine split(slow, fast, root, time, q, q_dot)
-    !! Form the state from the two exponentials, one of which may be far larger than the other.
+    !! Combine the two exponentials, one of which may dominate, to the state.
     type(dd), intent(in) :: slow, time
     real(dp), intent(in) :: fast, root
     real(dp), intent(inout) :: q, q_dot
@@ -124,19 +123,19 @@ contains
   end subroutine split
 
   elemental real(dp) function energy_gain(beta_squared, c, time, q, q_dot) result(gain)
-    !! By how much q̇² + β²q² changes in a time of free motion: ≤ 0, and exactly 0 where nothing damps, so that a growing mode
-    !! whose two terms are huge then has their difference for ever.
+    !! Return the change of q̇² + β²q² in a time of free motion: ≤ 0, and exactly 0 without damping, so that a growing
+    !! mode keeps the small difference of two huge terms.
     !!
     !! With q = a e^(st) + b e^(ft), s + f = −c and sf = β², the sum is −csa²e^(2st) + 4abβ²e^(−ct) − cfb²e^(2ft).
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c                !! ≥ 0; 0: undamped
-    type(dd), intent(in) :: time             !! as that of `flow`
-    real(dp), intent(in) :: q, q_dot         !! state from which the mode moves on
+    type(dd), intent(in) :: time             !! see `flow`
+    real(dp), intent(in) :: q, q_dot         !! initial state
     type(dd) :: slow
     real(dp) :: later, later_dot, fast, a, b
     gain = 0.0_dp
     if (c == 0.0_dp) return
-    if (beta_squared%hi > 0.0_dp) then       ! both terms are energies of their own
+    if (beta_squared%hi > 0.0_dp) then       ! both terms are energies
       later = q
       later_dot = q_dot
       call flow(beta_squared, c, time, later, later_dot)
@@ -153,7 +152,7 @@ contains
   end function energy_gain
 
   elemental real(dp) function angle_of(phase) result(angle)
-    !! A phase less whole turns, rad.
+    !! Return a phase modulo 2π, rad.
     type(dd), intent(in) :: phase
     type(dd) :: turns
     real(dp) :: whole
@@ -164,7 +163,7 @@ contains
   end function angle_of
 
   elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
-    !! sinh x/x, 1 at x = 0.
+    !! Return sinh x/x, 1 at x = 0.
     real(dp), intent(in) :: x
     mean = 1.0_dp
     if (x > 0.0_dp) mean = sinh(x)/x
@@ -172,7 +171,7 @@ contains
 
 
   pure subroutine find_angular_frequencies(modes, values)
-    !! √(β² − c²/4) in h/l² of the first modes of a set: 0 at the critical speed, missing for a mode that does not turn.
+    !! Find √(β² − c²/4) in h/l² of the first modes of a set: 0 at the critical speed, missing without oscillation.
     class(mode_set), intent(in) :: modes
     real(dp), intent(out), contiguous :: values(:)     !! at most as many as the set has
     if (allocated(modes%damping)) then
@@ -183,12 +182,12 @@ contains
   end subroutine find_angular_frequencies
 
   pure subroutine find_roots(squares, roots)
-    !! Square roots, missing where there is none.
+    !! Find square roots, missing for negative numbers.
     type(dd), intent(in) :: squares(:)
     real(dp), intent(out), contiguous :: roots(:)
     type(dd), allocatable :: root(:)
     if (all(squares%hi >= 0.0_dp)) then
-      root = sqrt(squares)            ! of a whole list: several times as fast as one by one
+      root = sqrt(squares)            ! several times as fast for a whole list
       roots = root%hi
     else
       roots = root_of(squares)
@@ -196,7 +195,7 @@ contains
   end subroutine find_roots
 
   elemental real(dp) function root_of(square)
-    !! The square root, missing where there is none.
+    !! Return the square root, missing for a negative number.
     type(dd), intent(in) :: square
     type(dd) :: root
     root_of = missing
@@ -206,8 +205,7 @@ contains
   end function root_of
 
   pure subroutine find_growth_rates(modes, values)
-    !! The real part of the eigenvalue that decays more slowly, in h/l², of the first modes of a set. Of undamped modes it is
-    !! √(−β²) where β² < 0, and 0 elsewhere.
+    !! Find the real part of the slower eigenvalue, in h/l², of the first modes of a set. Undamped it is √(−β²) for β² < 0, else 0.
     class(mode_set), intent(in) :: modes
     real(dp), intent(out), contiguous :: values(:)     !! at most as many as the set has
     integer :: n
@@ -222,7 +220,7 @@ contains
   end subroutine find_growth_rates
 
   elemental real(dp) function undamped_growth(square) result(rate)
-    !! √(−β²) where β² < 0, and 0 elsewhere.
+    !! Return √(−β²) for β² < 0, else 0.
     type(dd), intent(in) :: square              !! β²
     type(dd) :: root
     rate = 0.0_dp

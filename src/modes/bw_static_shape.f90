@@ -1,13 +1,13 @@
 module bw_static_shape
-  !! How a beam gives to a force at one place, everywhere: deflection, bending moment and shear force under a force of 1 there that grows as
-  !! e^(st), which is at rest for s = 0. As sums over all modes they are ΣΦ_k(ξ)Φ_k(ξ₀)/(M_k(β_k² + s²)), and likewise with Φ_k'', so that
-  !! they tell what modes that are not summed add to a motion under that force: their residual flexibility.
+  !! The response of a beam to a point force that grows as e^(st), static for s = 0: deflection, bending moment and
+  !! shear force for a force of 1. As modal sums they are ΣΦ_k(ξ)Φ_k(ξ₀)/(M_k(β_k² + s²)), and likewise with Φ_k'', so
+  !! they give the residual flexibility of omitted modes.
   !!
   !! One system of equations joins the states of all parts of the beam (bw_beam_parts). Without dimensions, as the beam.
   !!
-  !! A hub that is free turns by θ under the loads: what the root asks of it with the hub held, over what it asks where the hub turns by 1,
-  !! D = T(0)v(0) − RQ(0) − M(0) + s²J, the stationary value of the energies. States are those in the frame that turns evenly, shapes those
-  !! from the hub's line.
+  !! A free hub rotates by θ under the loads: the reaction of the root with the hub held, over that for a hub rotation
+  !! of 1, D = T(0)v(0) − RQ(0) − M(0) + s²J, the stationary value of the energies. States are those in the uniformly
+  !! rotating frame, shapes are relative to the hub's line.
   use bw_beam_parts, only: beam_part, cut_parts
   use bw_double_double, only: dd
   use bw_kinds, only: dp
@@ -21,20 +21,19 @@ module bw_static_shape
 
   integer, parameter, public :: deflection = 1, moment = 2, shear = 3, hub_turn = 4, turning = 5   !! columns of a shape
   integer, parameter, public :: columns = 5
-  integer, parameter :: band = 7                  !! diagonals beside the main one
+  integer, parameter :: band = 7                  !! sub- and superdiagonals
 
 contains
 
   subroutine find_residual(given, struck, modes, summed, xi, residual)
-    !! What modes that are not summed add to deflection, curvature and the turn of a hub under a force of 1, at once: all modes less those
-    !! that are.
-    !! Modes that grow, or that nothing holds, are taken out of both: shifted by s² and by 2s², from which s² = 0 follows.
+    !! Find the static contribution of omitted modes to deflection, curvature and hub rotation under a force of 1: the full
+    !! response less the summed modes. Unstable and rigid modes are avoided by shifts s² and 2s², extrapolated to 0.
     type(varying_beam), intent(in) :: given
-    integer, intent(in) :: struck                 !! the joint at which the force acts
-    class(mode_set), intent(in) :: modes          !! of this beam, struck there
-    integer, intent(in) :: summed                 !! how many of them are
+    integer, intent(in) :: struck                 !! joint at which the force acts
+    class(mode_set), intent(in) :: modes          !! of this beam, with the force there
+    integer, intent(in) :: summed                 !! modes of these that are summed
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    real(dp), intent(out) :: residual(:, :)       !! as deflections, curvatures and turns of bw_mode_set, (points, 3)
+    real(dp), intent(out) :: residual(:, :)       !! deflections, curvatures and turns of bw_mode_set, (points, 3)
     real(dp) :: shift
     integer :: i
     shift = 2.0_dp*given%beam%spin_squared%hi + 1.0_dp
@@ -47,7 +46,7 @@ contains
   end subroutine find_residual
 
   function find_motion_residual(given, struck, modes, summed, xi) result(residual)
-    !! The same of deflection in the frame and of the turning of sections, (points, 2).
+    !! Find the same for deflection in the frame and rotation of sections, (points, 2).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: struck
     class(mode_set), intent(in) :: modes
@@ -69,7 +68,7 @@ contains
   end function find_motion_residual
 
   pure function sums_of(modes, summed, shift, xi) result(sums)
-    !! ΣΦ_kΦ_k(ξ₀)/(M_k(β_k² + s²)), and the same with Φ_k'' and with the turn of a hub, (points, 3).
+    !! Return ΣΦ_kΦ_k(ξ₀)/(M_k(β_k² + s²)), and the same with Φ_k'' and with hub rotation, (points, 3).
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: summed
     real(dp), intent(in) :: shift, xi(:)
@@ -82,11 +81,11 @@ contains
   end function sums_of
 
   function static_shape(given, struck, shift, xi) result(shape)
-    !! Deflection, moment and shear force at points under a force of 1, of the inner side where something jumps, the turn of the hub, and
-    !! the turning of sections in the frame, (points, 5).
+    !! Return deflection, moment and shear force at points under a force of 1, on the inner side of jumps, hub rotation,
+    !! and rotation of sections in the frame, (points, 5).
     type(varying_beam), intent(in) :: given
-    integer, intent(in) :: struck                 !! the joint at which the force acts
-    real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest
+    integer, intent(in) :: struck                 !! joint at which the force acts
+    real(dp), intent(in) :: shift                 !! s² ≥ 0, such that the system is not singular
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
     real(dp) :: shape(size(xi), columns), shapes(size(xi), columns, 1)
     type(dd) :: place
@@ -96,24 +95,23 @@ contains
   end function static_shape
 
   function static_shapes(given, place, accelerated, shift, xi, from_line) result(shape)
-    !! The same under a force of 1 at each of some places, and under an acceleration of the frame by −1 where that is asked for,
-    !! which loads the beam with its mass. Seen from where the frame would be without it the frame is displaced by c = 1/λ evenly,
-    !! and nothing but what holds the beam to it feels that: the deflection is that of displaced ends and springs, less c.
-    !! (points, 5, places)
+    !! Return the same for a force of 1 at each of several places, and on request for an acceleration of the frame by −1, which
+    !! loads the beam with its mass. Relative to the unaccelerated position the frame moves by c = 1/λ uniformly, which only the
+    !! supports transmit: the deflection is that for displaced ends and springs, less c. (points, 5, places)
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: place(:)              !! ξ of forces
-    logical, intent(in) :: accelerated            !! the last column is that of the acceleration
-    real(dp), intent(in) :: shift                 !! s² ≥ 0, with which no mode is at rest; λ is not 0 where accelerated
+    logical, intent(in) :: accelerated            !! the last column is for the acceleration
+    real(dp), intent(in) :: shift                 !! s² ≥ 0, such that the system is not singular; with acceleration λ ≠ 0
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    logical, intent(in), optional :: from_line(:) !! the force stands on the line of a hub that is free, (places)
+    logical, intent(in), optional :: from_line(:) !! the force acts relative to the line of a free hub, (places)
     real(dp) :: shape(size(xi), columns, size(place) + merge(1, 0, accelerated))
     type(beam_part), allocatable :: parts(:)
-    integer :: end_of(size(xi) + size(place))     ! the part that ends at each point; 0: the root
+    integer :: end_of(size(xi) + size(place))     ! part that ends at each point; 0: the root
     real(dp), allocatable :: matrix(:, :), right(:, :)
-    real(dp) :: lambda, lever(size(shape, 3)), turn(size(shape, 3))   ! moments of the loads about the axis that are taken by the hub itself
+    real(dp) :: lambda, lever(size(shape, 3)), turn(size(shape, 3))   ! `lever`: moments of loads on the hub
     integer :: f, i, n, p
     call cut_parts(given, shift, [xi, place], parts, end_of)
-    n = 8*size(parts)                             ! the states at the start and at the end of each part
+    n = 8*size(parts)                             ! states at both ends of each part
     allocate (matrix(2*band + 1, n), right(n, size(shape, 3) + merge(1, 0, given%beam%root%on_hub)))
     lambda = inertia_of(given, shift)
     call join_parts(given, shift, parts, matrix)
@@ -128,7 +126,7 @@ contains
     if (given%beam%root%on_hub) call turn_root(given, right(:, size(right, 2)))
     call solve(matrix, right)
     lever = 0.0_dp
-    if (accelerated) lever(size(lever)) = pull_at(given, 1, 0.0_dp)/lambda   ! as the root is that much less far from the axis's line
+    if (accelerated) lever(size(lever)) = pull_at(given, 1, 0.0_dp)/lambda   ! as the root is so much closer to the axis's line
     do f = 1, size(place)
       if (end_of(size(xi) + f) == 0) lever(f) = given%beam%root%hub_radius%hi
       if (present(from_line)) lever(f) = lever(f) - merge(arm_of(given%beam, place(f)), 0.0_dp, from_line(f))
@@ -149,7 +147,7 @@ contains
   end function static_shapes
 
   pure subroutine turn_root(given, right)
-    !! A hub turned by 1, and with it what it holds the root by.
+    !! Set the right side for a hub rotation of 1 with its support of the root.
     type(varying_beam), intent(in) :: given
     real(dp), intent(inout) :: right(:)
     associate (root => given%beam%root)
@@ -159,12 +157,12 @@ contains
   end subroutine turn_root
 
   pure subroutine let_hub_turn(given, shift, lever, right, turn)
-    !! From states with the hub held, and one where it turns by 1, to those of a hub that is free.
+    !! Combine states for a held hub and for a hub rotation of 1 to those for a free hub.
     type(varying_beam), intent(in) :: given
-    real(dp), intent(in) :: shift, lever(:)        !! what the loads turn the hub by beside the root's reactions, (loads)
-    real(dp), intent(inout) :: right(:, :)         !! the states, and behind them those of the turn
+    real(dp), intent(in) :: shift, lever(:)        !! moments of the loads on the hub besides the root's reactions, (loads)
+    real(dp), intent(inout) :: right(:, :)         !! states, last those of the rotation
     real(dp), intent(out) :: turn(:)               !! (loads)
-    real(dp) :: asked(size(right, 2))              ! of the hub
+    real(dp) :: asked(size(right, 2))              ! moment on the hub
     integer :: last
     last = size(right, 2)
     associate (root => given%beam%root)
@@ -175,7 +173,7 @@ contains
   end subroutine let_hub_turn
 
   pure real(dp) function pull_inside(given, parts, end) result(pull)
-    !! The tension at the end of a part, of the inner side where it jumps.
+    !! Return the tension at the end of a part, on the inner side of jumps.
     type(varying_beam), intent(in) :: given
     type(beam_part), intent(in) :: parts(:)
     integer, intent(in) :: end                    !! 0: the root
@@ -187,7 +185,7 @@ contains
   end function pull_inside
 
   pure subroutine solve(matrix, right)
-    !! Solve the equations of all states, whose unknowns and rows are of very different sizes where s is large.
+    !! Solve the system, with scaling, as sizes of unknowns and rows differ widely for large s.
     real(dp), intent(inout) :: matrix(:, :), right(:, :)    !! then the states
     real(dp), allocatable :: factors(:, :), states(:, :)
     real(dp), dimension(size(right, 1)) :: by_row, by_column
@@ -199,12 +197,12 @@ contains
       call dgbsvx('E', 'N', n, band, band, m, matrix, 2*band + 1, factors, 3*band + 1, pivot, scaled, by_row, by_column, right, n, &
                   states, n, condition, forward, backward, work, more, info)
       right(:, :) = states
-      if (info > 0 .and. info <= n) right = 0.0_dp   ! no beam that is held by its inertia has such equations
+      if (info > 0 .and. info <= n) right = 0.0_dp   ! cannot happen for a beam held by its inertia
     end associate
   end subroutine solve
 
   pure real(dp) function inertia_of(given, shift) result(lambda)
-    !! λ.
+    !! Return λ.
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: shift
     lambda = -shift
@@ -212,15 +210,15 @@ contains
   end function inertia_of
 
   pure integer function row_of_force(parts, end) result(row)
-    !! The equation in which a force stands that acts at the end of a part.
-    integer, intent(in) :: parts, end             !! how many; which, 0: the root
+    !! Return the equation of a force at the end of a part.
+    integer, intent(in) :: parts, end             !! number of parts; the part, 0: the root
     row = 2
     if (end > 0) row = 8*end + 2
     if (end == parts) row = 8*end
   end function row_of_force
 
   pure subroutine displace_ends(given, parts, by, right)
-    !! What holds the beam, displaced.
+    !! Set the right side for displaced supports.
     type(varying_beam), intent(in) :: given
     type(beam_part), intent(in) :: parts(:)
     real(dp), intent(in) :: by
@@ -238,7 +236,7 @@ contains
   end subroutine displace_ends
 
   subroutine join_parts(given, shift, parts, matrix)
-    !! The equations of all states: what the root holds, each part, what joints do, and the free tip.
+    !! Build the equations of all states: the root's support, each part, the joints, and the free tip.
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: shift
     type(beam_part), intent(in) :: parts(:)
@@ -276,7 +274,7 @@ contains
           spring = joint%stiffness%hi - joint%mass%hi*lambda
         end associate
       end if
-      if (e == size(parts)) then                  ! nothing beyond
+      if (e == size(parts)) then                  ! no part follows
         call put(row + 1, 8*e - 4 + 3, 1.0_dp)
         call put(row + 1, 8*e - 4 + 2, turning)
         call put(row + 2, 8*e - 4 + 4, 1.0_dp)

@@ -1,30 +1,29 @@
 module bw_turn
-  !! Phases of modes at samples, in turns, reduced before they are rounded: whole turns carry no information, however
-  !! many there are. Of many evenly spaced times, cosines and sines are products of a few fine turns and a few coarse ones,
-  !! all modes at a time in vector registers.
+  !! Phases of modes at samples, in cycles, reduced before rounding: whole cycles carry no information. For many evenly spaced
+  !! times cosines and sines are products of a few fine and a few coarse angles, for all modes in vector registers.
   use bw_double_double, only: dd, dd_pi, rounder, operator(*)
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: phase_angles, turn_fractions, turn_table
 
-  integer, parameter :: fine = 8          !! turns that are multiplied with each coarse one
-  real(dp), parameter :: coarse_bits = 1.5_dp*2.0_dp**22   ! whose last bit is 2⁻³⁰
+  integer, parameter :: fine = 8          !! fine angles for each coarse one
+  real(dp), parameter :: coarse_bits = 1.5_dp*2.0_dp**22   ! its last bit is 2⁻³⁰
 
 contains
 
   pure function turn_fractions(cycles) result(fraction)
-    !! Cycles less the nearest whole number: −½ … ½.
+    !! Return cycles less the nearest integer: −½ … ½.
     type(dd), intent(in) :: cycles(:)
     type(dd) :: fraction(size(cycles))
-    real(dp), parameter :: most = 2.0_dp**50         ! turns that `rounder` rounds
+    real(dp), parameter :: most = 2.0_dp**50         ! cycles that `rounder` rounds
     real(dp) :: part, sum
     integer :: k
     do k = 1, size(cycles)
       part = cycles(k)%hi - ((cycles(k)%hi + rounder) - rounder)
       sum = part + cycles(k)%lo
       fraction(k)%hi = sum - ((sum + rounder) - rounder)
-      fraction(k)%lo = cycles(k)%lo - (sum - part)     ! exact: `part` is zero or larger than what it is added to
+      fraction(k)%lo = cycles(k)%lo - (sum - part)     ! exact: `part` is zero or larger
     end do
     do k = 1, size(cycles)
       if (abs(cycles(k)%hi) < most) cycle
@@ -35,8 +34,8 @@ contains
   end function turn_fractions
 
   pure function phase_angles(cycles, sample) result(angle)
-    !! 2π·cycles·sample less whole turns, rad.
-    type(dd), intent(in) :: cycles(:)        !! turns per sample
+    !! Return 2π·cycles·sample modulo 2π, rad.
+    type(dd), intent(in) :: cycles(:)        !! per sample
     integer, intent(in) :: sample
     real(dp) :: angle(size(cycles))
     type(dd) :: phase(size(cycles))
@@ -45,10 +44,10 @@ contains
   end function phase_angles
 
   pure subroutine turn_table(cycles, first, step, cosine, sine)
-    !! cos and sin of 2π·cycles·(first + j·step), j = 0, 1, … (at most 2¹⁶).
-    !! **Errors**: 5 units in the last place of 1, from two angles rounded near π; of sines of small angles relative to them.
-    type(dd), intent(in) :: cycles(:)                    !! turns per unit of time, (modes, a few hundred)
-    real(dp), intent(in) :: first, step                  !! times: whole numbers of that unit
+    !! Tabulate cos and sin of 2π·cycles·(first + j·step), j = 0, 1, … (at most 2¹⁶).
+    !! **Errors**: 5 units in the last place of 1, for two angles rounded near π; relative for sines of small angles.
+    type(dd), intent(in) :: cycles(:)                    !! per unit of time, (modes, a few hundred)
+    real(dp), intent(in) :: first, step                  !! times: integers in that unit
     real(dp), intent(out), contiguous :: cosine(:, 0:), sine(:, 0:)   !! (modes, times)
     real(dp), dimension(size(cycles), 0:fine - 1) :: c, s
     real(dp), dimension(size(cycles), 0:(size(cosine, 2) - 1)/fine) :: far_c, far_s
@@ -65,7 +64,7 @@ contains
   end subroutine turn_table
 
   pure subroutine some_turns(cycles, first, step, cosine, sine)
-    !! The same one by one. What modes turn in a step is split so that whole multiples of its larger part are exact.
+    !! Tabulate the same one by one. The phase step is split so that integer multiples of its larger part are exact.
     type(dd), intent(in) :: cycles(:)
     real(dp), intent(in) :: first, step
     real(dp), intent(out), contiguous :: cosine(:, 0:), sine(:, 0:)
@@ -83,22 +82,22 @@ contains
   end subroutine some_turns
 
   elemental subroutine split(fraction, large, small)
-    !! Split a fraction of a turn so that whole multiples of its larger part are exact.
+    !! Split a fraction of a cycle so that integer multiples of its larger part are exact.
     type(dd), intent(in) :: fraction        !! −½ … ½
     real(dp), intent(out) :: large          !! a multiple of 2⁻³⁰
-    real(dp), intent(out) :: small          !! what is left
+    real(dp), intent(out) :: small          !! remainder
     large = (fraction%hi + coarse_bits) - coarse_bits
     small = (fraction%hi - large) + fraction%lo
   end subroutine split
 
   elemental real(dp) function part_of_turn(turns) result(part)
-    !! Turns less the nearest whole number.
+    !! Return cycles less the nearest integer.
     real(dp), intent(in) :: turns
     part = turns - aint(turns + sign(0.5_dp, turns))     ! `anint` is a call for every element
   end function part_of_turn
 
   pure subroutine cosines_and_sines(n, angle, cosine, sine)
-    !! One after the other: both of one angle are found by a call that knows no vector registers.
+    !! Compute cosines and sines in separate loops: a joint call for one angle is not vectorised.
     integer, intent(in) :: n
     real(dp), intent(in) :: angle(n)
     real(dp), intent(out) :: cosine(n), sine(n)

@@ -178,7 +178,7 @@ contains
   pure integer function most_events(scene, contacts) result(events)
     !! Return the most events of any case of a scene.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: contacts                 !! most contacts followed
+    integer, intent(in) :: contacts                 !! upper limit
     events = count([allocated(scene%impact), allocated(scene%capture), allocated(scene%release)])
     if (has_configurations(scene)) then
       events = size(steps_of(scene)) - 1

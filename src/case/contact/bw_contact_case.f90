@@ -243,7 +243,7 @@ contains
   end function octaves_to
 
   pure logical function is_hopeless(reached, before, tolerance, count, most, octaves, fall)
-    !! Tell whether the tolerance would need far more than the most modes, at the observed rate of convergence or that of forces.
+    !! Tell whether the tolerance would need far more modes than the limit, at the observed rate of convergence or that of forces.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
     integer, intent(in) :: octaves                   !! doublings since `before`

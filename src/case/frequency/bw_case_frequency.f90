@@ -79,7 +79,7 @@ contains
     !! Find the transmission and reflection coefficients, in power, of bodies and steps.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: omega(:)                 !! in h/l²
-    integer, intent(in) :: junctions                 !! most of them
+    integer, intent(in) :: junctions                 !! upper limit
     class(monitor_type), intent(inout) :: monitor    !! the shares are invalid if it requests a stop
     type(answer_type), intent(inout) :: answer
     type(dd) :: place

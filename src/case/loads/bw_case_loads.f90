@@ -27,7 +27,7 @@ module bw_case_loads
   public :: add_loads, applied, place_loads, without_tolerance
 
   integer, parameter :: first_count = 32           !! modes that a tolerance starts with
-  integer, parameter :: most_count = 1024          !! most modes of a default tolerance; four times as many for a requested one
+  integer, parameter :: most_count = 1024          !! limit of modes for a default tolerance; four times as many for a requested one
   real(dp), parameter :: bound_times = 100.0_dp    !! a proved bound may be so many tolerances
 
 contains

@@ -30,7 +30,7 @@ contains
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: i
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: most                 !! most modes
+    integer, intent(in) :: most                 !! upper limit of modes
     type(moving_type) :: moving
     integer :: n, samples(2)
     samples = samples_of_segment(motion, i, grid)

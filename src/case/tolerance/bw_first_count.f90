@@ -20,7 +20,7 @@ module bw_first_count
   private
   public :: choose_first, next_count, steepest
 
-  integer, parameter :: most_previewed = 2**16   !! most modes summed to find the peak
+  integer, parameter :: most_previewed = 2**16   !! limit of modes summed to find the peak
   real(dp), parameter :: seen_part_of_most = 0.1_dp   !! of the modes that are found quickly; from there on errors are extrapolated
   real(dp), parameter :: near_enough = 1.02_dp   !! accepted count over the least that meets a tolerance
 
@@ -205,7 +205,7 @@ contains
   pure integer function judged(last, most)
     !! Return how many surveyed modes are judged: half, so that as many beyond are known; all if there are no more, or many.
     integer, intent(in) :: last(:)                 !! modes of the bins
-    integer, intent(in) :: most                    !! most modes
+    integer, intent(in) :: most                    !! upper limit
     judged = last(size(last))
     if (judged < most .and. judged < 2*looked_ahead) judged = last(findloc(last >= judged/2, .true., dim=1))
   end function judged

@@ -39,7 +39,7 @@ contains
     !! Reset the plan. Survey and results of sums are kept, also for another tolerance.
     class(plan_type), intent(inout) :: self
     real(dp), intent(in) :: tolerance
-    integer, intent(in) :: segments          !! most of them
+    integer, intent(in) :: segments          !! upper limit
     self%tolerance = tolerance
     self%within = .true.
     self%reached = 0.0_dp

@@ -18,9 +18,9 @@ module bw_closed_form
   public :: phase_velocity, group_velocity           ! for their own tests
 
   type, extends(mode_set), public :: closed_form_set
-    type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
+    type(root_type), allocatable :: root(:)        !! roots, from which shapes follow, (n)
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
-    type(shape_table), private :: known            !! shapes of all modes that are known already
+    type(shape_table), private :: known            !! stored shapes of all modes
   contains
     procedure :: some_shapes => closed_form_shapes
     procedure :: some_curvatures => closed_form_curvatures
@@ -36,7 +36,7 @@ module bw_closed_form
 contains
 
   type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
-    !! The first `count` modes; γ = 0 is the beam alone.
+    !! Return the first `count` modes; γ = 0 is the beam alone.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
@@ -46,13 +46,13 @@ contains
   end function closed_form_modes
 
   subroutine find_modes(number, gamma, omega, longest, modes, monitor)
-    !! Find modes of any numbers, in their order.
+    !! Find modes with given numbers, in that order.
     integer, intent(in) :: number(:)       !! k ≥ 1, ascending
     type(dd), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
-      !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
+      !! in-plane angular velocity in h/l²; absent: no effect of rotation on the modes
     real(dp), intent(in), optional :: longest
-      !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
+      !! time, in l²/h, up to which phases are accurate; absent: no history is requested
     type(closed_form_set), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
     type(shape_type) :: shape(batch)
@@ -74,11 +74,11 @@ contains
   end subroutine find_modes
 
   pure subroutine find_cached_modes(cached, omega, longest, points, modes)
-    !! Find the modes of a set that is in the cache.
+    !! Find the modes of a cached set.
     type(cached_set), intent(inout) :: cached
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
-    real(dp), intent(in), optional :: points(:)    !! ξ where the shapes of all modes will be asked for
+    real(dp), intent(in), optional :: points(:)    !! ξ at which shapes of all modes will be needed
     type(closed_form_set), intent(out) :: modes
     type(dd) :: alpha(size(cached%shape))
     integer :: first, last
@@ -97,7 +97,7 @@ contains
   end subroutine find_cached_modes
 
   pure subroutine allocate_set(n, gamma, omega, modes)
-    !! Allocate the arrays of n modes, and set what these have in common.
+    !! Allocate the arrays of n modes, and set their common data.
     integer, intent(in) :: n
     real(dp), intent(in) :: gamma
     type(dd), intent(in), optional :: omega
@@ -110,7 +110,7 @@ contains
   end subroutine allocate_set
 
   pure subroutine set_range(first, last, shape, alpha, omega, modes)
-    !! Fill in the modes `first` … `last` of a set.
+    !! Set the modes `first` … `last` of a set.
     integer, intent(in) :: first, last
     type(shape_type), intent(in) :: shape(:)
     type(dd), intent(in) :: alpha(:)
@@ -137,7 +137,7 @@ contains
   ! Waves
 
   elemental real(dp) function phase_velocity(alpha, beta_squared) result(velocity)
-    !! C_p = β/P (Eq. 32); missing for an unstable mode, 0 at its critical speed.
+    !! Return C_p = β/P (Eq. 32); missing for an unstable mode, 0 at its critical speed.
     real(dp), intent(in) :: alpha           !! wave number P l > 0
     type(dd), intent(in) :: beta_squared    !! β² = α⁴ − ω², in (h/l²)²
     velocity = missing
@@ -146,7 +146,7 @@ contains
   end function phase_velocity
 
   elemental real(dp) function group_velocity(alpha, beta_squared) result(velocity)
-    !! C_g = dβ/dP = 2α³/β (Eq. 33); missing for an unstable mode and at its critical speed.
+    !! Return C_g = dβ/dP = 2α³/β (Eq. 33); missing for an unstable mode and at its critical speed.
     real(dp), intent(in) :: alpha
     type(dd), intent(in) :: beta_squared
     velocity = missing
@@ -154,10 +154,10 @@ contains
     velocity = 2.0_dp*alpha*(alpha**2/sqrt(beta_squared%hi))
   end function group_velocity
 
-  ! What is asked of a set
+  ! Functions of a set
 
   pure function closed_form_shapes(self, first, last, xi) result(values)
-    !! Φ_k(ξ) from the roots, unless they are known.
+    !! Return Φ_k(ξ), stored or from the roots.
     class(closed_form_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -170,7 +170,7 @@ contains
   end function closed_form_shapes
 
   pure function shapes_of_roots(root, xi) result(values)
-    !! Φ_k(ξ) of the modes that belong to roots.
+    !! Return Φ_k(ξ) of the modes of given roots.
     type(root_type), intent(in) :: root(:)
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(size(root), size(xi))
@@ -186,7 +186,7 @@ contains
   end function shapes_of_roots
 
   pure function closed_form_curvatures(self, first, last, xi) result(values)
-    !! Φ_k''(ξ) from the roots; at the clamped end −2α² whatever the mass.
+    !! Return Φ_k''(ξ) from the roots; at the clamped end −2α² for any mass.
     class(closed_form_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -211,7 +211,7 @@ contains
   end subroutine find_curvatures
 
   pure function motion_at(self, xi) result(motion)
-    !! Deflection and slope.
+    !! Return deflection and slope.
     class(closed_form_set), intent(in) :: self
     real(dp), intent(in) :: xi
     real(dp) :: motion(self%count, 2)
@@ -226,14 +226,14 @@ contains
   end function motion_at
 
   pure function share_of_turn(self) result(share)
-    !! ∫ξΦ dξ + γΦ(1) = Φ''(0)/α⁴, by parts: the tip carries no moment, and Φ'''(1) = −γα⁴Φ(1).
+    !! Return ∫ξΦ dξ + γΦ(1) = Φ''(0)/α⁴, by parts: the tip has no moment, and Φ'''(1) = −γα⁴Φ(1).
     class(closed_form_set), intent(in) :: self
     real(dp) :: share(self%count)
     share = -2.0_dp/self%alpha**2
   end function share_of_turn
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
+    !! Return Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
     real(dp), intent(in) :: amplitude(:)
@@ -248,9 +248,9 @@ contains
   end function overlap_with_mass
 
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! Σ_i a_i∫Φ_kφ_i dξ.
+    !! Return Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two sets is of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -263,8 +263,8 @@ contains
   end function overlap_of_beam
 
   function overlap_far_below(self, from, amplitude, monitor) result(sums)
-    !! ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i, two terms of its series in (ᾱ_k/α_i)⁴: the force at the
-    !! tip, and how far it bends the beam.
+    !! Return ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i, by two terms of its series in (ᾱ_k/α_i)⁴:
+    !! tip force and its deflection.
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! of beam and mass
     real(dp), intent(in) :: amplitude(:)
@@ -276,7 +276,7 @@ contains
   end function overlap_far_below
 
   pure function closed_form_elastic(self) result(squares)
-    !! α⁴, Eq. 28, of the same roots, refined or not, as β².
+    !! Return α⁴, Eq. 28, of the same roots, refined or not, as for β².
     class(closed_form_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = self%beta_squared
@@ -284,8 +284,8 @@ contains
   end function closed_form_elastic
 
   pure subroutine closed_form_errors(self, square_error, mass_error)
-    !! Roots that were all refined (`longest` without end) have the digits of double-double numbers. Without a mass at the tip
-    !! M = Φ(1)²/4, whatever the rounding of Φ(1).
+    !! Return the errors of β² and M. Roots that were all refined (infinite `longest`) have double-double digits.
+    !! Without a tip mass M = Φ(1)²/4, whatever the rounding of Φ(1).
     class(closed_form_set), intent(in) :: self
     real(dp), intent(out) :: square_error(:), mass_error(:)
     type(dd) :: elastic(self%count)

@@ -1,6 +1,6 @@
 module bw_closed_form_source
-  !! All modes of a uniform clamped beam with a tip mass by their numbers, in closed form: whole sets, and what sums over millions
-  !! of them ask.
+  !! All modes of a uniform clamped beam with a tip mass by their numbers, in closed form: whole sets, and the terms of
+  !! sums over millions of modes.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_set, find_cached_modes, find_modes
@@ -18,9 +18,9 @@ module bw_closed_form_source
 
   type, extends(mode_source), public :: closed_form_source
     type(dd) :: mass_ratio                         !! γ to all digits
-    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none acts on the modes
-    type(mode_cache), pointer :: cache => null()   !! what cases share; not associated: nothing is cached
-    real(dp), allocatable :: points(:)             !! ξ where shapes will be asked for; unallocated: nowhere
+    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: no effect
+    type(mode_cache), pointer :: cache => null()   !! shared by cases; not associated: no cache
+    real(dp), allocatable :: points(:)             !! ξ at which shapes will be needed; unallocated: none
   contains
     procedure :: find => find_in_closed_form
     procedure :: terms => terms_in_closed_form
@@ -33,16 +33,16 @@ module bw_closed_form_source
 contains
 
   pure type(closed_form_source) function source_of_number(gamma, omega) result(source)
-    !! `source_of_ratio` of a mass ratio that is a binary64 number.
+    !! Return `source_of_ratio` for a mass ratio in binary64.
     real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
     source = source_of_ratio(to_dd(gamma), omega)
   end function source_of_number
 
   pure type(closed_form_source) function source_of_ratio(gamma, omega) result(source)
-    !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
+    !! Return a source of all modes of a uniform beam with a tip mass, up to `highest_mode`.
     type(dd), intent(in) :: gamma                  !! mass ratio, ≥ 0
-    type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: none acts on the modes
+    type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: no effect
     source%gamma = gamma%hi
     source%mass_ratio = gamma
     source%highest = highest_mode
@@ -56,7 +56,7 @@ contains
   end function source_of_ratio
 
   subroutine find_in_closed_form(self, number, modes, longest, monitor)
-    !! Find the modes of these numbers, in the cache if there is one with room for them.
+    !! Find modes by numbers, in the cache if it has room for them.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
@@ -79,7 +79,7 @@ contains
   end subroutine find_in_closed_form
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes, mass)
-    !! Find terms of far modes in their short form, of the others through a set.
+    !! Find terms of far modes by asymptotic formulas, of others through a set.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
@@ -104,7 +104,7 @@ contains
   contains
     subroutine add_far(from, to)
       !! Find terms of far modes, all light or all heavy.
-      integer, intent(in) :: from, to              !! places in the list
+      integer, intent(in) :: from, to              !! indices in the list
       integer :: first, last
       do first = from, to, batch
         last = min(first + batch - 1, to)
@@ -119,7 +119,7 @@ contains
   end subroutine terms_in_closed_form
 
   pure integer function modes_of_series(xi) result(k)
-    !! The highest mode that needs its power series, αξ < ½, at one of the points.
+    !! Return the highest mode that needs its power series, αξ < ½, at one of the points.
     real(dp), intent(in) :: xi(:)
     real(dp) :: alpha
     alpha = 0.5_dp/minval(xi, mask=xi > 0.0_dp)

@@ -1,16 +1,14 @@
 module bw_far_field
-  !! The part of Σ_k w_k/(α_i⁴ − ᾱ_k⁴) that comes from afar, in time proportional to the number of modes: a fast multipole
-  !! method in one dimension.
+  !! The far-field part of Σ_k w_k/(α_i⁴ − ᾱ_k⁴), in time proportional to the number of modes: a fast multipole method
+  !! in one dimension.
   !!
-  !! Mode k has its root in π(k − 1, k), with the mass or without, so cells of `leaf` mode numbers are cells of roots. Cells of
-  !! the next level hold two of them each, and so on up to two cells. Where two cells of one level do not touch, 1/(α⁴ − ᾱ⁴)
-  !! is smooth in both roots and stands for its interpolant in Chebyshev nodes: weights go to the nodes of their cells, from
-  !! level to level upwards; nodes see those of the cells that do not touch theirs, though their parents do; sums come down
-  !! from level to level. A singularity is at least three half-widths from the middle of a cell, so that the error falls as
-  !! (3 + √8)^(−nodes).
+  !! Mode k has its root in π(k − 1, k), with or without the mass, so cells of `leaf` mode numbers are cells of roots. Cells of
+  !! the next level hold two of them, and so on up to two cells. For two cells of a level that do not touch, 1/(α⁴ − ᾱ⁴) is
+  !! smooth in both roots and replaced by its Chebyshev interpolant: weights are passed to the nodes of their cells and upwards
+  !! through the levels; nodes interact with those of cells that do not touch theirs while their parents do; sums are passed
+  !! downwards. A singularity is at least three half-widths from the middle of a cell, so the error falls as (3 + √8)^(−nodes).
   !!
-  !! Places are in units of π from the middle of their cell: a difference of two of them loses nothing to the size of the
-  !! mode number.
+  !! Positions are in units of π from the middle of their cell, so their differences lose no digits for high mode numbers.
   !!
   !! **Source**: Fong & Darve (2009), doi:10.1016/j.jcp.2009.08.031.
   use bw_constants, only: pi
@@ -21,7 +19,7 @@ module bw_far_field
   private
   public :: add_far_field, cells_to, first_in_cells
 
-  integer, parameter :: leaf = 64                   !! tuned: mode numbers of a cell of the lowest level
+  integer, parameter :: leaf = 64                   !! tuned: mode numbers in a cell of the lowest level
   integer, parameter :: nodes = 20                  !! (3 + √8)^(−20) is 5e-16
   integer, parameter :: between_questions = 64      !! cells, less than a ms
 
@@ -30,16 +28,16 @@ module bw_far_field
   end type level_type
 
   type :: interpolation
-    !! S(x, t) = 1/n + 2/n Σ T_j(x)T_j(t) takes a weight at t to the node x, and a value at x to t.
-    real(dp) :: place(nodes)                        !! of the nodes, −1 … 1
-    real(dp) :: series(nodes, 0:nodes - 1)          !! of S in T_j(t), (nodes, degrees)
+    !! S(x, t) = 1/n + 2/n Σ T_j(x)T_j(t) passes a weight at t to the node x, and a value at x to t.
+    real(dp) :: place(nodes)                        !! nodes, −1 … 1
+    real(dp) :: series(nodes, 0:nodes - 1)          !! S in T_j(t), (nodes, degrees)
     real(dp) :: halves(nodes, nodes, 2)             !! S between the nodes of a cell and those of its halves
   end type interpolation
 
 contains
 
   subroutine add_far_field(onto, from, weight, sums, monitor)
-    !! Add the terms of all pairs whose cells do not touch.
+    !! Add the terms of all pairs in cells that do not touch.
     type(root_type), intent(in) :: onto(:), from(:) !! i and k, ascending
     real(dp), intent(in) :: weight(:)               !! w_k, (size(from))
     real(dp), intent(inout) :: sums(:)              !! (size(onto))
@@ -70,13 +68,13 @@ contains
   end subroutine add_far_field
 
   pure integer function cells_to(roots) result(cells)
-    !! How many cells hold all these modes.
+    !! Count the cells that hold all these modes.
     type(root_type), intent(in) :: roots(:)         !! ascending
     cells = (roots(size(roots))%k - 1)/leaf + 1
   end function cells_to
 
   pure function first_in_cells(roots, cells) result(first)
-    !! Place in the list of the first root of each cell, and one behind the last root, (cells + 1).
+    !! Return the index of the first root of each cell, and one beyond the last root, (cells + 1).
     type(root_type), intent(in) :: roots(:)         !! ascending
     integer, intent(in) :: cells
     integer :: first(cells + 1)
@@ -93,8 +91,7 @@ contains
   end function first_in_cells
 
   pure type(interpolation) function interpolation_of_cells() result(chebyshev)
-    !! The constants of the interpolation. In extended precision: rounded once, they add nothing to what sums lose from level
-    !! to level.
+    !! Return the interpolation constants, from extended precision, so that rounding does not accumulate over levels.
     real(qp), parameter :: half_turn = acos(-1.0_qp)
     real(qp) :: place(nodes), series(nodes, 0:nodes - 1), half_place(nodes)
     integer :: half, j, m
@@ -115,7 +112,7 @@ contains
   end function interpolation_of_cells
 
   pure function chebyshev_polynomials(t) result(values)
-    !! T_j(t), (places, degrees).
+    !! Return T_j(t), (positions, degrees).
     real(dp), intent(in) :: t(:)
     real(dp) :: values(size(t), 0:nodes - 1)
     integer :: j
@@ -127,14 +124,14 @@ contains
   end function chebyshev_polynomials
 
   elemental real(dp) function place_in_cell(root, cell) result(t)
-    !! The place of a root in its cell, −1 … 1, from the whole eighths of a turn and the remainder of a root.
+    !! Return the position of a root in its cell, −1 … 1, from its eighths of a cycle and remainder.
     type(root_type), intent(in) :: root
     integer, intent(in) :: cell
     t = (0.25_dp*(root%eighths - (4*cell - 2)*leaf) + root%remainder/pi)*(2.0_dp/leaf)
   end function place_in_cell
 
   function gathered(chebyshev, from, weight, monitor) result(node)
-    !! Weights of modes as weights at the nodes of their cells, (nodes, cells).
+    !! Return weights of modes as weights at the nodes of their cells, (nodes, cells).
     type(interpolation), intent(in) :: chebyshev
     type(root_type), intent(in) :: from(:)
     real(dp), intent(in) :: weight(:)
@@ -154,7 +151,7 @@ contains
   end function gathered
 
   pure function lifted(chebyshev, node) result(above)
-    !! Weights at the nodes of cells as weights at the nodes of the cells above, which hold two of them, (nodes, cells).
+    !! Return weights at the nodes of cells as weights at the nodes of their parents, (nodes, cells).
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: node(:, :)
     real(dp) :: above(nodes, (size(node, 2) + 1)/2)
@@ -168,7 +165,7 @@ contains
   end function lifted
 
   pure function lowered(chebyshev, above, cells) result(node)
-    !! Sums at the nodes of cells as sums at the nodes of their halves, (nodes, cells).
+    !! Return sums at the nodes of cells as sums at the nodes of their halves, (nodes, cells).
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: above(:, :)
     integer, intent(in) :: cells
@@ -180,7 +177,7 @@ contains
   end function lowered
 
   subroutine exchange(chebyshev, width, weights, field, monitor)
-    !! Add what nodes of cells of one level see of the cells that do not touch theirs while their parents touch.
+    !! Add interactions between cells of a level that do not touch while their parents do.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: width                   !! of a cell, in units of π
     real(dp), intent(in) :: weights(:, :)
@@ -199,7 +196,7 @@ contains
   end subroutine exchange
 
   pure subroutine see(chebyshev, width, from, weights, onto, field)
-    !! Add to the nodes of one cell the weights at those of another, each times 1/(u⁴ − v⁴) in units of π⁻⁴.
+    !! Add to the nodes of one cell the weights at those of another, times 1/(u⁴ − v⁴) in units of π⁻⁴.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: width
     integer, intent(in) :: from, onto               !! cells

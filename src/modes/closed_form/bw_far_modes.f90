@@ -1,6 +1,6 @@
 module bw_far_modes
-  !! Modes so high that sech α and 1 − tanh α are below rounding, many at a time in vector registers: what a sum over modes
-  !! asks of them, β, the velocity that momentum at the tip gives, and the shapes at points.
+  !! Modes so high that sech α and 1 − tanh α are below rounding, many at a time in vector registers: β, the modal
+  !! velocity per tip momentum, and shapes at points, as sums over modes need them.
   !!
   !! All but β is algebraic in the tangent of the root's remainder. With α = (k − ¾)π + δ the frequency equation is
   !! tan δ = 1/(1 + 2γα); for a light mass, γα ≲ 1, with α = (k − ½)π + δ it is tan δ = −γα/(1 + γα), which keeps the digits of
@@ -17,19 +17,19 @@ module bw_far_modes
   private
   public :: far_terms, far_roots, light_modes
 
-  real(dp), parameter :: nothing = 45.0_dp       !! e^(−45) is below rounding beside what it is added to
+  real(dp), parameter :: nothing = 45.0_dp       !! e^(−45) is below rounding of the other terms
 
   type, public :: far_beam
-    !! The beam whose far modes are asked for, and for how long phases are to be right.
+    !! The beam of the far modes, and how long phases must be accurate.
     type(dd) :: gamma                            !! mass ratio γ
-    type(dd), allocatable :: omega               !! in-plane angular velocity in h/l²; unallocated: none acts on the modes
-    real(dp), allocatable :: longest             !! as that of `is_coarse`; unallocated: no phases are asked for
+    type(dd), allocatable :: omega               !! in-plane angular velocity in h/l²; unallocated: no effect
+    real(dp), allocatable :: longest             !! see `is_coarse`; unallocated: no history
   end type far_beam
 
 contains
 
   pure subroutine far_terms(k, beam, xi, beta, drive, shapes, mass)
-    !! Find what a sum asks of far modes, all of them light or all heavy; a few hundred at a time.
+    !! Find the terms of a sum for far modes, all light or all heavy; a few hundred at a time.
     integer, intent(in) :: k(:)                  !! mode numbers, at least one
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: xi(:)                !! ξ = 0 or αξ ≥ ½, (points)
@@ -54,7 +54,7 @@ contains
   end subroutine far_terms
 
   pure integer function light_modes(k, gamma) result(n)
-    !! How many modes of a list have γα ≲ 1, as `solve_root` decides it: they are the first.
+    !! Count the modes with γα ≲ 1, as decided by `solve_root`; they are the first.
     integer, intent(in) :: k(:)                  !! ascending
     real(dp), intent(in) :: gamma
     n = 0
@@ -63,7 +63,7 @@ contains
   end function light_modes
 
   pure subroutine far_roots(k, gamma, light, remainder, tangent, spread, turned)
-    !! Find δ of every root, and what `far_tip_and_drive` needs: with A = α − δ, tan ϑ = t₀/(1 + eδ), t₀ = 1/(1 + 2γA), e = 2γt₀.
+    !! Find δ of every root, and data for `far_tip_and_drive`: with A = α − δ, tan ϑ = t₀/(1 + eδ), t₀ = 1/(1 + 2γA), e = 2γt₀.
     integer, intent(in) :: k(:)                  !! mode numbers
     real(dp), intent(in) :: gamma                !! mass ratio
     logical, intent(in) :: light                 !! all anchored at (k − ½)π, else all at (k − ¾)π
@@ -73,7 +73,7 @@ contains
     real(dp), intent(out) :: turned(:)           !! 1 + eδ
     real(dp), dimension(size(k)) :: anchor, start
     real(dp) :: lightness
-    if (size(k) == 0) return                     ! where all are light γ may be 0
+    if (size(k) == 0) return                     ! if all are light γ may be 0
     if (light) then
       anchor = gamma*((k - 0.5_dp)*pi)           ! γA
       tangent = 1.0_dp/(1.0_dp + 2.0_dp*anchor)
@@ -92,8 +92,8 @@ contains
   end subroutine far_roots
 
   pure subroutine solve_differences(start, tangent, spread, remainder)
-    !! Solve δ + atan z = δ₀, z = e t₀δ/(1 + t₀² + eδ): the tangent at α against that at the anchor. With η = δ₀ − δ this is
-    !! z = (a − bη)/(1 − cη); a, b and c are below 1/100, η below 1/300, and series in them end below rounding.
+    !! Solve δ + atan z = δ₀, z = e t₀δ/(1 + t₀² + eδ), the tangent at α relative to that at the anchor. With η = δ₀ − δ this is
+    !! z = (a − bη)/(1 − cη); a, b and c are below 1/100, η below 1/300, and series in them are truncated below rounding.
     real(dp), intent(in) :: start(:)             !! δ₀
     real(dp), intent(in) :: tangent(:), spread(:)
     real(dp), intent(out) :: remainder(:)
@@ -115,9 +115,9 @@ contains
   end subroutine solve_differences
 
   pure subroutine far_tip_and_drive(k, tangent, spread, turned, tip, drive)
-    !! Find Φ(1), and Φ(1)/M: the modal velocity that a unit of momentum at the tip gives.
+    !! Find Φ(1), and Φ(1)/M, the modal velocity per tip momentum.
     integer, intent(in) :: k(:)
-    real(dp), intent(in) :: tangent(:), spread(:), turned(:)     !! of `far_roots`
+    real(dp), intent(in) :: tangent(:), spread(:), turned(:)     !! from `far_roots`
     real(dp), intent(out) :: tip(:), drive(:)
     real(dp) :: both, length, mass, square
     integer :: i
@@ -132,8 +132,8 @@ contains
   end subroutine far_tip_and_drive
 
   pure subroutine far_shapes(eighths, remainder, alpha, tip, xi, values)
-    !! Find Φ_k(ξ) where ξ = 0 or αξ ≥ ½; the whole eighths of a turn are multiplied and reduced exactly.
-    real(dp), intent(in) :: eighths(:)           !! whole numbers; α = eighths·π/4 + remainder, ascending
+    !! Find Φ_k(ξ) for ξ = 0 or αξ ≥ ½; whole eighths of a cycle are multiplied and reduced exactly.
+    real(dp), intent(in) :: eighths(:)           !! integers; α = eighths·π/4 + remainder, ascending
     real(dp), intent(in) :: remainder(:), alpha(:), tip(:)
     real(dp), intent(in) :: xi
     real(dp), intent(out) :: values(:)
@@ -153,9 +153,8 @@ contains
   ! Frequencies
 
   pure subroutine far_frequencies(k, beam, remainder, alpha, beta)
-    !! Find β of roots that are known: in binary64 where no phases are asked for, else from roots solved again in extended
-    !! precision where binary64 cannot carry them.
-    integer, intent(in) :: k(:)                  !! as those of `far_terms`
+    !! Find β of known roots: in binary64 without a history, else from roots refined in extended precision where needed.
+    integer, intent(in) :: k(:)                  !! see `far_terms`
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: remainder(:)         !! of the roots, δ
     type(dd), intent(inout) :: alpha(:)          !! the roots
@@ -173,7 +172,7 @@ contains
   end subroutine far_frequencies
 
   pure function coarse_frequencies(alpha, omega) result(beta)
-    !! √|α⁴ − ω²| with the sign of what is under the root, Eq. 2.
+    !! Return √|α⁴ − ω²| with the sign of the radicand, Eq. 2.
     real(dp), intent(in) :: alpha(:)
     type(dd), intent(in), optional :: omega
     real(dp) :: beta(size(alpha)), square
@@ -189,7 +188,7 @@ contains
   end function coarse_frequencies
 
   pure subroutine refine(k, beam, remainder, coarse, alpha)
-    !! Solve roots that are coarse again in extended precision.
+    !! Refine coarse roots in extended precision.
     integer, intent(in) :: k(:)
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: remainder(:)
@@ -205,7 +204,7 @@ contains
   end subroutine refine
 
   pure subroutine rotate(omega, beta)
-    !! Turn α² into β: α⁴ − ω² without cancellation, Eq. 2.
+    !! Convert α² to β: α⁴ − ω² without cancellation, Eq. 2.
     type(dd), intent(in) :: omega
     type(dd), intent(inout) :: beta(:)
     integer :: i

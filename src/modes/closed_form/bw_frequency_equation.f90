@@ -3,14 +3,14 @@ module bw_frequency_equation
   !! \( 1 + \cos\alpha\cosh\alpha + \alpha\gamma(\cos\alpha\sinh\alpha - \sin\alpha\cosh\alpha) = 0 \),
   !! γ = 0 for the beam alone.
   !!
-  !! A root is an integer number of eighths of a turn and a remainder, α = q π/4 + δ, so that sin and
-  !! cos of αξ lose nothing to the size of the mode number:
+  !! A root is an integer number of eighths of a cycle and a remainder, α = q π/4 + δ, so that sin and cos of αξ lose no
+  !! digits for high mode numbers:
   !!
   !! - k = 1: q = 0; Newton on a polynomial in x = α⁴, exact as γ → ∞ where x → 3/γ;
   !! - γα ≤ 1: q = 4k − 2, α = (k − ½)π + δ;
   !! - γα > 1: q = 4k − 3, α = (k − ¾)π + δ, the equation divided by γα; δ → 1/(2γα) − e^(−2α).
   !!
-  !! Power series stand in for the functions where their closed forms cancel, α, z ≲ 2:
+  !! Power series replace the functions where their closed forms cancel, α, z ≲ 2:
   !!
   !! - with \(T_j(x) = \sum_m (-4x)^m/(4m+j)!\) and x = α⁴, 1 + cos α cosh α = 1 + T₀, sin α sinh α = 2α² T₂,
   !!   sin α cosh α − cos α sinh α = 4α³ T₃;
@@ -26,8 +26,8 @@ module bw_frequency_equation
   public :: solve_root, root_value, first_slope, light_equation, heavy_equation, is_light
   public :: alternating_series, growing_series
 
-  integer, parameter, public :: highest_mode = 100000000  !! the eighths of a turn of its root still fit an integer
-  integer, parameter :: newton_steps = 30                 !! never needed: 3 to 5 are
+  integer, parameter, public :: highest_mode = 100000000  !! eighths of a cycle of its root still fit an integer
+  integer, parameter :: newton_steps = 30                 !! limit; 3 to 5 suffice
 
   integer, parameter :: last_term = 7
     !! of the series: the term after it is below 1e-18 of the first for x ≤ 15 (checked by test_bw_frequency_equation)
@@ -39,13 +39,13 @@ module bw_frequency_equation
     integer :: eighths = 0        !! q: 0 for k = 1, else 4k − 2 or 4k − 3
     real(dp) :: remainder = 0.0_dp   !! δ; α itself for k = 1
     real(dp) :: gamma = 0.0_dp    !! mass ratio γ of the equation it solves
-    real(dp) :: gamma_low = 0.0_dp   !! what binary64 leaves of γ: only roots in extended precision know it
+    real(dp) :: gamma_low = 0.0_dp   !! low part of γ, for roots in extended precision only
   end type root_type
 
 contains
 
   elemental type(root_type) function solve_root(k, gamma) result(root)
-    !! The k-th root α_k.
+    !! Return the k-th root α_k.
     integer, intent(in) :: k         !! 1 … `highest_mode`
     real(dp), intent(in) :: gamma    !! mass ratio γ ≥ 0, finite
     root%k = k
@@ -62,13 +62,13 @@ contains
   end function solve_root
 
   elemental type(dd) function root_value(root)
-    !! α as a double-double number: rounding it to binary64 loses half a unit in the last place.
+    !! Return α as a double-double number; rounding to binary64 loses half a unit in the last place.
     type(root_type), intent(in) :: root
     root_value = dd_pi*(0.25_dp*root%eighths) + root%remainder
   end function root_value
 
   elemental logical function is_light(root)
-    !! Whether γα ≲ 1, so that the root, k ≥ 2, is anchored at (k − ½)π.
+    !! Tell whether γα ≲ 1, so that the root, k ≥ 2, is anchored at (k − ½)π.
     type(root_type), intent(in) :: root
     is_light = mod(root%eighths, 4) == 2
   end function is_light
@@ -76,7 +76,7 @@ contains
   ! The first root
 
   elemental real(dp) function first_root_fourth_power(gamma) result(x)
-    !! x = α₁⁴ from 1 + cos α cosh α − γ x·4T₃(x) = 0, divided by γ where γ > 1.
+    !! Return x = α₁⁴ from 1 + cos α cosh α − γ x·4T₃(x) = 0, divided by γ for γ > 1.
     real(dp), intent(in) :: gamma
     real(dp) :: free, mass, step
     integer :: i
@@ -92,19 +92,19 @@ contains
   end function first_root_fourth_power
 
   elemental real(dp) function first_slope(gamma, x) result(slope)
-    !! Derivative by x of the first root's equation, divided by γ where γ > 1.
+    !! Return the derivative of the first root's equation with respect to x, divided by γ for γ > 1.
     real(dp), intent(in) :: gamma, x
     slope = slope_free(x)/max(1.0_dp, gamma) - min(1.0_dp, gamma)*slope_mass(x)
   end function first_slope
 
   elemental real(dp) function slope_free(x)
-    !! d(1 + cos α cosh α)/dx = (cos α sinh α − sin α cosh α)/(4α³) = −T₃(x).
+    !! Return d(1 + cos α cosh α)/dx = (cos α sinh α − sin α cosh α)/(4α³) = −T₃(x).
     real(dp), intent(in) :: x
     slope_free = -alternating_series(3, x)
   end function slope_free
 
   elemental real(dp) function slope_mass(x)
-    !! d(α(sin α cosh α − cos α sinh α))/dx = [sin α cosh α − cos α sinh α + 2α sin α sinh α]/(4α³) = T₃ + T₂.
+    !! Return d(α(sin α cosh α − cos α sinh α))/dx = [sin α cosh α − cos α sinh α + 2α sin α sinh α]/(4α³) = T₃ + T₂.
     real(dp), intent(in) :: x
     slope_mass = alternating_series(3, x) + alternating_series(2, x)
   end function slope_mass
@@ -112,7 +112,7 @@ contains
   ! Higher roots
 
   elemental real(dp) function light_mass_remainder(k, gamma) result(delta)
-    !! δ of α = (k − ½)π + δ, for γα ≲ 1.
+    !! Return δ of α = (k − ½)π + δ, for γα ≲ 1.
     integer, intent(in) :: k
     real(dp), intent(in) :: gamma
     real(dp) :: c, value, slope, lower, upper
@@ -130,7 +130,7 @@ contains
   end function light_mass_remainder
 
   pure subroutine light_equation(k, gamma, delta, value, slope)
-    !! sin δ (1 + αγ tanh α) + αγ cos δ + (−1)^k sech α at α = (k − ½)π + δ, and its derivative.
+    !! Return sin δ (1 + αγ tanh α) + αγ cos δ + (−1)^k sech α at α = (k − ½)π + δ, and its derivative.
     integer, intent(in) :: k
     real(dp), intent(in) :: gamma, delta
     real(dp), intent(out) :: value, slope
@@ -145,7 +145,7 @@ contains
   end subroutine light_equation
 
   elemental real(dp) function heavy_mass_remainder(k, gamma) result(delta)
-    !! δ of α = (k − ¾)π + δ, for γα ≳ 1.
+    !! Return δ of α = (k − ¾)π + δ, for γα ≳ 1.
     integer, intent(in) :: k
     real(dp), intent(in) :: gamma
     real(dp) :: value, slope, lower, upper
@@ -162,8 +162,8 @@ contains
   end function heavy_mass_remainder
 
   pure subroutine heavy_equation(k, gamma, delta, value, slope)
-    !! sin δ (2 + u − τ) − cos δ (u − τ) + √2 (−1)^k u sech α at α = (k − ¾)π + δ, with u = 1/(γα) and
-    !! τ = 1 − tanh α, and its derivative.
+    !! Return sin δ (2 + u − τ) − cos δ (u − τ) + √2 (−1)^k u sech α at α = (k − ¾)π + δ, with u = 1/(γα) and τ = 1 −
+    !! tanh α, and its derivative.
     integer, intent(in) :: k
     real(dp), intent(in) :: gamma, delta
     real(dp), intent(out) :: value, slope
@@ -180,7 +180,7 @@ contains
   end subroutine heavy_equation
 
   pure subroutine newton_step(x, value, slope, lower, upper, done)
-    !! One step of Newton's method inside a bracket on which the function rises.
+    !! Take one Newton step inside a bracket in which the function rises.
     real(dp), intent(inout) :: x, lower, upper
     real(dp), intent(in) :: value, slope
     logical, intent(out) :: done            !! the step was below rounding
@@ -199,13 +199,13 @@ contains
   end subroutine newton_step
 
   elemental real(dp) function hyperbolic_secant(alpha) result(sech)
-    !! sech α without overflow.
+    !! Return sech α without overflow.
     real(dp), intent(in) :: alpha
     sech = 2.0_dp*exp(-alpha)/(1.0_dp + exp(-2.0_dp*alpha))
   end function hyperbolic_secant
 
   elemental real(dp) function alternate(k)
-    !! (−1)^k
+    !! Return (−1)^k.
     integer, intent(in) :: k
     alternate = merge(1.0_dp, -1.0_dp, mod(k, 2) == 0)
   end function alternate
@@ -213,21 +213,21 @@ contains
   ! Power series
 
   elemental real(dp) function alternating_series(j, x) result(sum)
-    !! T_j(x) for 0 ≤ x ≤ 15.
+    !! Return T_j(x) for 0 ≤ x ≤ 15.
     integer, intent(in) :: j      !! 0 … 4
     real(dp), intent(in) :: x
     sum = factorial_series(j, -4.0_dp*x)
   end function alternating_series
 
   elemental real(dp) function growing_series(j, y) result(sum)
-    !! U_j(y) for 0 ≤ y ≤ 15.
+    !! Return U_j(y) for 0 ≤ y ≤ 15.
     integer, intent(in) :: j      !! 0 … 4
     real(dp), intent(in) :: y
     sum = factorial_series(j, y)
   end function growing_series
 
   elemental real(dp) function factorial_series(j, y) result(sum)
-    !! Σ yᵐ/(4m+j)! by Horner's rule on the ratios of neighbouring terms.
+    !! Return Σ yᵐ/(4m+j)! by Horner's rule on the ratios of successive terms.
     integer, intent(in) :: j
     real(dp), intent(in) :: y
     integer :: m, n

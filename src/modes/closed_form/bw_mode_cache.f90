@@ -1,7 +1,6 @@
 module bw_mode_cache
-  !! What modes in closed form have in common however fast the beam turns and however long it is watched: roots, shapes and
-  !! masses. Cases that share a cache find them once, each set when it is first asked for. What is in the cache is what would
-  !! be found again, to the bit.
+  !! Data of modes in closed form that do not depend on rotation or duration: roots, shapes and masses. Cases that share
+  !! a cache compute each set once. Cached data equal recomputed ones to the bit.
   use bw_kinds, only: dp, i8
   use bw_double_double, only: dd
   use bw_refined_root, only: is_coarse, refine_roots
@@ -10,13 +9,13 @@ module bw_mode_cache
   implicit none (type, external)
   private
 
-  integer, parameter :: most_sets = 128          !! cached at a time
-  integer, parameter :: most_modes = 1024        !! of a set that is cached: all together take less than 20 MB
-  integer, parameter :: most_values = 16384      !! of its shapes at points: all together take less than 20 MB
+  integer, parameter :: most_sets = 128          !! most sets in the cache
+  integer, parameter :: most_modes = 1024        !! most modes of a cached set: together less than 20 MB
+  integer, parameter :: most_values = 16384      !! most shape values of a set at points: together less than 20 MB
 
   type, public :: shape_table
     !! Shapes of some modes at some points.
-    real(dp), allocatable :: xi(:), values(:, :)     !! unallocated: of none; (points), (modes, points)
+    real(dp), allocatable :: xi(:), values(:, :)     !! (points), (modes, points); unallocated: none
   contains
     procedure :: is_of
     procedure, nopass :: has_room_for
@@ -26,18 +25,18 @@ module bw_mode_cache
     !! The first n modes of one mass ratio.
     type(dd) :: gamma
     type(shape_type), allocatable :: shape(:)    !! (n)
-    type(dd), allocatable :: alpha(:)            !! roots as binary64 carries them, (n)
-    type(shape_table) :: at_points               !! shapes of all of them where a case has asked for them last
-    type(dd), allocatable, private :: refined(:) !! the same, in extended precision where a case has asked for it
+    type(dd), allocatable :: alpha(:)            !! roots in binary64, (n)
+    type(shape_table) :: at_points               !! shapes of all of them at the points requested last
+    type(dd), allocatable, private :: refined(:) !! the same in extended precision, once needed
     logical, allocatable, private :: is_refined(:)
   contains
     procedure :: roots => roots_for_case
   end type cached_set
 
   type, public :: mode_cache
-    !! Sets in the order in which they came; the newest replaces the oldest.
+    !! Sets in the order of their entry. The newest replaces the oldest.
     type(cached_set), allocatable :: sets(:)
-    integer, private :: found = 0                !! sets that were ever cached
+    integer, private :: found = 0                !! entries made so far
   contains
     procedure, nopass :: has_room_for_set
     procedure :: find_set
@@ -46,7 +45,7 @@ module bw_mode_cache
 contains
 
   pure logical function has_room_for_set(number)
-    !! Whether these modes are the first ones, and few enough to be cached.
+    !! Tell whether these are the first modes, and few enough for the cache.
     integer, intent(in) :: number(:)             !! ascending
     has_room_for_set = .false.
     if (size(number) == 0 .or. size(number) > most_modes) return
@@ -54,9 +53,9 @@ contains
   end function has_room_for_set
 
   subroutine find_set(self, count, gamma, place)
-    !! Find the place in `sets` of the first `count` modes, which are solved if they are not there.
+    !! Find the index in `sets` of the first `count` modes, which are solved if missing.
     class(mode_cache), intent(inout) :: self
-    integer, intent(in) :: count                 !! one that the cache has room for
+    integer, intent(in) :: count                 !! at most as many as the cache has room for
     type(dd), intent(in) :: gamma
     integer, intent(out) :: place
     if (.not. allocated(self%sets)) allocate (self%sets(most_sets))
@@ -89,9 +88,9 @@ contains
   end subroutine solve_set
 
   pure subroutine roots_for_case(self, omega, longest, alpha)
-    !! Find α as one case needs it: what `is_coarse` there is solved again in extended precision, once for all cases.
+    !! Find α for one case. Roots that are `is_coarse` in it are refined in extended precision, once for all cases.
     class(cached_set), intent(inout) :: self
-    type(dd), intent(in), optional :: omega      !! as those of `is_coarse`
+    type(dd), intent(in), optional :: omega      !! see `is_coarse`
     real(dp), intent(in), optional :: longest
     type(dd), intent(out) :: alpha(:)            !! (n)
     logical :: coarse(size(alpha)), new(size(alpha))
@@ -107,7 +106,7 @@ contains
   ! Shapes at points
 
   pure logical function is_of(self, xi)
-    !! Whether the shapes at these points are known.
+    !! Tell whether the shapes at these points are stored.
     class(shape_table), intent(in) :: self
     real(dp), intent(in) :: xi(:)
     is_of = .false.
@@ -116,7 +115,7 @@ contains
   end function is_of
 
   pure logical function has_room_for(modes, xi)
-    !! Whether so many modes have few enough shapes at these points to be cached.
+    !! Tell whether so many modes have few enough shape values at these points for the cache.
     integer, intent(in) :: modes
     real(dp), intent(in) :: xi(:)
     has_room_for = int(modes, i8)*size(xi) <= most_values

@@ -1,15 +1,14 @@
 module bw_overlap
-  !! What one set of modes in closed form sees of a motion written in another: the sums of Eqs 23 and 26 without
-  !! quadrature.
+  !! Overlaps between two sets of modes in closed form: the sums of Eqs 23 and 26 without quadrature.
   !!
   !! The two-shape identity of v'''' = α⁴v gives, for a loaded shape Φ̄_k and a free one φ_i,
   !! ∫Φ̄_kφ_i dξ = Φ̄_k'''(1)φ_i(1)/(ᾱ_k⁴ − α_i⁴), Φ̄_k'''(1) = −γᾱ_k⁴Φ̄_k(1); with the mass's own term γΦ̄_k(1)φ_i(1)
   !! the sum is γΦ̄_k(1)φ_i(1) α_i⁴/(α_i⁴ − ᾱ_k⁴). So Eq. 26, and the way back when the mass leaves, come down to sums
   !! Σ_k w_k/(α_i⁴ − ᾱ_k⁴) over two sets of modes, one of the beam alone and one with the mass at its tip.
   !!
-  !! For i = k and a light mass the two roots agree to all digits, so their difference is solved for itself. Few modes are
-  !! summed pair by pair. For many the pairs that lie apart are summed by cells (bw_far_field), in time proportional to the
-  !! number of modes, and only neighbours pair by pair.
+  !! For i = k and a light mass the two roots agree to all digits, so their difference is solved for directly. Few modes
+  !! are summed pairwise. For many, distant pairs are summed by cells (bw_far_field), in time proportional to the number
+  !! of modes, and only neighbours pairwise.
   use bw_constants, only: pi
   use bw_double_double, only: add_exactly, dd
   use bw_far_field, only: add_far_field, cells_to, first_in_cells
@@ -24,12 +23,12 @@ module bw_overlap
   public :: fourth_power_difference, pair_sums       ! for their own tests
 
   integer(i8), parameter, public :: most_pairs = 4000000_i8
-    !! tuned: so many take as long pair by pair as by cells, some ms
+    !! tuned: equal time pairwise and by cells, some ms
 
 contains
 
   function overlap_with_tip_mass(loaded, free, amplitude, monitor) result(sums)
-    !! Σ_i (∫Φ̄_kφ_i dξ + γΦ̄_k(1)φ_i(1)) a_i: Eq. 26 times M̄_k.
+    !! Return Σ_i (∫Φ̄_kφ_i dξ + γΦ̄_k(1)φ_i(1)) a_i: Eq. 26 times M̄_k.
     !! **Errors**: within 1e-13 of the sum of the terms' magnitudes.
     type(root_type), intent(in) :: loaded(:)      !! of modes Φ̄_k with the mass, any
     type(root_type), intent(in) :: free(:)        !! of modes φ_i without it, γ = 0, from the first
@@ -45,11 +44,11 @@ contains
   end function overlap_with_tip_mass
 
   function overlap_without_mass(onto, from, amplitude, monitor) result(sums)
-    !! Σ_i a_i∫Φ_kφ_i dξ, without the mass.
-    type(root_type), intent(in) :: onto(:)        !! of modes Φ_k, any; these or the others are without mass
+    !! Return Σ_i a_i∫Φ_kφ_i dξ, without the mass.
+    type(root_type), intent(in) :: onto(:)        !! of modes Φ_k, any; one of the two sets is without mass
     type(root_type), intent(in) :: from(:)        !! of modes φ_i, from the first
     real(dp), intent(in) :: amplitude(:)          !! a_i, (size(from))
-    class(monitor_type), intent(inout), optional :: monitor   !! as above
+    class(monitor_type), intent(inout), optional :: monitor   !! see above
     real(dp) :: sums(size(onto))
     if (carries_mass(from)) then
       sums = gap_sums(onto, from, by_tip(from, 4, amplitude, .true.), .true., monitor)
@@ -63,13 +62,13 @@ contains
   end function overlap_without_mass
 
   pure logical function carries_mass(root)
-    !! Whether the modes are those with the mass at the tip.
+    !! Tell whether the modes have the mass at the tip.
     type(root_type), intent(in) :: root(:)
     carries_mass = root(1)%gamma > 0.0_dp
   end function carries_mass
 
   pure function own(onto, amplitude) result(sums)
-    !! The sums where there is no mass: the two sets are one, and of each sum the term i = k is left.
+    !! Return the sums without mass: both sets are the same, and only the term i = k remains.
     type(root_type), intent(in) :: onto(:)
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(size(onto))
@@ -81,7 +80,7 @@ contains
   end function own
 
   pure function by_tip(root, power, values, by_mass) result(products)
-    !! Φ(1)α^power times values, or γΦ(1)α^power times them.
+    !! Return Φ(1)α^power, or γΦ(1)α^power, times values.
     type(root_type), intent(in) :: root(:)
     integer, intent(in) :: power
     real(dp), intent(in) :: values(:)
@@ -104,7 +103,7 @@ contains
 
 
   function gap_sums(onto, from, weight, onto_free, monitor) result(sums)
-    !! Σ_k w_k/(α_i⁴ − α_k⁴) for all i.
+    !! Return Σ_k w_k/(α_i⁴ − α_k⁴) for all i.
     !! **Errors**: within 1e-14 of the sum of the terms' magnitudes.
     type(root_type), intent(in) :: onto(:)           !! i, ascending
     type(root_type), intent(in) :: from(:)           !! k, ascending
@@ -126,7 +125,7 @@ contains
   end function gap_sums
 
   subroutine add_neighbours(onto, from, weight, onto_free, sums, monitor)
-    !! Add what the far field leaves out: pairs in one cell, or in two that touch.
+    !! Add the near field: pairs in one cell, or in two that touch.
     type(root_type), intent(in) :: onto(:), from(:)
     real(dp), intent(in) :: weight(:)
     logical, intent(in) :: onto_free
@@ -152,7 +151,7 @@ contains
   end subroutine add_neighbours
 
   pure function pair_sums(onto, from, weight, onto_free) result(sums)
-    !! `gap_sums` pair by pair, for all i at a time in vector registers; each sum is rounded about once (Neumaier).
+    !! Return `gap_sums` pairwise, for all i at a time in vector registers, with compensated summation (Neumaier).
     type(root_type), intent(in) :: onto(:)           !! a few hundred
     type(root_type), intent(in) :: from(:)
     real(dp), intent(in) :: weight(:)
@@ -185,7 +184,7 @@ contains
   end function pair_sums
 
   elemental real(dp) function own_gap(onto, from, onto_free) result(gap)
-    !! α⁴ − ᾱ⁴ of two modes of the same number, which may nearly agree.
+    !! Return α⁴ − ᾱ⁴ of two modes with the same number, which may nearly agree.
     type(root_type), intent(in) :: onto, from
     logical, intent(in) :: onto_free
     if (onto_free) then
@@ -196,8 +195,8 @@ contains
   end function own_gap
 
   elemental real(dp) function fourth_power_difference(free, loaded) result(difference)
-    !! α⁴ − ᾱ⁴ for a root α of the beam alone (γ = 0) and a root ᾱ of the beam with a tip mass (γ ≥ 0).
-    !! Zero only for the same k and γ = 0.
+    !! Return α⁴ − ᾱ⁴ for a root α of the beam alone (γ = 0) and a root ᾱ of the beam with a tip mass (γ ≥ 0). Zero only
+    !! for the same k and γ = 0.
     type(root_type), intent(in) :: free    !! solves Eq. 8
     type(root_type), intent(in) :: loaded  !! solves Eq. 19
     real(dp) :: alpha, alpha_bar, drop
@@ -219,13 +218,13 @@ contains
   end function fourth_power_difference
 
   elemental real(dp) function first_drop(x_free, loaded) result(drop)
-    !! y = x₀ − x of the first roots, x = α⁴: subtracting 1 + T₀(x₀) = 0 from 1 + T₀(x) = 4γxT₃(x) leaves
-    !! y = −4γxT₃(x)/T₀[x, x₀] with the divided difference of T₀, whose terms are sums of like signs.
+    !! Return y = x₀ − x of the first roots, x = α⁴: subtracting 1 + T₀(x₀) = 0 from 1 + T₀(x) = 4γxT₃(x) leaves y =
+    !! −4γxT₃(x)/T₀[x, x₀] with the divided difference of T₀, a sum of terms of like sign.
     real(dp), intent(in) :: x_free
     type(root_type), intent(in) :: loaded
     real(dp) :: x, term, powers, divided
     integer :: m
-    integer, parameter :: last_term = 8     ! as of the series of bw_frequency_equation, of differences
+    integer, parameter :: last_term = 8     ! of the series in bw_frequency_equation, for differences
     x = loaded%remainder**4
     powers = 1.0_dp                         ! Σ_j x^j x₀^(m−1−j)
     term = -1.0_dp/6.0_dp                   ! (−4)^m/(4m)!
@@ -239,9 +238,9 @@ contains
   end function first_drop
 
   elemental real(dp) function light_drop(free, loaded, alpha, alpha_bar) result(drop)
-    !! d = α_k − ᾱ_k, both anchored at (k − ½)π, by subtracting the two equations for δ:
-    !! 2 sin(d/2) [cos(δ_m) − (−1)^k (sinh(d/2)/sin(d/2)) sinh α_m/(cosh α cosh ᾱ)] = ᾱγ (sin δ̄ tanh ᾱ + cos δ̄),
-    !! δ_m and α_m the means. The ratio of sines is 1 + O(d²) and is taken from the plain difference.
+    !! Return d = α_k − ᾱ_k, both anchored at (k − ½)π, by subtracting the two equations for δ: 2 sin(d/2) [cos(δ_m) −
+    !! (−1)^k (sinh(d/2)/sin(d/2)) sinh α_m/(cosh α cosh ᾱ)] = ᾱγ (sin δ̄ tanh ᾱ + cos δ̄), with the means δ_m and α_m.
+    !! The ratio of sines is 1 + O(d²), for which the plain difference suffices.
     type(root_type), intent(in) :: free, loaded
     real(dp), intent(in) :: alpha, alpha_bar
     real(dp) :: half, ratio, mean, sech, sign, mass_term

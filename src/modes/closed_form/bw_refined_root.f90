@@ -1,12 +1,11 @@
 module bw_refined_root
-  !! Roots of the frequency equation to about 30 digits: one Newton step whose residual is taken in extended precision
-  !! from the exact mass ratio. Entered only for modes that need it. Far ones, of which sech α and 1 − tanh α are below that
-  !! precision, are refined many at a time in vector registers, in double-double numbers; the first few, whose exponentials
-  !! count, in binary128, which runs in software.
+  !! Roots of the frequency equation to about 30 digits: one Newton step with the residual in extended precision, from
+  !! the exact mass ratio, only for modes that need it. Far modes, with sech α and 1 − tanh α below that precision, are
+  !! refined many at a time in vector registers, in double-double; the first few in binary128, which runs in software.
   !!
-  !! Sines of binary64 angles as double-double numbers come from power series of an eighth of the angle, then sin 2y =
-  !! 2 sin y (1 − v), 1 − cos 2y = 2 sin² y thrice, where v = 1 − cos y stands in the cosine's place: near 0 it has the digits
-  !! that 1 − v would lose. They are within 1e-31, absolutely.
+  !! Sines of binary64 angles in double-double are power series in an eighth of the angle, followed three times by sin
+  !! 2y = 2 sin y (1 − v), 1 − cos 2y = 2 sin² y, with v = 1 − cos y in place of the cosine: near 0 it keeps the digits
+  !! that 1 − v would lose. Errors are below 1e-31, absolutely.
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-), operator(/)
   use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
   use bw_kinds, only: dp, qp
@@ -15,13 +14,13 @@ module bw_refined_root
   public :: is_coarse, refine_roots, refined_root, sine_and_versine
 
   real(qp), parameter :: pi = acos(-1.0_qp)
-  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
+  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots lose digits
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
-  integer, parameter :: first_far = 25               !! mode, from which on sech α is below 2e-33
+  integer, parameter :: first_far = 25               !! first mode with sech α below 2e-33
 
   integer, parameter :: doublings = 3
-  integer, parameter :: long_terms = 4   !! beyond the first whose 16 digits of binary64 are too few
-  integer, parameter :: all_terms = 8    !! terms beyond the first: at y = 1/8 the next is below 1e-33 of the whole
+  integer, parameter :: long_terms = 4   !! beyond the first: binary64 is not enough for these
+  integer, parameter :: all_terms = 8    !! beyond the first: at y = 1/8 the next is below 1e-33 of the sum
 
   real(qp), parameter :: sine_terms(all_terms) = 1.0_qp/[-6.0_qp, 120.0_qp, -5040.0_qp, 362880.0_qp, -39916800.0_qp, &
     6227020800.0_qp, -1307674368000.0_qp, 355687428096000.0_qp]              !! ±1/(2m+1)!
@@ -31,10 +30,10 @@ module bw_refined_root
 contains
 
   elemental logical function is_coarse(remainder, alpha, omega, longest) result(coarse)
-    !! Whether binary64 does not carry this root: extended precision is entered for it, and for no other.
+    !! Tell whether a root needs extended precision; only such roots are refined.
     real(dp), intent(in) :: remainder, alpha           !! of the root
     type(dd), intent(in), optional :: omega       !! in-plane angular velocity in h/l²; absent: none
-    real(dp), intent(in), optional :: longest     !! duration of the history in l²/h; absent: there is none
+    real(dp), intent(in), optional :: longest     !! duration of the history in l²/h; absent: none
     real(dp) :: drift
     coarse = .false.
     if (present(omega)) coarse = abs(alpha**2 - omega%hi) < near_critical*alpha**2
@@ -44,10 +43,10 @@ contains
   end function is_coarse
 
   pure subroutine refine_roots(root, coarse, alpha)
-    !! Put α of those that are coarse in extended precision; a few hundred at a time.
+    !! Refine α of coarse roots in extended precision; a few hundred at a time.
     type(root_type), intent(in) :: root(:)        !! of one mass ratio
     logical, intent(in) :: coarse(:)              !! (roots)
-    type(dd), intent(inout) :: alpha(:)           !! as binary64 carries it, (roots)
+    type(dd), intent(inout) :: alpha(:)           !! in binary64, then refined, (roots)
     logical :: far(size(root))
     integer :: i
     do i = 1, size(root)
@@ -60,9 +59,9 @@ contains
   end subroutine refine_roots
 
   pure subroutine refine_far(root, chosen, light, alpha)
-    !! Refine the far roots that are chosen.
+    !! Refine chosen far roots.
     type(root_type), intent(in) :: root(:)
-    logical, intent(in) :: chosen(:), light       !! all that are chosen are light, or none
+    logical, intent(in) :: chosen(:), light       !! all chosen ones are light, or none
     type(dd), intent(inout) :: alpha(:)
     type(dd) :: batch(count(chosen))
     real(dp) :: remainder(size(batch))
@@ -78,7 +77,7 @@ contains
   end subroutine refine_far
 
   elemental type(dd) function mass_ratio(root)
-    !! γ to all digits.
+    !! Return γ to all digits.
     type(root_type), intent(in) :: root
     mass_ratio = dd(root%gamma, root%gamma_low)
   end function mass_ratio
@@ -86,10 +85,10 @@ contains
   ! In double-double numbers
 
   pure subroutine refine_light(gamma, remainder, alpha)
-    !! One Newton step of sin δ (1 + c) + c cos δ = 0, c = γα, at α = (k − ½)π + δ.
+    !! Take one Newton step of sin δ (1 + c) + c cos δ = 0, c = γα, at α = (k − ½)π + δ.
     type(dd), intent(in) :: gamma
-    real(dp), intent(in) :: remainder(:)               !! δ as binary64 has it, (modes)
-    type(dd), intent(inout) :: alpha(:)           !! the same with its whole turns; refined
+    real(dp), intent(in) :: remainder(:)               !! δ in binary64, (modes)
+    type(dd), intent(inout) :: alpha(:)           !! the same with its anchor; refined
     type(dd), dimension(size(remainder)) :: sine, versine, c, residual
     real(dp), dimension(size(remainder)) :: cosine, slope
     call sine_and_versine(remainder, sine, versine)
@@ -101,9 +100,9 @@ contains
   end subroutine refine_light
 
   pure subroutine refine_heavy(gamma, remainder, alpha)
-    !! One Newton step of sin δ (2 + u) − u cos δ = 0, u = 1/(γα), at α = (k − ¾)π + δ.
+    !! Take one Newton step of sin δ (2 + u) − u cos δ = 0, u = 1/(γα), at α = (k − ¾)π + δ.
     type(dd), intent(in) :: gamma
-    real(dp), intent(in) :: remainder(:)               !! as that of `refine_light`
+    real(dp), intent(in) :: remainder(:)               !! see `refine_light`
     type(dd), intent(inout) :: alpha(:)
     real(dp), parameter :: heaviest = 1.0e40_dp   ! beyond it δ is below 1e-42, and γα soon overflows
     type(dd), dimension(size(remainder)) :: sine, versine, u, residual
@@ -122,7 +121,7 @@ contains
   ! In binary128
 
   elemental type(dd) function refined_root(root) result(alpha)
-    !! α of any root, in binary128; the step squares the relative error of the binary64 root, about 1e-16.
+    !! Return α of any root, in binary128. The step squares the relative error of the binary64 root, about 1e-16.
     type(root_type), intent(in) :: root
     if (root%k == 1) then
       alpha = to_dd(refined_first(root))
@@ -134,7 +133,7 @@ contains
   end function refined_root
 
   elemental real(qp) function refined_first(root) result(alpha)
-    !! One Newton step of 1 + cos α cosh α − 4γxT₃(x) = 0 in x = α⁴, divided by γ where γ > 1 (see bw_frequency_equation).
+    !! Return one Newton step of 1 + cos α cosh α − 4γxT₃(x) = 0 in x = α⁴, divided by γ for γ > 1 (see bw_frequency_equation).
     type(root_type), intent(in) :: root
     real(qp) :: x, free, mass
     x = real(root%remainder, qp)**4
@@ -145,7 +144,7 @@ contains
   end function refined_first
 
   elemental real(qp) function series(j, x) result(sum)
-    !! T_j(x) = Σ(−4x)^m/(4m+j)!, summed until nothing changes.
+    !! Return T_j(x) = Σ(−4x)^m/(4m+j)!, summed to convergence.
     integer, intent(in) :: j
     real(qp), intent(in) :: x
     real(qp) :: term
@@ -160,7 +159,7 @@ contains
   end function series
 
   elemental real(qp) function refined_light(root) result(alpha)
-    !! One Newton step of `light_equation` with the residual in extended precision.
+    !! Return one Newton step of `light_equation` with the residual in extended precision.
     type(root_type), intent(in) :: root
     real(qp) :: delta, c, sign
     real(dp) :: coarse, slope
@@ -173,7 +172,7 @@ contains
   end function refined_light
 
   elemental real(qp) function refined_heavy(root) result(alpha)
-    !! One Newton step of `heavy_equation` with the residual in extended precision.
+    !! Return one Newton step of `heavy_equation` with the residual in extended precision.
     type(root_type), intent(in) :: root
     real(qp) :: delta, u, tau, sign
     real(dp) :: coarse, slope
@@ -187,14 +186,14 @@ contains
   end function refined_heavy
 
   elemental real(qp) function secant(alpha)
-    !! sech α without overflow.
+    !! Return sech α without overflow.
     real(qp), intent(in) :: alpha
     secant = 2.0_qp*exp(-alpha)/(1.0_qp + exp(-2.0_qp*alpha))
   end function secant
 
 
   pure subroutine sine_and_versine(angle, sine, versine)
-    !! sin x and 1 − cos x.
+    !! Compute sin x and 1 − cos x.
     real(dp), intent(in) :: angle(:)             !! x, |x| ≤ 1
     type(dd), intent(out) :: sine(:), versine(:) !! (size(angle))
     type(dd), dimension(size(angle)) :: part, square
@@ -212,7 +211,7 @@ contains
   end subroutine sine_and_versine
 
   pure function sine_series(square, terms) result(sum)
-    !! 1 + Σ_m terms_m·square^m, the last terms in binary64.
+    !! Return 1 + Σ_m terms_m·square^m, with the last terms in binary64.
     type(dd), intent(in) :: square(:)
     real(qp), intent(in) :: terms(all_terms)
     type(dd) :: sum(size(square))

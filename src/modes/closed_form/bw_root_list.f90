@@ -1,5 +1,5 @@
 module bw_root_list
-  !! Roots of the frequency equation for many modes at a time, in vector registers: beyond the first few modes its
+  !! Roots of the frequency equation for many modes at a time, in vector registers: except for the first few modes its
   !! exponentials are below rounding (bw_far_modes).
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -11,12 +11,12 @@ module bw_root_list
   public :: solve_roots, root_values, near_modes
 
   integer, parameter, public :: batch = 256  !! tuned: modes whose arrays stay in the fastest cache
-  integer, parameter :: last_to_try = 300    ! at 240 all that exponentials have to lose has underflowed
+  integer, parameter :: last_to_try = 300    ! at 240 all relevant exponentials have underflowed
 
 contains
 
   pure function solve_roots(k, gamma) result(root)
-    !! `solve_root` of a list, in vector registers where the exponentials are below rounding.
+    !! Return `solve_root` of a list, in vector registers if exponentials are below rounding.
     integer, intent(in) :: k(:)      !! 1 … `highest_mode`, ascending
     real(dp), intent(in) :: gamma
     type(root_type) :: root(size(k))
@@ -27,7 +27,7 @@ contains
   end function solve_roots
 
   pure integer function near_modes(k, gamma) result(near)
-    !! How many modes of a list are not far ones.
+    !! Count the modes of a list that are not far ones.
     integer, intent(in) :: k(:)      !! ascending
     real(dp), intent(in) :: gamma
     near = 0
@@ -36,8 +36,8 @@ contains
   end function near_modes
 
   pure integer function first_far_mode(gamma) result(k)
-    !! The mode from which on sech α and 1 − tanh α are below rounding of what they are added to: γα, where it is below 1,
-    !! and 1/(γα), where that is.
+    !! Return the first mode for which sech α and 1 − tanh α are below rounding relative to γα, if that is below 1, and
+    !! 1/(γα), if that is.
     real(dp), intent(in) :: gamma
     real(dp), parameter :: margin = log(16.0_dp/epsilon(1.0_dp))
     real(dp) :: alpha, logarithm
@@ -66,7 +66,7 @@ contains
   end subroutine solve_far_roots
 
   pure function root_values(root) result(alpha)
-    !! `root_value` of a list, in vector registers.
+    !! Return `root_value` of a list, in vector registers.
     type(root_type), intent(in) :: root(:)
     type(dd) :: alpha(size(root))
     alpha = dd_pi*(0.25_dp*root%eighths) + root%remainder

@@ -1,5 +1,5 @@
 module bw_shape
-  !! Mode shapes in closed form, Eqs 7 and 18, in forms that keep their digits for every mode number.
+  !! Mode shapes in closed form, Eqs 7 and 18, accurate for every mode number.
   !!
   !! \( \Phi(\xi) = \cos\alpha\xi - \cosh\alpha\xi - \sigma(\sin\alpha\xi - \sinh\alpha\xi) \) is evaluated as
   !! cos αξ − σ sin αξ − ½(1+σ)e^(−αξ) − ½(1−σ)e^α e^(−α(1−ξ)), near the root as a power series. Its curvature over α² differs in
@@ -17,25 +17,25 @@ module bw_shape
   private
   public :: shape_of, shapes_of, shape_value, shape_values, slope_values, curvature_values
 
-  real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form has lost a digit
-  real(dp), parameter :: longest_decay = 400.0_dp  !! e^(−400) is nothing beside 1, and its square underflows
+  real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form loses a digit
+  real(dp), parameter :: longest_decay = 400.0_dp  !! e^(−400) is negligible beside 1, and its square underflows
 
   type, public :: shape_type
     !! One mode shape, its tip and its mass, without dimensions.
     type(root_type) :: root
     real(dp) :: alpha = 0.0_dp        !! α
     real(dp) :: sigma = 0.0_dp        !! σ, Eqs 9 and 20
-    real(dp) :: grow = 0.0_dp         !! (1 − σ)e^α, which does not underflow
+    real(dp) :: grow = 0.0_dp         !! (1 − σ)e^α, without underflow
     real(dp) :: tip = 0.0_dp          !! Φ(1); ±2 for γ = 0
     real(dp) :: tip_slope = 0.0_dp    !! Φ'(1) = dΦ/dξ
-    real(dp) :: tip_force = 0.0_dp    !! αγΦ(1) = −Φ'''(1)/α³, which does not overflow
+    real(dp) :: tip_force = 0.0_dp    !! αγΦ(1) = −Φ'''(1)/α³, without overflow
     real(dp) :: modal_mass = 0.0_dp   !! M/m_i = ∫Φ² dξ + γΦ(1)², Eq. 21
   end type shape_type
 
 contains
 
   elemental type(shape_type) function shape_of(root) result(shape)
-    !! The shape that belongs to a root of the frequency equation.
+    !! Return the shape of a root of the frequency equation.
     type(root_type), intent(in) :: root
     type(shape_type) :: list(1)
     list = shapes_of([root])
@@ -43,7 +43,7 @@ contains
   end function shape_of
 
   pure function shapes_of(root) result(shape)
-    !! `shape_of` of a list, in vector registers.
+    !! Return `shape_of` of a list, in vector registers.
     type(root_type), intent(in) :: root(:)     !! ascending
     type(shape_type) :: shape(size(root))
     integer :: first, k
@@ -55,7 +55,7 @@ contains
   end function shapes_of
 
   pure subroutine set_first(root, shape)
-    !! Find the shape of mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
+    !! Find the shape of mode 1, α ≤ 1.8752, by power series, exact also for γ → ∞, where α → 0.
     type(root_type), intent(in) :: root
     type(shape_type), intent(out) :: shape
     real(dp) :: a, x, denominator
@@ -73,7 +73,7 @@ contains
   end subroutine set_first
 
   pure subroutine set_higher(root, shape)
-    !! Find shapes of modes from the second on, with everything scaled by e^(−α).
+    !! Find shapes of modes from the second on, scaled by e^(−α).
     type(root_type), intent(in) :: root(:)
     type(shape_type), intent(out) :: shape(:)
     real(dp), dimension(size(root)) :: sine, cosine, difference, decay, sech, th, denominator, tip, force, gamma
@@ -83,8 +83,8 @@ contains
     call end_angles(root%k, light, root%remainder, sine, cosine, difference)
     alpha = root_values(root)
     gamma = root%gamma
-    decay = exp(-min(0.5_dp*alpha%hi, longest_decay))**2      ! may underflow: the exponential itself would do so slowly
-    decay = decay*(1.0_dp - alpha%lo)          ! what rounding α took is up to α units in the last place here
+    decay = exp(-min(0.5_dp*alpha%hi, longest_decay))**2      ! may underflow, slowly in a plain exponential
+    decay = decay*(1.0_dp - alpha%lo)          ! rounding of α is up to α units in the last place here
     sech = 2.0_dp*decay/(1.0_dp + decay**2)
     th = (1.0_dp - decay**2)/(1.0_dp + decay**2)
     denominator = sine*sech + th                       ! (sin α + sinh α)/cosh α
@@ -106,8 +106,8 @@ contains
   end subroutine set_higher
 
   elemental real(dp) function mass_of(alpha, tip, tip_force, end_ratio) result(mass)
-    !! M/m_i = ¼(1+γ)Φ(1)² + 2(1 + cos α cosh α) sin α sinh α/(sin α + sinh α)², by the frequency equation
-    !! ¼Φ(1)(Φ(1) + N/α) − N·(sin α sinh α/(sin α + sinh α)) with N = αγΦ(1): two terms ≥ 0.
+    !! Return M/m_i = ¼(1+γ)Φ(1)² + 2(1 + cos α cosh α) sin α sinh α/(sin α + sinh α)², which is ¼Φ(1)(Φ(1) + N/α) −
+    !! N·(sin α sinh α/(sin α + sinh α)) with N = αγΦ(1) by the frequency equation: two terms ≥ 0.
     real(dp), intent(in) :: alpha, tip, tip_force
     real(dp), intent(in) :: end_ratio    !! sin α sinh α/(sin α + sinh α)
     mass = 0.25_dp*tip*(tip + tip_force/alpha) - tip_force*end_ratio
@@ -135,7 +135,7 @@ contains
   end subroutine end_angles
 
   elemental real(dp) function shape_value(shape, xi) result(value)
-    !! Φ(ξ): exactly 0 at the root, exactly `tip` at the tip.
+    !! Return Φ(ξ): exactly 0 at the root, exactly `tip` at the tip.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
     real(dp) :: list(1)
@@ -144,7 +144,7 @@ contains
   end function shape_value
 
   pure function shape_values(shape, xi) result(values)
-    !! `shape_value` of a list, in vector registers.
+    !! Return `shape_value` of a list, in vector registers.
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
     real(dp) :: values(size(shape))
@@ -160,7 +160,7 @@ contains
   end function shape_values
 
   pure function curvature_values(shape, xi) result(values)
-    !! Φ''(ξ)/α² of a list: exactly −2 at the root, exactly 0 at the tip, which carries a point mass.
+    !! Return Φ''(ξ)/α² of a list: exactly −2 at the root, exactly 0 at the tip with its point mass.
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
     real(dp) :: values(size(shape))
@@ -171,7 +171,7 @@ contains
     if (xi == 0.0_dp) return
     call evaluate(shape, xi, values, turned=-1.0_dp)
     do k = 1, size(shape)
-      if (shape(k)%root%k > 1) cycle     ! of a heavy mass σ and e^α(1 − σ) are large, and differ by little
+      if (shape(k)%root%k > 1) cycle     ! for a heavy mass σ and e^α(1 − σ) are large and nearly equal
       associate (z => shape(k)%alpha*xi)
         values(k) = -(cos(z) + cosh(z)) + shape(k)%sigma*(sin(z) + sinh(z))
       end associate
@@ -179,7 +179,7 @@ contains
   end function curvature_values
 
   pure function slope_values(shape, xi) result(values)
-    !! Φ'(ξ)/α of a list: exactly 0 at the root, exactly `tip_slope` over α at the tip.
+    !! Return Φ'(ξ)/α of a list: exactly 0 at the root, exactly `tip_slope` over α at the tip.
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
     real(dp) :: values(size(shape))
@@ -203,11 +203,11 @@ contains
   end function slope_values
 
   pure subroutine evaluate(shape, xi, values, turned)
-    !! Evaluate Φ(ξ) by the closed form, for αξ not small; or Φ''(ξ)/α².
+    !! Evaluate Φ(ξ) or Φ''(ξ)/α² in closed form, for αξ not small.
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi
     real(dp), intent(out) :: values(:)
-    real(dp), intent(in), optional :: turned   !! −1: the curvature; absent: the shape
+    real(dp), intent(in), optional :: turned   !! −1: curvature; absent: shape
     real(dp), dimension(size(shape)) :: angle, c, s, rising, falling
     angle = angle_at(shape%root, xi)
     c = cos(angle)
@@ -222,7 +222,7 @@ contains
   end subroutine evaluate
 
   elemental real(dp) function series_value(shape, xi) result(value)
-    !! Φ(ξ) by the power series, for αξ ≲ 2.
+    !! Return Φ(ξ) by power series, for αξ ≲ 2.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: xi
     real(dp) :: z
@@ -231,7 +231,7 @@ contains
   end function series_value
 
   elemental real(dp) function angle_at(root, xi) result(angle)
-    !! αξ modulo 2π: the whole eighths of a turn are multiplied and reduced exactly.
+    !! Return αξ modulo 2π. Whole eighths of a cycle are multiplied and reduced exactly.
     type(root_type), intent(in) :: root
     real(dp), intent(in) :: xi
     real(dp) :: eighths, remainder

@@ -1,22 +1,21 @@
 module bw_joint_unknowns
-  !! The unknowns by which the joints of a beam of pieces move: v and ψ of each joint, but not of both joints of a piece that is
-  !! short or thick, and so far stiffer than the beam.
+  !! The unknowns for the motion of a beam's joints: v and ψ of each joint, except that the joints of a short or thick
+  !! piece, far stiffer than the beam, are linked.
   !!
-  !! In v and ψ of both its ends such a piece has stiffnesses of 12B/L³, however soft its material is, and motions that hardly
-  !! bend it would lose their digits to these: β² of the first mode some L⁻³/B roundings. So joints that stiff pieces join follow
-  !! the one of them that is hardest to move, and for each such piece there are two unknowns of its own, e = Δψ and
-  !! d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e and v' = v + L(ψ + ½e + d). A body or a spring stands in one column
-  !! as long as nothing near is harder to move.
+  !! In terms of v and ψ at both ends such a piece has stiffnesses of 12B/L³, however soft its material, and motions that hardly
+  !! bend it would lose digits: the error of β² of the first mode would be some L⁻³/B roundings. So linked joints follow the one
+  !! that is hardest to move, and each such piece has two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has
+  !! ψ' = ψ + e and v' = v + L(ψ + ½e + d). A body or a spring is then in one column unless something near is harder to move.
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
   implicit none (type, external)
   private
   public :: unknowns_of_joints
 
-  real(dp), parameter :: stiff = 3e-3_dp           !! of the flexibility of the beam, at its tip, a stiff piece has less as L³/B
+  real(dp), parameter :: stiff = 3e-3_dp           !! L³/B of a stiff piece over the flexibility of the beam at its tip
 
   type, public :: joint_unknowns
-    !! What each unknown of size 1 does, (unknowns, joints from 0 to n) or (unknowns, pieces).
+    !! Motions of joints and pieces for each unknown of size 1, (unknowns, joints from 0 to n) or (unknowns, pieces).
     integer :: number = 0
     real(dp), allocatable :: deflection(:, :)      !! v of the joints
     real(dp), allocatable :: turning(:, :)         !! ψ of the joints
@@ -27,7 +26,7 @@ module bw_joint_unknowns
 contains
 
   pure type(joint_unknowns) function unknowns_of_joints(beam) result(unknowns)
-    !! Those of stiff pieces first, then joints from the lightest to the heaviest, lest a heavy one take digits off the others.
+    !! Order the unknowns: those of stiff pieces first, then joints from the lightest to the heaviest, which keeps digits.
     type(piece_beam), intent(in) :: beam
     real(dp) :: weight(0:size(beam%piece))
     logical :: tied(size(beam%piece)), leads(0:size(beam%piece))
@@ -50,7 +49,7 @@ contains
     call find_others(beam%piece%length%hi, tied, leads, unknowns)
   contains
     pure subroutine place(j)
-      !! Of mass and inertia the one that moves less stands last.
+      !! Put v and ψ in this order, unless mass exceeds inertia.
       integer, intent(in) :: j
       logical :: heavy_mass
       heavy_mass = .false.
@@ -67,10 +66,10 @@ contains
   end function unknowns_of_joints
 
   pure function is_tied(beam) result(tied)
-    !! Whether the ends of each piece move as if it were rigid. Nothing moves the root's piece so where the root is clamped.
+    !! Tell which pieces are stiff and link their ends. The first piece of a clamped root is not linked.
     type(piece_beam), intent(in) :: beam
     logical :: tied(size(beam%piece))
-    real(dp) :: flexibility(size(beam%piece))      ! how far a unit force at the tip moves it by what each piece bends
+    real(dp) :: flexibility(size(beam%piece))      ! of the tip, due to bending of each piece
     real(dp) :: beyond                             ! from a piece to the tip
     integer :: i
     beyond = 0.0_dp
@@ -85,7 +84,7 @@ contains
   end function is_tied
 
   pure function holds(beam) result(hold)
-    !! How hard it is to move each joint: inertia, springs, and at the end of a short piece of a clamped root that piece.
+    !! Return how hard each joint is to move: inertia, springs, and the first piece next to a clamped root.
     type(piece_beam), intent(in) :: beam
     real(dp) :: hold(0:size(beam%piece))
     hold(0) = 0.0_dp
@@ -96,7 +95,7 @@ contains
   end function holds
 
   pure integer function leader_of(beam, tied, hold, j) result(leader)
-    !! The joint that joint j follows, or j itself; the root is not moved by another joint where something holds it.
+    !! Return the joint that joint j follows, or j itself. A supported root follows no other joint.
     type(piece_beam), intent(in) :: beam
     logical, intent(in) :: tied(:)
     real(dp), intent(in) :: hold(0:)
@@ -109,7 +108,7 @@ contains
   end function leader_of
 
   pure subroutine find_others(length, tied, leads, unknowns)
-    !! Find motions of the joints that follow, and of the ends of pieces that tie none.
+    !! Find the motions of following joints, and of the ends of pieces without links.
     real(dp), intent(in) :: length(:)
     logical, intent(in) :: tied(:), leads(0:)
     type(joint_unknowns), intent(inout) :: unknowns

@@ -1,11 +1,11 @@
 module bw_local_waves
-  !! Wave number, phase and group velocity of a mode of a beam with tension or shear: those of the propagating wave that
-  !! the beam carries, place by place, at the mode's frequency.
+  !! Wave number, phase and group velocity of a mode of a beam with tension or shear: those of the local propagating
+  !! wave at the mode's frequency, averaged over the beam.
   !!
-  !! With λ = β² + Ω² in plane and β² out of plane, ρ = r²β² in plane and r²(β² + Ω²) out of plane, the local wave number
-  !! p = √y solves (1 + s²T)y² + [T(1 − s²ρ) − s²λ − ρ]y − λ(1 − s²ρ) = 0 (the larger root: bending waves also where
-  !! shear waves of the thickness run too). P is the mean of p over the beam, C_p = β/P and C_g = dβ/dP. Without tension
-  !! and shear P⁴ = λ, Eq. 2; at high speeds P is that of a string.
+  !! With λ = β² + Ω² in plane and β² out of plane, ρ = r²β² in plane and r²(β² + Ω²) out of plane, the local wave
+  !! number p = √y satisfies (1 + s²T)y² + [T(1 − s²ρ) − s²λ − ρ]y − λ(1 − s²ρ) = 0 (the larger root: bending waves,
+  !! also if thickness-shear waves propagate). P is the mean of p over the beam, C_p = β/P and C_g = dβ/dP. Without
+  !! tension and shear P⁴ = λ, Eq. 2; at high speeds P is that of a string.
   use bw_kinds, only: dp
   use bw_lapack, only: dsterf
   use bw_missing, only: no_number
@@ -15,10 +15,10 @@ module bw_local_waves
   public :: gauss_rule, local_wave, mean_rule
 
   integer, parameter :: nodes = 200
-    !! of the mean over a beam with tension: 1e-12 for Ω to 1000, where T reaches 0 at the tip
+    !! of the mean over a beam with tension: error 1e-12 for Ω to 1000, with T = 0 at the tip
 
   type, public :: wave_section
-    !! What waves at one place depend on.
+    !! Properties of the beam at one place.
     real(dp) :: stiffness = 1.0_dp               !! B = EI
     real(dp) :: mass = 1.0_dp                    !! m = ρA
     real(dp) :: compliance = 0.0_dp              !! s = 1/(κGA)
@@ -27,16 +27,16 @@ module bw_local_waves
   end type wave_section
 
   type :: rule_type
-    !! Places and weights of a mean.
+    !! Nodes and weights of a mean.
     real(dp), allocatable :: z(:), weight(:)
   end type rule_type
 
-  type(rule_type) :: kept                        !! that of `mean_rule`, which is always the same
+  type(rule_type) :: kept                        !! `mean_rule`, computed once
 
 contains
 
   elemental subroutine local_wave(section, spin, in_plane, beta_squared, p, slope)
-    !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
+    !! Find p at one place, where y = p² is the larger root of ay² + by − c, and dp/dβ².
     type(wave_section), intent(in) :: section
     real(dp), intent(in) :: spin                 !! Ω²
     logical, intent(in) :: in_plane
@@ -59,14 +59,14 @@ contains
     end if
     p = sqrt(max(0.0_dp, y))
     slope = 0.0_dp
-    if (root <= 0.0_dp .or. p <= 0.0_dp) return       ! λ = 0: no wave runs, and β² < 0 asks for no velocity
+    if (root <= 0.0_dp .or. p <= 0.0_dp) return       ! λ = 0: no wave; β² < 0: no velocity is needed
     slope = section%mass*(turning - section%compliance*section%rotary*lambda) &
       + y*(soft + section%rotary*(1.0_dp + section%compliance*section%tension))
     slope = slope/root/(2.0_dp*p)
   end subroutine local_wave
 
   subroutine mean_rule(z, weight)
-    !! Places z and weights of the mean over a piece of a beam with tension, 1 − ξ = z²: T may vanish at the tip.
+    !! Return nodes z and weights of the mean over a piece of a beam with tension, 1 − ξ = z²: T may vanish at the tip.
     real(dp), allocatable, intent(out) :: z(:), weight(:)      !! (nodes)
     if (.not. allocated(kept%z)) then
       call gauss_rule(nodes, kept%z, kept%weight)
@@ -77,8 +77,8 @@ contains
   end subroutine mean_rule
 
   subroutine gauss_rule(n, node, weight)
-    !! Find nodes and weights of Gauss's rule for integrals over [0, 1], exact for polynomials up to degree 2n − 1: nodes are the
-    !! eigenvalues of the matrix of ξ in Legendre's polynomials, weights 1/Σp_j² there (Golub and Welsch 1969).
+    !! Return nodes and weights of Gauss quadrature on [0, 1], exact for polynomials up to degree 2n − 1: nodes are the
+    !! eigenvalues of the matrix of ξ in Legendre polynomials, weights 1/Σp_j² there (Golub and Welsch 1969).
     integer, intent(in) :: n                             !! ≥ 1
     real(dp), allocatable, intent(out) :: node(:), weight(:)   !! ascending, (n)
     real(dp) :: below(n)

@@ -1,12 +1,12 @@
 module bw_piece_strains
-  !! What the strains of a beam of pieces are written in: motions of the joints (bw_joint_unknowns), and in each piece strains
-  !! that move neither of its ends.
+  !! The unknowns for the strains of a beam of pieces: motions of the joints (bw_joint_unknowns), and in each piece
+  !! strains that do not move its ends.
   !!
-  !! With x from 0 to 1 over a piece of length L the curvature is Σa_jp_j/√(BL) and the shear strain √(s/L)Σb_jp_j, so that the
-  !! elastic energy of a uniform piece is ½Σa² + ½Σb²; strains need not be continuous. ψ and v are integrals from the inner joint. Of
-  !! all strains only a_0, a_1 and b_0 move the outer joint: e = Δψ = √(L/B)a_0, and d = Δv/L − ½(ψ + ψ') = −√(L/B)(√3/6)a_1 +
-  !! √(s/L)b_0. The joints' motions stand for them, as in a beam element, in a uniform piece with the smallest energy; with shear a
-  !! third strain moves nothing. All others are at right angles to these.
+  !! With x from 0 to 1 along a piece of length L the curvature is Σa_jp_j/√(BL) and the shear strain √(s/L)Σb_jp_j, so
+  !! the elastic energy of a uniform piece is ½Σa² + ½Σb²; strains may be discontinuous. ψ and v are integrals from the
+  !! inner joint. Only a_0, a_1 and b_0 move the outer joint: e = Δψ = √(L/B)a_0, and d = Δv/L − ½(ψ + ψ') =
+  !! −√(L/B)(√3/6)a_1 + √(s/L)b_0. The joints' motions replace them, as in a beam element, with the smallest energy of a
+  !! uniform piece; with shear a third strain moves nothing. All others are orthogonal to these.
   use bw_joint_unknowns, only: joint_unknowns, unknowns_of_joints
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam, uniform_piece
@@ -16,17 +16,17 @@ module bw_piece_strains
   public :: layout_of, motions_of, forces_on, ends_of, columns_of, strains_inside
 
   type, public :: strain_layout
-    !! Where the unknowns stand: strains inside of the pieces first, then those of the joints.
+    !! The layout of unknowns: strains inside pieces first, then those of the joints.
     integer, allocatable :: functions(:)           !! of each strain in a piece, ≥ 3, (n)
     logical :: shear = .false.
-    integer, allocatable :: inside(:)              !! unknowns before those inside of a piece, (n)
+    integer, allocatable :: inside(:)              !! number of unknowns before those of a piece, (n)
     type(joint_unknowns) :: joints
-    integer, allocatable :: of_joints(:)           !! their unknowns
+    integer, allocatable :: of_joints(:)           !! indices of their unknowns
     integer :: unknowns = 0
   end type strain_layout
 
   type, public :: piece_motions
-    !! What columns of unknowns do in a piece.
+    !! Motions of a piece for several columns of unknowns.
     real(dp), allocatable :: strain(:, :)          !! a, and with shear b, (strains, columns)
     real(dp), allocatable :: turning(:, :)         !! coefficients of ψ, (functions + 1, columns)
     real(dp), allocatable :: slope(:, :)           !! of v', (functions + 1, columns)
@@ -34,17 +34,17 @@ module bw_piece_strains
   end type piece_motions
 
   type, public :: piece_forces
-    !! What does work on the motions of one column.
+    !! Generalised forces on the motions of one column.
     real(dp), allocatable :: strain(:), turning(:), slope(:), deflection(:)
   end type piece_forces
 
   type :: strain_scales
-    !! By which strains of size 1 move a piece.
+    !! Motion of a piece per strain of size 1.
     real(dp) :: length = 1.0_dp                    !! L
     real(dp) :: turn = 1.0_dp                      !! √(L/B)
     real(dp) :: shear = 0.0_dp                     !! √(s/L)
     real(dp) :: share(2) = 0.0_dp                  !! of a_1 and b_0 in d
-    real(dp) :: across(2) = 0.0_dp                 !! of both in a motion that moves no end
+    real(dp) :: across(2) = 0.0_dp                 !! of both in a motion that leaves the ends in place
   end type strain_scales
 
 contains
@@ -65,14 +65,14 @@ contains
   end function layout_of
 
   elemental integer function strains_inside(functions, shear) result(number)
-    !! How many strains move neither end of a piece.
+    !! Count the strains that do not move the ends of a piece.
     integer, intent(in) :: functions
     logical, intent(in) :: shear
     number = merge(2*functions - 2, functions - 2, shear)
   end function strains_inside
 
   pure function columns_of(layout, i) result(column)
-    !! The unknowns that move piece i: those of the joints that move its ends, and what is inside.
+    !! Return the unknowns that move piece i: those of the joints at its ends, and those inside.
     type(strain_layout), intent(in) :: layout
     integer, intent(in) :: i
     integer, allocatable :: column(:)
@@ -82,7 +82,7 @@ contains
   end function columns_of
 
   pure function ends_of(layout, i) result(ends)
-    !! v and ψ of the inner end of piece i, e and d, of each unknown of the joints, (4, unknowns of joints).
+    !! Return v and ψ of the inner end of piece i, e and d, for each unknown of the joints, (4, unknowns of joints).
     type(strain_layout), intent(in) :: layout
     integer, intent(in) :: i
     real(dp) :: ends(4, size(layout%of_joints))
@@ -95,7 +95,7 @@ contains
   end function ends_of
 
   pure type(piece_motions) function motions_of(piece, functions, shear, columns) result(motions)
-    !! Of v and ψ of the inner end, e and d, and of strains inside.
+    !! Return the motions for given v and ψ of the inner end, e and d, and strains inside.
     type(uniform_piece), intent(in) :: piece
     integer, intent(in) :: functions
     logical, intent(in) :: shear
@@ -128,8 +128,8 @@ contains
   end function motions_of
 
   pure function forces_on(piece, functions, shear, given) result(force)
-    !! The transpose of `motions_of`, of one column: what forces on strains, turning, slope and deflection do to the unknowns,
-    !! (4 + strains inside).
+    !! Apply the transpose of `motions_of` for one column: forces on strains, rotation, slope and deflection as forces
+    !! on the unknowns, (4 + strains inside).
     type(uniform_piece), intent(in) :: piece
     integer, intent(in) :: functions
     logical, intent(in) :: shear

@@ -11,15 +11,15 @@ module bw_singular_values
 contains
 
   subroutine singular_values(matrix, count, values, left, right, info)
-    !! Find them by divide and conquer, columns from the longest to the shortest: values then keep their digits as far as columns are
-    !! short. Where lengths fall by a step, as behind the column of a heavy body, what is beyond loses digits to what is before;
-    !! then by Jacobi's method, in which each value and each component keeps its own, for several times the work.
-    real(dp), contiguous, intent(in) :: matrix(:, :)                  !! not fewer rows than columns
-    integer, intent(in) :: count                                      !! ≥ 1, at most as many as columns
+    !! Find them by divide and conquer, with columns in order of decreasing length, which keeps the digits of values for
+    !! short columns. If lengths drop by a step, as after the column of a heavy body, smaller values lose digits to
+    !! larger ones; then Jacobi's method keeps those of each value and component, at several times the cost.
+    real(dp), contiguous, intent(in) :: matrix(:, :)                  !! at least as many rows as columns
+    integer, intent(in) :: count                                      !! ≥ 1, at most the number of columns
     real(dp), allocatable, intent(out) :: values(:)                   !! descending
     real(dp), allocatable, intent(out) :: left(:, :), right(:, :)     !! (rows, count), (columns, count)
-    integer, intent(out) :: info                                      !! 0: LAPACK had no trouble
-    real(dp), parameter :: loss = 2.0e-13_dp       ! tuned: of shapes, beyond a step
+    integer, intent(out) :: info                                      !! LAPACK's; 0: success
+    real(dp), parameter :: loss = 2.0e-13_dp       ! tuned: error of shapes beyond a step
     real(dp) :: length(size(matrix, 2))
     real(dp), allocatable :: a(:, :), s(:), u(:, :), v(:, :), work(:)
     integer, allocatable :: iwork(:), order(:)

@@ -1,5 +1,5 @@
 module bw_strain_basis
-  !! What strains are written in: orthonormal Legendre polynomials p_j on [0, 1], j = 0, 1, …
+  !! The basis of strains: orthonormal Legendre polynomials p_j on [0, 1], j = 0, 1, …
   !!
   !! Functions are lists of coefficients, and integrals from 0, products with polynomials and their transposes are exact and
   !! banded: ∫₀^x p_j = c_{j+1}p_{j+1} − c_jp_{j−1}, c_j = ½/√(4j² − 1), and ½p_0 + c_1p_1 for j = 0.
@@ -11,13 +11,13 @@ module bw_strain_basis
 contains
 
   elemental real(dp) function c(j)
-    !! c_j of the integral of p_j.
+    !! Return c_j of the integral of p_j.
     integer, intent(in) :: j               !! ≥ 1
     c = 0.5_dp/sqrt((2.0_dp*j - 1.0_dp)*(2.0_dp*j + 1.0_dp))
   end function c
 
   pure function integral(f) result(g)
-    !! Coefficients of ∫₀^x f, (n + 1).
+    !! Return the coefficients of ∫₀^x f, (n + 1).
     real(dp), intent(in) :: f(0:)          !! (n)
     real(dp) :: g(0:size(f))
     integer :: j, n
@@ -28,7 +28,7 @@ contains
   end function integral
 
   pure function integral_transposed(g) result(f)
-    !! The transpose of `integral`: f_j = ∫ g ∫p_j, (n).
+    !! Apply the transpose of `integral`: f_j = ∫ g ∫p_j, (n).
     real(dp), intent(in) :: g(0:)          !! (n + 1)
     real(dp) :: f(0:size(g) - 2)
     integer :: j, n
@@ -39,7 +39,7 @@ contains
   end function integral_transposed
 
   pure function times_polynomial(t, f) result(g)
-    !! Coefficients of (t_0 + t_1x + t_2x² + …)f that are of no higher degree than f's, (n).
+    !! Return the coefficients of (t_0 + t_1x + t_2x² + …)f up to the degree of f, (n).
     real(dp), intent(in) :: t(0:)
     real(dp), intent(in) :: f(0:)          !! (n)
     real(dp) :: g(0:size(f) - 1)
@@ -56,7 +56,7 @@ contains
   end function times_polynomial
 
   pure function times_x(f) result(g)
-    !! Coefficients of xf: xp_j = ½p_j + (j + 1)c_{j+1}p_{j+1} + jc_jp_{j−1}, (n + 1).
+    !! Return the coefficients of xf: xp_j = ½p_j + (j + 1)c_{j+1}p_{j+1} + jc_jp_{j−1}, (n + 1).
     real(dp), intent(in) :: f(0:)          !! (n)
     real(dp) :: g(0:size(f))
     integer :: j, n
@@ -68,7 +68,7 @@ contains
   end function times_x
 
   pure function basis_values(n, x) result(values)
-    !! p_j(x), j = 0 … n − 1, (n, points), by the recurrence of Legendre's polynomials.
+    !! Return p_j(x), j = 0 … n − 1, (n, points), by the recurrence of Legendre polynomials.
     integer, intent(in) :: n               !! ≥ 2
     real(dp), intent(in) :: x(:)           !! 0 ≤ x ≤ 1
     real(dp) :: values(0:n - 1, size(x))

@@ -1,25 +1,25 @@
 module bw_strain_cache
-  !! Sources of modes by strains that the cases of a sweep share: cases whose beam and effects do not differ solve for their modes
-  !! once. What is in the cache is what would be found again, to the bit.
+  !! Sources of modes by strains, shared by cases of a sweep with the same beam and effects. Cached modes equal
+  !! recomputed ones to the bit.
   use bw_monitor, only: monitor_type, stops
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   implicit none (type, external)
   private
 
-  integer, parameter :: most_sources = 16          !! cached at a time
+  integer, parameter :: most_sources = 16          !! most sources in the cache
   integer, parameter :: most_squares = 600000
-    !! the sum of the squares of their counts, as which their memory grows: all together take less than 50 MB
+    !! most for the sum of squared mode counts, proportional to memory: together less than 50 MB
 
   type :: cache_entry
-    type(strain_problem), allocatable :: problem   !! unallocated: nothing is cached here
+    type(strain_problem), allocatable :: problem   !! unallocated: empty entry
     type(strain_source), allocatable :: source
   end type cache_entry
 
   type, public :: strain_cache
-    !! Sources in the order in which they came; new ones replace the oldest.
+    !! Sources in the order of their entry. New ones replace the oldest.
     private
     type(cache_entry), allocatable :: entries(:)
-    integer :: found = 0                           !! that were ever cached
+    integer :: found = 0                           !! entries made so far
   contains
     procedure :: find => find_source
     procedure, private :: keep
@@ -28,7 +28,7 @@ module bw_strain_cache
 contains
 
   subroutine find_source(self, problem, count, source, monitor)
-    !! Make the source as `strain_source_of` does, or find it in the cache.
+    !! Find a source in the cache, or make it as `strain_source_of` does.
     class(strain_cache), intent(inout) :: self
     type(strain_problem), intent(in) :: problem
     integer, intent(in) :: count
@@ -47,7 +47,7 @@ contains
   end subroutine find_source
 
   subroutine keep(self, problem, source)
-    !! Cache a source that there is room for once the oldest have gone.
+    !! Store a source, dropping the oldest as needed.
     class(strain_cache), intent(inout) :: self
     type(strain_problem), intent(in) :: problem
     type(strain_source), intent(in) :: source
@@ -63,13 +63,13 @@ contains
   end subroutine keep
 
   elemental integer function place_of(number) result(place)
-    !! Of the source that was cached so many sources after the first.
+    !! Return the index of the n-th entry.
     integer, intent(in) :: number
     place = 1 + modulo(number, most_sources)
   end function place_of
 
   elemental integer function count_of(entry) result(count)
-    !! Modes of a source that is cached, else 0.
+    !! Return the number of modes of an entry; 0 if it is empty.
     type(cache_entry), intent(in) :: entry
     count = 0
     if (allocated(entry%source)) count = entry%source%highest

@@ -1,11 +1,11 @@
 module bw_strain_modes
-  !! Modes of a beam of pieces with tension, uniform or tapering, in as many functions as they need.
+  !! Modes of a beam of pieces with tension, uniform or tapering, with as many basis functions as needed.
   !!
-  !! With S = LLᵀ (bw_strain_system) the singular values of B L⁻ᵀ are p = (β² + σ)^(−½) and its left singular vectors hold the
-  !! coefficients of v and ψ: neither M nor v is ever a difference of large numbers, and all modes keep their digits. β² comes from p
-  !! and again from Rayleigh's quotient, term by term: β² = λ + what rotation adds, λ the elastic stiffness, of modes of mass 1. The
-  !! quotient is wrong by the square of what a shape is wrong. It says β² where p leaves it as a small difference, and where two ways
-  !! to the same number agree there are digits.
+  !! With S = LLᵀ (bw_strain_system) the singular values of B L⁻ᵀ are p = (β² + σ)^(−½), and its left singular vectors
+  !! hold the coefficients of v and ψ: neither M nor v is a difference of large numbers, so all modes keep their digits.
+  !! β² follows from p, and again from Rayleigh's quotient of modes of mass 1: the elastic stiffness λ plus the terms of
+  !! rotation. The error of the quotient is the square of that of the shape. It is used where β² is a small difference
+  !! from p, and the agreement of the two is checked.
   !!
   !! **Errors**: β² + σ within 1e-13 relatively for 200 modes, Ω from 0 to 1000 and every slenderness (tests).
   use bw_constants, only: pi
@@ -28,16 +28,16 @@ module bw_strain_modes
   private
   public :: strain_modes, modes_with, critical_speed_of
 
-  integer, parameter :: most_functions = 2000      !! of all pieces together
-  integer, parameter :: watched = 2                !! of the last coefficients: neighbours may vanish by parity
+  integer, parameter :: most_functions = 2000      !! most functions in all pieces together
+  integer, parameter :: watched = 2                !! last coefficients that are checked: one of two neighbours may vanish by parity
 
 contains
 
   subroutine strain_modes(given, count, struck, set, monitor, demand)
-    !! Find the first `count` modes; not `resolved`, with arrays in which nothing moves, where there are none to be had.
+    !! Find the first `count` modes; not `resolved`, with zero arrays, if there are none.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: count                   !! ≥ 1
-    integer, intent(in) :: struck                  !! the joint at which the mass strikes
+    integer, intent(in) :: struck                  !! joint at which the mass strikes
     type(strain_set), intent(out) :: set
     class(monitor_type), intent(inout), optional :: monitor   !! none are found if it requests a stop
     type(mode_demand), intent(in), optional :: demand
@@ -63,9 +63,8 @@ contains
   end subroutine strain_modes
 
   pure function first_guess(given, count, wanted) result(functions)
-    !! What the shortest wave needs, which waves share among the pieces as they do in a beam without tension, and the layers of
-    !! thickness δ = √(B(1 + sT)/T) in which tension leaves bending to the ends of a piece, unless they are so thin that they are
-    !! pieces of their own (bw_tension_layers).
+    !! Estimate the functions for the shortest wave, which pieces share as in a beam without tension, and for boundary
+    !! layers of thickness δ = √(B(1 + sT)/T) due to tension, unless these are separate pieces (bw_tension_layers).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: count
     type(mode_demand), intent(in) :: wanted
@@ -80,7 +79,7 @@ contains
   end function first_guess
 
   pure function pulls(given) result(pull)
-    !! T/Ω² at the inner ends of the pieces.
+    !! Return T/Ω² at the inner ends of the pieces.
     type(varying_beam), intent(in) :: given
     real(dp) :: pull(size(given%law))
     integer :: i
@@ -88,13 +87,13 @@ contains
   end function pulls
 
   subroutine modes_with(given, count, functions, struck, set, last, monitor)
-    !! Find modes in given numbers of functions, without their waves.
+    !! Find modes with given numbers of functions, without their waves.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: count
     integer, intent(in) :: functions(:)            !! of each strain in a piece, (pieces)
     integer, intent(in) :: struck
     type(strain_set), intent(out) :: set
-    real(dp), intent(out) :: last                  !! their largest last coefficient: small where the functions were enough
+    real(dp), intent(out) :: last                  !! largest last coefficient of any mode: small if the functions suffice
     class(monitor_type), intent(inout), optional :: monitor
     type(strain_system) :: system
     type(dd) :: shift
@@ -114,9 +113,9 @@ contains
   end subroutine modes_with
 
   subroutine factor_system(given, functions, system, shift, factored)
-    !! Build the system with the smallest shift that leaves S positive definite, whose factor L takes its place. In plane σ = Ω²
-    !! leaves K and Ω² times the inertia of turning, so that A, which may be a small difference, is never built; out of plane A itself
-    !! is positive definite unless sections turn too fast. A beam that floats has a shift of 1 more.
+    !! Build the system with the smallest shift for which S is positive definite, and replace S by its factor L. In
+    !! plane σ = Ω² leaves K and Ω² times the rotary inertia, so A, possibly a small difference, is never built. Out of
+    !! plane A itself is positive definite unless rotary inertia makes it unstable. A free beam has a shift of 1 more.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: functions(:)
     type(strain_system), intent(out) :: system
@@ -137,13 +136,13 @@ contains
   end subroutine factor_system
 
   subroutine solve_system(count, system, period, motion, strain, resolved, monitor)
-    !! The first modes with BᵀB-norm 1.
+    !! Find the first modes with BᵀB-norm 1.
     integer, intent(in) :: count                   !! ≤ unknowns
-    type(strain_system), intent(inout) :: system   !! factored; its matrices are used up
+    type(strain_system), intent(inout) :: system   !! factored; its matrices are overwritten
     real(dp), allocatable, intent(out) :: period(:)        !! p = (β² + σ)^(−½), descending, (modes)
     real(dp), allocatable, intent(out) :: motion(:, :)     !! rows of B, (rows, modes)
     real(dp), allocatable, intent(out) :: strain(:, :)     !! unknowns, L⁻ᵀ(right singular vector)/p, (unknowns, modes)
-    logical, intent(out) :: resolved               !! no more than that LAPACK had no trouble
+    logical, intent(out) :: resolved               !! LAPACK succeeded
     class(monitor_type), intent(inout), optional :: monitor
     integer :: info, k
     resolved = .false.
@@ -163,10 +162,10 @@ contains
   end subroutine solve_system
 
   subroutine find_motions(system, motion, strain, set)
-    !! What the pieces and the joints do in modes of mass 1. Deflections are those of the left singular vectors: they have
-    !! digits where strains have lost them.
+    !! Find the motions of pieces and joints in modes of mass 1. Deflections are taken from the left singular vectors,
+    !! which have more digits than strains.
     type(strain_system), intent(in) :: system
-    real(dp), intent(in) :: motion(:, :), strain(:, :)     !! those of `solve_system`
+    real(dp), intent(in) :: motion(:, :), strain(:, :)     !! from `solve_system`
     type(strain_set), intent(inout) :: set
     integer :: i, n, row
     associate (beam => set%given%beam, layout => system%layout)
@@ -207,8 +206,8 @@ contains
   ! β²
 
   pure subroutine find_squares(given, period, shift, set)
-    !! β², of modes of mass 1. The terms of rotation are about Ω², and what rounding leaves where they cancel is 0: a beam that
-    !! turns freely about the axis of its rotation is at rest anywhere.
+    !! Find β² of modes of mass 1. Terms of rotation are about Ω², and what rounding leaves of their cancellation is set
+    !! to 0, as for a beam that rotates freely about the axis of rotation.
     type(varying_beam), intent(in) :: given
     real(dp), intent(in) :: period(:)
     type(dd), intent(in) :: shift                  !! σ
@@ -226,20 +225,20 @@ contains
       quotient(k) = set%work(k, k) + set%rotation(k)
     end do
     call choose_squares(quotient, shift%hi, set)
-    if (given%beam%root%on_hub) set%beta_squared(1) = dd()       ! the rigid turn
+    if (given%beam%root%on_hub) set%beta_squared(1) = dd()       ! rigid rotation
     where (abs(set%beta_squared%hi) <= rest*given%beam%spin_squared%hi) set%beta_squared = dd()
   end subroutine find_squares
 
   pure subroutine choose_squares(quotient, shift, set)
-    !! Choose β² between that of the singular values, which the set has, and Rayleigh's quotient of the modes' shapes. The former is
-    !! a small difference where the shift or what rotation takes is larger; and where a system is badly conditioned, as with springs
-    !! of very different strength, it is off by all that the two differ, since the quotient is off by the square of what a shape is.
-    !! Where the two do not agree at all the modes are not resolved.
+    !! Choose β² between that of the singular values, in the set, and Rayleigh's quotient. The former is a small
+    !! difference if the shift or the terms of rotation are larger. In a badly conditioned system, as with very
+    !! different springs, its error is the difference of the two, as that of the quotient is the square of a shape's
+    !! error. If the two disagree the modes are not resolved.
     real(dp), intent(in) :: quotient(:)            !! (modes)
     real(dp), intent(in) :: shift                  !! σ ≥ 0
     type(strain_set), intent(inout) :: set
     real(dp), parameter :: agreement = 1.0e-8_dp
-    real(dp), parameter :: conditioned = 2.0e-14_dp       ! tuned: what the two differ by at most where all is well
+    real(dp), parameter :: conditioned = 2.0e-14_dp       ! tuned: largest difference in a well-conditioned system
     real(dp), parameter :: rounding = 16.0_dp*epsilon(1.0_dp)   ! of all terms otherwise, by comparison with power series
     real(dp), dimension(size(quotient)) :: scale, difference
     scale = shift + (quotient - set%rotation) + abs(set%rotation)
@@ -250,7 +249,7 @@ contains
   end subroutine choose_squares
 
   pure real(dp) function rotation_term(given, set, k) result(term)
-    !! Work against the tension, less Ω² times what of the mass the centrifugal force acts on.
+    !! Return the work against tension, less Ω² times the mass or inertia on which the centrifugal force acts.
     type(varying_beam), intent(in) :: given
     type(strain_set), intent(in) :: set
     integer, intent(in) :: k
@@ -271,16 +270,16 @@ contains
   end function rotation_term
 
   pure real(dp) function weighed(law, f) result(integral)
-    !! ∫w f² over a piece, as it were of the length 1.
+    !! Return ∫w f² over a piece, per length.
     real(dp), intent(in) :: law(:)                 !! of w
     real(dp), intent(in) :: f(:)                   !! coefficients
     integral = dot_product(f, times_polynomial(law, f))
   end function weighed
 
   pure real(dp) function body_term(given, set, k, joint) result(term)
-    !! What a body at ξ_b adds by its mass: with tension (R + ξ_b)∫v'² dξ as far as there, in plane less v(ξ_b)². With the mean slope
-    !! s, v(ξ_b) = v(0) + sξ_b, both are (R + ξ_b)∫(v' − s)² + Rs²ξ_b − v(0)(v(0) + 2sξ_b), in which nothing cancels at a root that
-    !! does not move, however heavy the body.
+    !! Return the term of a body's mass at ξ_b: with tension (R + ξ_b)∫v'² dξ up to there, in plane less v(ξ_b)². With
+    !! the mean slope s, v(ξ_b) = v(0) + sξ_b, both are (R + ξ_b)∫(v' − s)² + Rs²ξ_b − v(0)(v(0) + 2sξ_b), without
+    !! cancellation at a fixed root, for any mass.
     type(varying_beam), intent(in) :: given
     type(strain_set), intent(in) :: set
     integer, intent(in) :: k, joint
@@ -306,7 +305,7 @@ contains
   end function body_term
 
   pure function last_coefficients(set) result(largest)
-    !! The largest of the last coefficients of √(mL) v, and of √(ρIL) ψ, in any piece, (modes).
+    !! Return the largest of the last coefficients of √(mL) v and √(ρIL) ψ in any piece, (modes).
     type(strain_set), intent(in) :: set
     real(dp) :: largest(set%count)
     integer :: i, n
@@ -359,7 +358,7 @@ contains
       + set%hub_turn*(set%given%beam%root%hub_radius%hi + sum(set%given%beam%piece(:struck)%length%hi))
   contains
     pure function whole(i) result(deflection)
-      !! With the turn of a hub that is free.
+      !! Include the rotation of a free hub.
       integer, intent(in) :: i
       real(dp) :: deflection(size(set%piece(i)%deflection, 1))
       deflection = set%piece(i)%deflection(:, k)
@@ -368,7 +367,7 @@ contains
   end subroutine normalise
 
   pure real(dp) function last_curvature(piece, k) result(curvature)
-    !! At the outer end of a piece, but for a positive factor.
+    !! Return it at the outer end of a piece, up to a positive factor.
     type(piece_motions), intent(in) :: piece
     integer, intent(in) :: k                       !! the mode
     real(dp) :: values(size(piece%turning, 1) - 1, 1)
@@ -377,7 +376,7 @@ contains
   end function last_curvature
 
   subroutine find_waves(given, set)
-    !! Mean wave numbers over the beam, and the velocities that follow from them.
+    !! Find mean wave numbers over the beam, and the velocities.
     type(varying_beam), intent(in) :: given
     type(strain_set), intent(inout) :: set
     real(dp), allocatable :: z(:), weight(:), p(:), rise(:)
@@ -397,7 +396,7 @@ contains
             slope = slope + piece%length%hi*sum(weight*rise)
           end associate
         end do
-        if (k == 1 .and. given%beam%root%on_hub) set%alpha(k) = 0.0_dp       ! a rigid turn is no wave
+        if (k == 1 .and. given%beam%root%on_hub) set%alpha(k) = 0.0_dp       ! rigid rotation has no wave
         if (square >= 0.0_dp .and. set%alpha(k) > 0.0_dp) set%phase_velocity(k) = sqrt(square)/set%alpha(k)
         if (square > 0.0_dp .and. slope > 0.0_dp) set%group_velocity(k) = 0.5_dp/(sqrt(square)*slope)
       end associate
@@ -405,7 +404,7 @@ contains
   end subroutine find_waves
 
   pure function sections_of(given, i, x) result(section)
-    !! What waves depend on at places of a piece, (places).
+    !! Return the properties of the beam at places of a piece, (places).
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: i
     real(dp), intent(in) :: x(:)                   !! from 0 to 1 over the piece
@@ -420,7 +419,7 @@ contains
   end function sections_of
 
   pure subroutine leave_empty(given, count, set)
-    !! Make a set whose modes could not be found: arrays of the right lengths, in which nothing moves.
+    !! Fill a set whose modes could not be found with zeros.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: count
     type(strain_set), intent(out) :: set
@@ -441,12 +440,12 @@ contains
   end subroutine leave_empty
 
   type(dd) function critical_speed_of(given) result(omega)
-    !! The lowest Ω at which a mode is unstable, 0 where there is none: there Ω²R balances K + Ω²T, the elastic stiffness and that by
-    !! tension. A beam that floats or turns freely has none here. Far beyond any speed at which a beam would hold together tension
-    !! leaves the turning to layers at its ends that so many functions do not resolve: the speed is then within 1e-3.
+    !! Return the lowest Ω at which a mode is unstable, 0 if none: there Ω²R balances K + Ω²T, elastic stiffness and
+    !! that due to tension. Free rigid motions do not count. At speeds far beyond those that a beam would survive,
+    !! tension confines rotation to boundary layers that these functions do not resolve; the error is then up to 1e-3.
     type(varying_beam), intent(in) :: given
     real(dp), parameter :: agreement = 1.0e-11_dp
-    integer, parameter :: most_times = 4           ! the first guess
+    integer, parameter :: most_times = 4           ! functions over the first guess
     real(dp) :: square, before, rounding
     integer, dimension(size(given%beam%piece)) :: functions, first
     first = first_guess(given, 1, mode_demand())
@@ -462,13 +461,13 @@ contains
   end function critical_speed_of
 
   subroutine find_critical_square(given, functions, s, rounding)
-    !! Ω² of that speed in given numbers of functions. 1/Ω² is the largest ratio of x·(R − T)x to x·Kx, which has the rounding of a
-    !! strong tension. With h(s), the smallest ratio of x·(K + sT)x to x·Rx, it is the root of h(s) = s, in which nothing cancels;
-    !! h being concave, Newton's steps, s = x·Kx/x·(R − T)x, fall to it until they are of rounding alone.
+    !! Find Ω² of that speed for given numbers of functions. 1/Ω² is the largest ratio of x·(R − T)x to x·Kx, with rounding
+    !! errors from a strong tension. With h(s), the smallest ratio of x·(K + sT)x to x·Rx, it is the root of h(s) = s, without
+    !! cancellation; as h is concave, Newton's steps s = x·Kx/x·(R − T)x decrease to it until rounding dominates.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: functions(:)
-    real(dp), intent(out) :: s, rounding           !! 0 where there is none
-    real(dp), parameter :: of_the_largest = 1.0e-13_dp     ! rounding of eigenvalues
+    real(dp), intent(out) :: s, rounding           !! 0 if there is none
+    real(dp), parameter :: of_the_largest = 1.0e-13_dp     ! rounding error of eigenvalues
     real(dp), allocatable, dimension(:, :) :: elastic, tension, push
     real(dp), allocatable :: value(:), x(:)
     real(dp) :: before, gain
@@ -478,7 +477,7 @@ contains
     call forms_of_spin(given, functions, elastic, tension, push)
     call ratios(push - tension, elastic, value, x, info)
     if (info /= 0) return
-    if (value(size(value)) <= of_the_largest*maxval(abs(value))) return   ! tension holds everything
+    if (value(size(value)) <= of_the_largest*maxval(abs(value))) return   ! tension stabilises every mode
     s = 1.0_dp/value(size(value))
     if (.not. given%is_pulled) return
     rounding = s
@@ -494,10 +493,10 @@ contains
   end subroutine find_critical_square
 
   subroutine ratios(a, b, value, x, info)
-    !! Eigenvalues of a x = λ b x, ascending, and the vector of the last.
+    !! Find the eigenvalues of a x = λ b x, ascending, and the vector of the last.
     real(dp), intent(in) :: a(:, :), b(:, :)
     real(dp), allocatable, intent(out) :: value(:), x(:)
-    integer, intent(out) :: info                   !! 0 where b is positive definite
+    integer, intent(out) :: info                   !! 0 if b is positive definite
     real(dp), allocatable :: vectors(:, :), factor(:, :), work(:)
     integer :: n
     n = size(a, 1)

@@ -1,6 +1,6 @@
 module bw_strain_set
-  !! Modes of a beam of pieces that are known by the coefficients of their strains in each piece: shapes, overlaps and energies
-  !! are sums of products, the polynomials being orthonormal. Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+  !! Modes of a beam of pieces by the coefficients of their strains in each piece: as polynomials are orthonormal,
+  !! shapes, overlaps and energies are sums of products. Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
   use bw_damping, only: damping_law
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_kinds, only: dp
@@ -21,11 +21,11 @@ module bw_strain_set
     type(piece_motions), allocatable :: piece(:)   !! coefficients of the shapes and of their strains, (pieces)
     real(dp), allocatable :: deflection(:, :)      !! of the joints, (0:pieces, n)
     real(dp), allocatable :: turning(:, :)         !! of the joints, (0:pieces, n)
-    real(dp), allocatable :: hub_turn(:)           !! of a hub that is free, from whose line all else is measured; else unallocated, (n)
+    real(dp), allocatable :: hub_turn(:)  !! rotation of a free hub, relative to whose line all else is; else unallocated, (n)
     real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
-    integer :: struck_joint = 1                    !! where the mass strikes, or has been captured
-    real(dp) :: body_inertia = 0.0_dp              !! J of the body that has been captured there
-    real(dp) :: body_pull = 0.0_dp                 !! Ω²γ(ξ₀ + R): tension that its mass brings into the beam inside of it
+    integer :: struck_joint = 1                    !! joint at which the mass strikes, or was captured
+    real(dp) :: body_inertia = 0.0_dp              !! J of the body captured there
+    real(dp) :: body_pull = 0.0_dp                 !! Ω²γ(ξ₀ + R): tension due to its mass, inwards of it
   contains
     procedure :: choose
     procedure :: some_shapes => shapes_of_strains
@@ -48,7 +48,7 @@ module bw_strain_set
 contains
 
   pure type(strain_set) function choose(self, number) result(chosen)
-    !! Take some of these modes, undamped.
+    !! Return some of these modes, undamped.
     class(strain_set), intent(in) :: self
     integer, intent(in) :: number(:)               !! of the modes, ascending
     integer :: i
@@ -85,7 +85,7 @@ contains
   end function choose
 
   pure function shapes_of_strains(self, first, last, xi) result(values)
-    !! At joints their own deflections.
+    !! Return the shapes; at joints the joints' deflections.
     class(strain_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -110,7 +110,7 @@ contains
   end function shapes_of_strains
 
   pure function curvatures_of_strains(self, first, last, xi) result(values)
-    !! The moment over EI of the root piece; at a joint that of the piece inside it. Exactly 0 at a tip where nothing turns it.
+    !! Return the moment over EI of the root piece; at a joint that of the inner piece. Exactly 0 at a tip without rotational load.
     class(strain_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -134,7 +134,7 @@ contains
   end function curvatures_of_strains
 
   pure subroutine find_tip_shears(self, shear, known)
-    !! Of the shear strain, where the beam has one.
+    !! Find shear forces at the tip from the shear strain, if the beam has one.
     class(strain_set), intent(in) :: self
     real(dp), intent(out) :: shear(:)
     logical, intent(out) :: known
@@ -142,7 +142,7 @@ contains
     shear = 0.0_dp
     i = size(self%piece)
     associate (piece => self%given%beam%piece(i), f => self%piece(i))
-      n = size(f%turning, 1) - 1                 ! curvatures; shear strains stand behind them
+      n = size(f%turning, 1) - 1                 ! curvatures, followed by shear strains
       known = piece%compliance%hi > 0.0_dp
       if (.not. known) return
       shear = sum(value_of(self%given%law(i)%shear, [1.0_dp]))/sqrt(piece%compliance%hi*piece%length%hi) &
@@ -151,11 +151,11 @@ contains
   end subroutine find_tip_shears
 
   recursive function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! With all mass and inertia that both beams have.
+    !! Return overlaps with the mass and inertia that both beams have.
     class(strain_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor     ! not asked: it takes no time
+    class(monitor_type), intent(inout), optional :: monitor     ! not asked, as this takes no time
     real(dp) :: sums(self%count)
     type(strain_set) :: whole
     integer :: i, n
@@ -186,9 +186,9 @@ contains
   end function overlap_of_beam
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! With the masses of either beam, but no inertia of a body that only one of them has: it arrives without spin.
+    !! Return overlaps with the mass of either beam, but only common inertia: a captured body arrives without rotation.
     class(strain_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! as that of `overlap_of_beam`
+    class(mode_set), intent(in) :: from            !! see `overlap_of_beam`
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -211,18 +211,18 @@ contains
   end function overlap_with_mass
 
   pure function elastic_of_strains(self) result(squares)
-    !! λ_k ≥ 0 from strains and springs, or from β² less what rotation adds where that is the smaller part: exactly β² where nothing
-    !! turns.
+    !! Return λ_k ≥ 0 from strains and springs, or as β² less the terms of rotation if these are smaller: exactly β²
+    !! without rotation.
     class(strain_set), intent(in) :: self
     type(dd) :: squares(self%count)
     integer :: k
     squares = [(to_dd(self%work(k, k)/self%modal_mass(k)), k=1, self%count)]
     where (abs(self%rotation) <= squares%hi) squares = self%beta_squared + to_dd(-self%rotation)
-    where (squares%hi < 0.0_dp) squares = dd()             ! β² has been rounded to 0
+    where (squares%hi < 0.0_dp) squares = dd()             ! β² was rounded to 0
   end function elastic_of_strains
 
   pure real(dp) function work(self, j, k)
-    !! Of the elastic forces of mode j in mode k.
+    !! Return the work of the elastic forces of mode j in mode k.
     class(strain_set), intent(in) :: self
     integer, intent(in) :: j, k
     integer :: i
@@ -239,10 +239,9 @@ contains
   end function work
 
   real(dp) function coupling(self, law) result(ratio)
-    !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj): how far the matrix that is
-    !! treated as diagonal is from being so.
+    !! Return the largest coupling of two modes by damping, |C_ij|/√(C_iiC_jj): how far the damping matrix is from diagonal.
     class(strain_set), intent(in) :: self
-    type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
+    type(damping_law), intent(in) :: law           !! Rayleigh's; one ratio for all modes couples none
     real(dp) :: rate(self%count)
     type(dd) :: elastic(self%count)
     integer :: i, j
@@ -272,7 +271,7 @@ contains
   end function hub_turns
 
   pure type(strain_set) function in_frame(self) result(whole)
-    !! Motions in the frame that turns evenly: those from the line of a hub that is free, and its turn.
+    !! Return the motions in the uniformly rotating frame: those relative to the line of a free hub, and its rotation.
     class(strain_set), intent(in) :: self
     real(dp) :: arm
     integer :: i, n
@@ -347,8 +346,8 @@ contains
   end function share_of_turn
 
   pure function energy_of_body(self, q, rate) result(energy)
-    !! ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inside of it: how far its centrifugal force has been drawn inwards.
-    !! Rotation does no work on its turning: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
+    !! Return ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inwards of it, the work against its centrifugal
+    !! force. Rotation does no work on its ψ: in plane (ω + ψ̇)² leaves none, out of plane the body is isotropic.
     class(strain_set), intent(in) :: self
     real(dp), intent(in) :: q(:), rate(:)          !! (modes)
     real(dp) :: energy(2)
@@ -374,7 +373,7 @@ contains
   end function energy_of_pull
 
   pure real(dp) function drawn_inwards(self, joint, q) result(way)
-    !! ½∫v'² up to a joint, with what the turn of a hub that is free adds.
+    !! Return ½∫v'² up to a joint, with the rotation of a free hub.
     class(strain_set), intent(in) :: self
     integer, intent(in) :: joint
     real(dp), intent(in) :: q(:)                   !! of the first modes
@@ -392,14 +391,14 @@ contains
   end function drawn_inwards
 
   pure function turned(turning, rate) result(parts)
-    real(dp), intent(in) :: turning(:), rate(:)            !! of all modes; of the first of them
+    real(dp), intent(in) :: turning(:), rate(:)            !! of all modes; of the first ones
     real(dp) :: parts(size(rate))
     parts = turning(:size(rate))*rate
   end function turned
 
   pure function products(weight, onto, from, amplitude) result(sums)
-    !! Σ_i a_i∫w o_k f_i over the polynomials that both sets have, (modes of `onto`).
-    real(dp), intent(in) :: weight(:)                      !! law of w
+    !! Return Σ_i a_i∫w o_k f_i over the polynomials of both sets, (modes of `onto`).
+    real(dp), intent(in) :: weight(:)                      !! coefficients of w
     real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(size(onto, 2))

@@ -1,6 +1,5 @@
 module bw_strain_source
-  !! Modes that are known by the coefficients of their strains, by their numbers: as many as were solved for, and how amplitudes
-  !! fall beyond them.
+  !! Modes by strains, by their numbers, as many as were solved for; and the uniform beam for amplitudes beyond them.
   use bw_double_double, only: operator(*), operator(==)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
@@ -16,12 +15,12 @@ module bw_strain_source
   public :: strain_source_of
 
   type, public :: strain_problem
-    !! What modes are sought of. A component that is added here stands in `same_problem`, too.
+    !! The beam of the modes. A component added here belongs in `same_problem` as well.
     type(varying_beam) :: given
-    integer :: struck = 1                          !! the joint at which the mass strikes
+    integer :: struck = 1                          !! joint at which the mass strikes
     real(dp) :: position = 1.0_dp                  !! ξ₀ of it
-    type(beam_joint) :: captured                   !! what the beam has there of the mass that it has captured
-    logical :: uniform = .false.                   !! as that of a source
+    type(beam_joint) :: captured                   !! what the captured mass adds there
+    logical :: uniform = .false.                   !! see mode_source
   contains
     procedure, private :: same_problem
     generic :: operator(==) => same_problem
@@ -36,7 +35,7 @@ module bw_strain_source
 contains
 
   pure logical function same_problem(self, other) result(same)
-    !! To the bit, so that their modes are the same.
+    !! Compare two problems bitwise: equal ones have the same modes.
     class(strain_problem), intent(in) :: self
     type(strain_problem), intent(in) :: other
     same = self%given == other%given .and. self%struck == other%struck .and. self%position == other%position &
@@ -44,7 +43,7 @@ contains
   end function same_problem
 
   subroutine strain_source_of(problem, count, source, monitor)
-    !! Make a source of the first `count` modes, and none beyond them.
+    !! Make a source of the first `count` modes, and none beyond.
     type(strain_problem), intent(in) :: problem
     integer, intent(in) :: count
     type(strain_source), intent(out) :: source
@@ -72,8 +71,8 @@ contains
   end subroutine strain_source_of
 
   pure subroutine lighten(given, pieces)
-    !! A hub that is free leaves deflections from its line the kinetic energy of a clamped beam, less what its turn takes: with inertias
-    !! J of the hub and I of the beam no less than the part J/(J + I).
+    !! Set `lightness`: relative to its line, a beam on a free hub has at least the part J/(J + I) of the kinetic energy
+    !! of a clamped beam, with the inertias J of the hub and I of the beam.
     type(varying_beam), intent(in) :: given
     type(struck_beam), intent(inout) :: pieces
     associate (hub => given%beam%root%hub_inertia%hi, beam => pieces%beam)
@@ -86,8 +85,8 @@ contains
   end subroutine lighten
 
   subroutine find_among_solved(self, number, modes, longest, monitor)
-    !! Find the modes of these numbers among those that were solved for. `longest` has no use here: β² has the digits that it
-    !! has. Nor has the monitor: all is found already.
+    !! Find modes by numbers among those solved for. `longest` and the monitor are not used, as all modes are known to
+    !! the same digits.
     class(strain_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes

@@ -1,7 +1,7 @@
 module bw_strain_system
-  !! A beam of pieces with tension, uniform or tapering, in the strains of bw_piece_strains: S = A + σM and B with M = BᵀB. The
-  !! rows of B are the coefficients of √(mL) v and √(ρIL) ψ in each piece, in a piece that tapers times the factor C of the weight,
-  !! W = CᵀC, and √m_b v and √J ψ of the bodies. All is exact, since tension and sections are polynomials.
+  !! The matrices of a beam of pieces with tension, uniform or tapering, in the strains of bw_piece_strains: S = A + σM and B
+  !! with M = BᵀB. Rows of B are the coefficients of √(mL) v and √(ρIL) ψ in each piece, for a tapering piece times the factor C
+  !! of the weight, W = CᵀC, and √m_b v and √J ψ of the bodies. All is exact, as tension and sections are polynomials.
   !!
   !! The modes' equation is A x = β²M x. In plane A = K − Ω²(mass of v), out of plane A = K − Ω²(inertia of ψ), K with the tension.
   use bw_double_double, only: dd
@@ -22,7 +22,7 @@ module bw_strain_system
   end type strain_system
 
   type :: part_weights
-    !! By how much these enter a form.
+    !! Weights of the terms of a quadratic form.
     real(dp) :: elastic = 0.0_dp
     real(dp) :: tension = 0.0_dp                   !! ∫Tv'²/Ω²
     real(dp) :: deflection = 0.0_dp                !! ∫mv² and bodies' masses
@@ -50,7 +50,7 @@ contains
   end subroutine build_system
 
   pure subroutine add_turn(shift, system)
-    !! The turn of a hub that is free costs no energy, so that the last row and column are those of σM.
+    !! Add the rotation of a free hub, which has no stiffness: the last row and column are those of σM.
     real(dp), intent(in) :: shift                  !! σ
     type(strain_system), intent(inout) :: system
     real(dp), allocatable :: form(:, :)
@@ -64,7 +64,7 @@ contains
   end subroutine add_turn
 
   pure function turn_of_piece(given, i, n) result(motion)
-    !! A turn of the hub by 1: coefficients of the deflection R + ξ over a piece.
+    !! Return the coefficients of the deflection R + ξ over a piece, for a hub rotation of 1.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: i
     integer, intent(in) :: n                       !! ≥ 2
@@ -77,8 +77,8 @@ contains
   end function turn_of_piece
 
   subroutine forms_of_spin(given, functions, elastic, tension, push)
-    !! What a mode's equation is made of at any speed: A = K + Ω²(T − R), the elastic stiffness, that by tension, and what the
-    !! centrifugal force acts on.
+    !! Build the matrices of the mode equation at any speed: A = K + Ω²(T − R), with elastic stiffness, stiffness due to
+    !! tension, and that due to the centrifugal force.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: functions(:)
     real(dp), allocatable, dimension(:, :), intent(out) :: elastic, tension, push      !! K, T, R, (unknowns, unknowns)
@@ -93,7 +93,7 @@ contains
     end if
   end subroutine forms_of_spin
 
-  ! Forms
+  ! Quadratic forms
 
   pure subroutine build_form(given, layout, weights, form)
     type(varying_beam), intent(in) :: given
@@ -136,7 +136,7 @@ contains
   end subroutine add_joint
 
   pure function part_of_piece(given, layout, weights, i) result(part)
-    !! What a piece has of a form, by the unknowns that move it, as `columns_of` names them.
+    !! Return the part of a piece in a form, for the unknowns that move it, in the order of `columns_of`.
     type(varying_beam), intent(in) :: given
     type(strain_layout), intent(in) :: layout
     type(part_weights), intent(in) :: weights
@@ -157,7 +157,7 @@ contains
   end function part_of_piece
 
   pure type(piece_forces) function forces_of(given, weights, i, motion, j) result(force)
-    !! The forces of a form on what column j does in a piece.
+    !! Return the forces of a form on the motions of column j in a piece.
     type(varying_beam), intent(in) :: given
     type(part_weights), intent(in) :: weights
     integer, intent(in) :: i
@@ -179,7 +179,7 @@ contains
   end function forces_of
 
   pure function unit_columns(layout, i) result(unit)
-    !! Each unknown that moves a piece, of size 1: ends and strains inside, (4 + inside, columns).
+    !! Return unit columns for the unknowns that move a piece: ends and strains inside, (4 + inside, columns).
     type(strain_layout), intent(in) :: layout
     integer, intent(in) :: i
     real(dp), allocatable :: unit(:, :), ends(:, :)
@@ -195,9 +195,9 @@ contains
   end function unit_columns
 
   pure function stressed(stiffness, shear, n, strain) result(stress)
-    !! What the strains of a piece are worth in energy: each times the stiffness where it is.
+    !! Return stresses, strains of a piece times the local stiffness.
     real(dp), intent(in) :: stiffness(:), shear(:)     !! laws of EI and κGA
-    integer, intent(in) :: n                           !! curvatures; shear strains stand behind them
+    integer, intent(in) :: n                           !! number of curvatures, followed by shear strains
     real(dp), intent(in) :: strain(:)
     real(dp) :: stress(size(strain))
     stress(:n) = times_polynomial(stiffness, strain(:n))
@@ -254,7 +254,7 @@ contains
   contains
     subroutine add_body(inertia, motion, turn)
       real(dp), intent(in) :: inertia, motion(:)
-      real(dp), intent(in) :: turn                   !! what a turn of the hub moves it by
+      real(dp), intent(in) :: turn                   !! displacement per hub rotation
       if (inertia == 0.0_dp) return
       row = row + 1
       root(row, layout%of_joints) = sqrt(inertia)*motion
@@ -263,7 +263,7 @@ contains
   end subroutine build_mass_root
 
   function factored(law, f) result(g)
-    !! C f, where ∫w f² = |C f|² for the weight w of a law.
+    !! Return C f, where ∫w f² = |C f|² for a weight w.
     real(dp), intent(in) :: law(:)
     real(dp), intent(in) :: f(:, :)                    !! coefficients, (functions, columns)
     real(dp) :: g(size(f, 1), size(f, 2))
@@ -282,7 +282,7 @@ contains
   end function factored
 
   function unfactored(law, g) result(f)
-    !! The f of g = C f.
+    !! Return f for g = C f.
     real(dp), intent(in) :: law(:)
     real(dp), intent(in) :: g(:, :)                    !! (functions, columns)
     real(dp) :: f(size(g, 1), size(g, 2))
@@ -302,8 +302,8 @@ contains
   end function unfactored
 
   subroutine factor_weight(law, n, c)
-    !! Cholesky's factor of the matrix ∫w p_i p_j, by its lower band: Cᵀ_{j+d,j} is c(d + 1, j).
-    real(dp), intent(in) :: law(:)                     !! of w > 0
+    !! Return the Cholesky factor of the matrix ∫w p_i p_j in lower band storage: Cᵀ_{j+d,j} is c(d + 1, j).
+    real(dp), intent(in) :: law(:)                     !! w > 0
     integer, intent(in) :: n
     real(dp), allocatable, intent(out) :: c(:, :)      !! (size(law), n)
     real(dp) :: unit(n)
@@ -317,7 +317,7 @@ contains
       c(:d, j) = unit(j:j + d - 1)
     end do
     call dpbtrf('L', n, size(law) - 1, c, size(law), info)
-    if (info /= 0) c = no_number()                     ! and so is the system, which has no factor then
+    if (info /= 0) c = no_number()                     ! then the system has no factor, either
   end subroutine factor_weight
 
 end module bw_strain_system

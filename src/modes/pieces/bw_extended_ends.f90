@@ -1,6 +1,6 @@
 module bw_extended_ends
-  !! `bw_piece_ends` in double-double: states at the outer end of the four motions of a piece, divided by the same binary64
-  !! numbers, so that amplitudes keep their meaning.
+  !! `bw_piece_ends` in double-double: states at the outer end of the four motions of a piece, divided by the same
+  !! binary64 numbers, so that amplitudes keep their meaning.
   use bw_double_double, only: dd, dd_pi, to_dd, operator(+), operator(-), operator(*), operator(/)
   use bw_kinds, only: dp, qp
   use bw_piece_waves, only: is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
@@ -9,9 +9,9 @@ module bw_extended_ends
   private
   public :: extended_ends
 
-  integer, parameter :: terms = 34           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
-  integer, parameter :: square_terms = 12    !! those of C and S, which are series in zh²
-  integer :: m                               !! counts in lists of constants
+  integer, parameter :: terms = 34           !! of the power series of motions, |z|h² ≤ ½, to the 32nd digit
+  integer, parameter :: square_terms = 12    !! of those of C and S, series in zh²
+  integer :: m                               !! index in lists of constants
   type(dd), parameter :: reciprocal(terms) = [(dd(1.0_dp/m, real(1.0_qp/m - 1.0_dp/m, dp)), m=1, terms)]
   integer, parameter :: parts = 32, wholes = 26      !! of 1, and of π/4
   type(dd), parameter :: whole_sines(0:wholes) = [(dd(real(sin(m/real(parts, qp)), dp), &
@@ -23,9 +23,9 @@ module bw_extended_ends
   type(dd), parameter :: log_2 = dd(log(2.0_dp), real(log(2.0_qp) - log(2.0_dp), dp))
   type(dd), parameter :: inverse(2:6) = [(dd(1.0_dp/gamma(m + 1.0_dp), &
     real(1.0_qp/gamma(m + 1.0_qp) - 1.0_dp/gamma(m + 1.0_dp), dp)), m=2, 6)]      !! 1/m!
-  real(dp), parameter :: nothing = 40.0_dp   !! qh from which tanh qh is 1 to 34 digits
-  real(dp), parameter :: hardly = 20.0_dp    !! qh from which it is known to 32 digits from e^(−2qh) in binary64
-  real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed
+  real(dp), parameter :: nothing = 40.0_dp   !! qh above which tanh qh is 1 to 34 digits
+  real(dp), parameter :: hardly = 20.0_dp    !! qh above which it follows to 32 digits from e^(−2qh) in binary64
+  real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed as series
 
 contains
 
@@ -53,7 +53,7 @@ contains
   end function extended_ends
 
   pure subroutine find_c_and_s(z, p, half, c, s)
-    !! C and S at the end, over cosh √(−z)h where z < 0.
+    !! Find C and S at the end, over cosh √(−z)h for z < 0.
     type(dd), intent(in) :: z, p, half
     type(dd), intent(out) :: c, s
     type(dd) :: angle, x, e
@@ -112,8 +112,8 @@ contains
   end subroutine find_circular
 
   pure subroutine sine_and_cosine(angle, sine, cosine)
-    !! From the next whole 32nd by Taylor's series, of which the last terms are taken in binary64.
-    type(dd), intent(in) :: angle              !! |angle| ≤ π/4, or hardly more
+    !! Expand about the nearest 32nd by Taylor series, with the last terms in binary64.
+    type(dd), intent(in) :: angle              !! |angle| ≤ π/4, or slightly more
     type(dd), intent(out) :: sine, cosine
     type(dd) :: rest, square, s, versine, whole, whole_cosine
     real(dp) :: x
@@ -132,7 +132,7 @@ contains
   end subroutine sine_and_cosine
 
   pure type(dd) function exponential(x)
-    !! From the next whole 32nd beside a power of two by Taylor's series, of which the last terms are taken in binary64.
+    !! Expand about the nearest 32nd, besides a power of two, by Taylor series, with the last terms in binary64.
     type(dd), intent(in) :: x
     type(dd) :: rest, square
     real(dp) :: r
@@ -153,7 +153,7 @@ contains
   end function exponential
 
   pure function short_ends(piece, frequency) result(outer)
-    !! The power series of bw_short_piece.
+    !! Return the end states of a short piece by the power series of bw_short_piece.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     type(dd) :: outer(4, 4)
@@ -176,14 +176,14 @@ contains
   end function short_ends
 
   pure function sum_of_series(a, b, c, start) result(state)
-    !! (v, ψ, M, N) at t = 1 from those in the middle: v and M, or ψ and N, and every other power of t has the other two.
+    !! Return (v, ψ, M, N) at t = 1 from v and M, or ψ and N, in the middle; alternate powers of t have the other two.
     type(dd), intent(in) :: a, b, c
     real(dp), intent(in) :: start(4)
     type(dd) :: state(4)
     real(dp), parameter :: nothing_more = 1.0e-34_dp
     type(dd) :: term(4)
     integer :: m, j
-    logical :: even                            ! the last power: it has v and M
+    logical :: even                            ! the last power has v and M
     state = [(to_dd(start(j)), j=1, 4)]
     term = state
     even = start(1) /= 0.0_dp .or. start(3) /= 0.0_dp

@@ -1,7 +1,6 @@
 module bw_extended_residual
-  !! What drives a motion that is no mode: by how much it fails the conditions at the joints, in double-double. Amplitudes and
-  !! motions of bodies are taken as they are, and what remains is as good as they are. With it Green's identity (bw_mode_probe)
-  !! gives λ to twice the digits of a motion.
+  !! Residuals of the conditions at the joints in double-double, for given amplitudes of pieces and motions of bodies,
+  !! which are taken as exact. With Green's identity (bw_mode_probe) they give λ to twice the digits of a motion.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
   use bw_kinds, only: dp
@@ -13,11 +12,11 @@ module bw_extended_residual
 contains
 
   pure subroutine refine(system, probe, lambda)
-    !! λ in double-double of the mode where a probe is.
+    !! Refine λ of the mode at a probe to double-double.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
-    real(dp), parameter :: small = 1.0e-13_dp      ! of λ: the square of such a change is rounding
+    real(dp), parameter :: small = 1.0e-13_dp      ! of λ: the square of such a change is below rounding
     type(dd) :: before, change
     before = lambda
     call correct(system, probe, lambda)
@@ -27,7 +26,7 @@ contains
   end subroutine refine
 
   pure subroutine correct(system, probe, lambda)
-    !! λ by Green's identity.
+    !! Correct λ by Green's identity.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
@@ -38,7 +37,7 @@ contains
   end subroutine correct
 
   pure subroutine find_drive(system, probe)
-    !! The drive of a probe's motion at its frequency.
+    !! Find the drive that corresponds to the residuals of a probe's motion at its frequency.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), dimension(4) :: before, after, next
@@ -97,7 +96,7 @@ contains
   end subroutine drive_joint
 
   pure subroutine end_states(outer_states, amplitude, inner, outer)
-    !! The states at both ends of a piece.
+    !! Return the states at both ends of a piece.
     type(dd), intent(in) :: outer_states(4, 4)   !! (state, motion)
     real(dp), intent(in) :: amplitude(4)
     type(dd), intent(out) :: inner(4), outer(4)

@@ -1,11 +1,11 @@
 module bw_joint_elimination
   !! Amplitudes of all pieces from the conditions at their joints, by elimination from the root outwards.
   !!
-  !! All that is inside of a piece puts two conditions on its four amplitudes: two motions are free. At its outer joint
-  !! deflection and turning are continuous, moment and shear force jump by what is attached there: four conditions on the
-  !! two and on the next piece's four, of which two remain for that piece. The matrix of all conditions has no poles; where a
-  !! mode is, it is singular, and solving with any right side gives the mode (inverse iteration). Rows are divided by their
-  !! largest elements, the largest element is the pivot, and a solution takes time in proportion to the pieces.
+  !! The conditions on the inner side leave two of a piece's four motions free. At its outer joint deflection and
+  !! rotation are continuous, and moment and shear force jump by the forces of attachments: four conditions on these two
+  !! and on the next piece's four, of which two remain for the latter. The matrix of all conditions has no poles; at a
+  !! mode it is singular, and solving with any right side gives the mode (inverse iteration). Rows are divided by their
+  !! largest elements, the largest element is the pivot, and the time is proportional to the number of pieces.
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_root
   use bw_piece_ends, only: inner_states, parity_shares, piece_ends
@@ -14,23 +14,23 @@ module bw_joint_elimination
   public :: eliminate, solve, size_elimination
 
   integer, parameter :: width = 8
-    !! of a condition: on two shares, on the four amplitudes of the next piece, its right side, and one that fills a register
-  real(dp), parameter :: least_pivot = 1.0e-17_dp  !! of rows of size 1: below it is rounding
+    !! of a condition: two shares, four amplitudes of the next piece, right side, and padding to a register
+  real(dp), parameter :: least_pivot = 1.0e-17_dp  !! in rows of size 1; below it is rounding
 
   type, public :: joint_loads
-    !! Forces of what is attached, for deflection and for turning: k_v − m_bλ and k_θ − J_bβ².
+    !! Dynamic stiffness of attachments to deflection and to rotation: k_v − m_bλ and k_θ − J_bβ².
     real(dp) :: deflection = 0.0_dp
     real(dp) :: turning = 0.0_dp
-    logical :: inside = .false.                  !! it moves with the piece before; else with the piece after, or with the root
+    logical :: inside = .false.                  !! they move with the piece before; else with the piece after, or with the root
   end type joint_loads
 
   type, public :: elimination
     real(dp), allocatable :: free(:, :, :)       !! amplitudes of the two free motions of each piece, (4, 2, n)
-    real(dp), allocatable :: forced(:, :)        !! amplitudes that the right sides ask for, (4, n)
+    real(dp), allocatable :: forced(:, :)        !! amplitudes due to the right sides, (4, n)
     real(dp), allocatable :: state(:, :, :)      !! v, ψ, M and N of the free motions at the outer end, (4, 2, n)
-    real(dp), allocatable :: next(:, :, :)       !! the free motions' shares by the amplitudes of the next piece, (4, 2, n)
-    real(dp), allocatable :: share(:, :)         !! and by the right sides, (2, n)
-    real(dp), allocatable :: second(:)           !! the first's share by the second's, (n)
+    real(dp), allocatable :: next(:, :, :)       !! shares of the free motions by amplitudes of the next piece, (4, 2, n)
+    real(dp), allocatable :: share(:, :)         !! shares due to the right sides, (2, n)
+    real(dp), allocatable :: second(:)           !! share of the first motion by that of the second, (n)
   end type elimination
 
 contains
@@ -76,7 +76,7 @@ contains
   end subroutine eliminate
 
   pure subroutine set_root(root, load, inner, right, condition, rest)
-    !! v = 0 or N = k_v v; ψ = 0 or M = k_θψ.
+    !! Set the conditions at the root: v = 0 or N = k_v v; ψ = 0 or M = k_θψ.
     type(beam_root), intent(in) :: root
     type(joint_loads), intent(in) :: load
     real(dp), intent(in) :: inner(4, 4)          !! (motion, state)
@@ -96,18 +96,19 @@ contains
   end subroutine set_root
 
   pure function product_of(outer, amplitude) result(state)
-    !! The state at the outer end of a piece.
+    !! Return the state at the outer end of a piece.
     real(dp), intent(in) :: outer(4, 4), amplitude(4)
     real(dp) :: state(4)
     state = outer(:, 1)*amplitude(1) + outer(:, 2)*amplitude(2) + outer(:, 3)*amplitude(3) + outer(:, 4)*amplitude(4)
   end function product_of
 
   pure subroutine set_joint(load, after, forced, row)
-    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached. That moves with the shorter
-    !! piece, whose ends are known to the last digit however little they move; those of waves, to that of the waves.
+    !! Set the conditions at a joint: differences between the piece before and the piece after, of v, ψ, and of M and N
+    !! with attachments. These move with the shorter piece, whose end motions have all digits; in a long piece they have
+    !! those of its waves.
     type(joint_loads), intent(in) :: load
     real(dp), intent(in) :: after(4, 4)          !! states of the piece after, (motion, state)
-    real(dp), intent(in) :: forced(4)            !! state of the piece before by the right sides
+    real(dp), intent(in) :: forced(4)            !! state of the piece before due to the right sides
     real(dp), intent(inout) :: row(width, 4)
     integer :: q
     row(3:6, :) = -after
@@ -126,7 +127,7 @@ contains
   end subroutine set_joint
 
   pure subroutine set_tip(load, right, forced, row)
-    !! No moment and no shear force beyond what is attached: two conditions.
+    !! Set the two conditions at the tip: no moment and no shear force besides those of attachments.
     type(joint_loads), intent(in) :: load
     real(dp), intent(in) :: right(4), forced(4)
     real(dp), intent(inout) :: row(width, 4)
@@ -142,15 +143,14 @@ contains
   end subroutine set_tip
 
   pure subroutine divide_row(row)
-    !! By its largest element.
+    !! Divide a row by its largest element.
     real(dp), intent(inout) :: row(width)
     row = row*(1.0_dp/max(max(abs(row(1)), abs(row(2)), abs(row(3))), max(abs(row(4)), abs(row(5)), abs(row(6)))))
   end subroutine divide_row
 
   pure subroutine solve_conditions(condition, rest, free, forced)
-    !! Two independent solutions of two conditions on four amplitudes, and one of the conditions with right sides. The
-    !! second condition is taken as what it says beyond the first, however little that is: from piece to piece they would
-    !! become parallel.
+    !! Find two independent solutions of two conditions on four amplitudes, and one with the right sides. The second
+    !! condition is made independent of the first, as the two would become parallel from piece to piece.
     real(dp), intent(in) :: condition(4, 2), rest(2)
     real(dp), intent(out) :: free(4, 2), forced(4)
     real(dp) :: a(4), b(4), sides(2)
@@ -165,7 +165,7 @@ contains
     b = b - b(first)*a
     b(first) = 0.0_dp
     second = place_of_largest(b)
-    if (abs(b(second)) < least_pivot) then       ! all inside moves alone: any condition serves
+    if (abs(b(second)) < least_pivot) then       ! the inner part moves alone: any condition serves
       second = mod(first, 4) + 1
       b(second) = least_pivot
     end if
@@ -202,7 +202,7 @@ contains
   end function place_of_largest
 
   pure subroutine eliminate_shares(conditions, row)
-    !! Take the shares of the two free motions out of the conditions; rows 1 and 2 are then the triangle's.
+    !! Eliminate the shares of the two free motions from the conditions; rows 1 and 2 then form a triangle.
     integer, intent(in) :: conditions
     real(dp), intent(inout) :: row(width, 4)
     real(dp) :: pivot(width)
@@ -223,7 +223,7 @@ contains
   end subroutine eliminate_shares
 
   pure subroutine keep_shares(row, next, share, second)
-    !! Shares = share − Σ next·(amplitudes of the next piece), from the triangle; the first less `second` times the second.
+    !! Store shares = share − Σ next·(amplitudes of the next piece) from the triangle; the first less `second` times the second.
     real(dp), intent(in) :: row(width, 4)
     real(dp), intent(out) :: next(4, 2), share(2), second
     real(dp) :: factor
@@ -237,13 +237,13 @@ contains
   end subroutine keep_shares
 
   pure subroutine solve(factors, ends, amplitude)
-    !! From the tip back to the root.
+    !! Substitute back from the tip to the root.
     type(elimination), intent(in) :: factors
     type(piece_ends), intent(in) :: ends(:)      !! (n)
     real(dp), intent(out) :: amplitude(:, :)     !! (4, n)
     real(dp) :: share(2), next(4)
     integer :: i
-    next = 0.0_dp                                ! beyond the tip there is nothing
+    next = 0.0_dp                                ! nothing beyond the tip
     do i = size(amplitude, 2), 1, -1
       share(2) = factors%share(2, i) - sum(factors%next(:, 2, i)*next)
       share(1) = factors%share(1, i) - sum(factors%next(:, 1, i)*next) - factors%second(i)*share(2)

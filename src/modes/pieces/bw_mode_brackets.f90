@@ -1,12 +1,12 @@
 module bw_mode_brackets
-  !! Frequencies at which modes were counted, on both sides of the one that is looked for.
+  !! Brackets of modes: frequencies with known mode counts, on both sides of the wanted mode.
   use bw_double_double, only: dd, operator(+), operator(*)
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: open_for, counted, closed_to, inside, middle, width
 
-  integer, parameter :: depth = 16                 !! upper ends that are remembered for the modes that follow
+  integer, parameter :: depth = 16                 !! upper ends kept for later modes
 
   type :: separator
     type(dd) :: lambda
@@ -22,7 +22,7 @@ module bw_mode_brackets
 contains
 
   pure subroutine open_for(bracket, k, growing, up_to_rest, spin_squared)
-    !! Forget what is below mode k, or begin anew.
+    !! Drop the ends below mode k, or start anew.
     type(mode_bracket), intent(inout) :: bracket
     integer, intent(in) :: k
     integer, intent(in) :: growing, up_to_rest     !! modes of λ < 0 and of λ ≤ 0
@@ -44,7 +44,7 @@ contains
   end subroutine open_for
 
   pure subroutine counted(bracket, k, lambda, below)
-    !! Close in on mode k.
+    !! Use a count to narrow the bracket of mode k.
     type(mode_bracket), intent(inout) :: bracket
     integer, intent(in) :: k
     type(dd), intent(in) :: lambda
@@ -65,7 +65,7 @@ contains
   end subroutine counted
 
   pure logical function closed_to(bracket, below, edge)
-    !! So many modes are below the bracket's end that is beyond an edge.
+    !! Tell whether `below` modes lie below the bracket's end beyond a given frequency.
     type(mode_bracket), intent(in) :: bracket
     integer, intent(in) :: below
     type(dd), intent(in) :: edge
@@ -77,7 +77,7 @@ contains
   pure logical function inside(bracket, x, margin)
     type(mode_bracket), intent(in) :: bracket
     type(dd), intent(in) :: x
-    real(dp), intent(in) :: margin                 !! that a count next to a mode may be off
+    real(dp), intent(in) :: margin                 !! possible error of a count near a mode
     inside = gap(x, bracket%low%lambda) > -margin
     if (bracket%highs == 0 .or. .not. inside) return
     inside = gap(bracket%high(bracket%highs)%lambda, x) > -margin
@@ -90,7 +90,7 @@ contains
       middle = (bracket%low%lambda + bracket%high(bracket%highs)%lambda)*0.5_dp
     else
       step = 1.0_dp
-      if (bracket%low%lambda%hi > 0.0_dp) step = min(step, bracket%low%lambda%hi)   ! 1 is far away where pieces are soft
+      if (bracket%low%lambda%hi > 0.0_dp) step = min(step, bracket%low%lambda%hi)   ! 1 is far away in soft pieces
       middle = bracket%low%lambda*1.1_dp + step
     end if
   end function middle
@@ -102,7 +102,7 @@ contains
   end function width
 
   elemental real(dp) function gap(a, b)
-    !! a − b of numbers that are exact in binary64 where they are near: their high parts differ by a few units then.
+    !! Return a − b of numbers whose difference is exact in binary64 if they are near: their high parts differ by few units.
     type(dd), intent(in) :: a, b
     gap = (a%hi - b%hi) + (a%lo - b%lo)
   end function gap

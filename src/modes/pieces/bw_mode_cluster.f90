@@ -1,11 +1,11 @@
 module bw_mode_cluster
-  !! Modes so near each other that inverse iteration mixes them, and modes at rest.
+  !! Groups of modes that are too close for inverse iteration, and modes with λ = 0.
   !!
-  !! The space that neighbouring modes span is known to the last digit where each of them is not. Inverse iteration with as many
-  !! drives as modes finds it, and the method of Rayleigh and Ritz takes it apart: by Green's identity (bw_mode_probe) what motion
-  !! b fails at the joints does work on motion a, H_ab = ⟨a, (λ̂ − λ)b⟩ with λ̂ that of each mode. Residuals are in double-double,
-  !! so that H tells modes apart that differ by 1e-20 of λ, though motions are in binary64. Nearer ones are a cluster: any
-  !! orthonormal motions that span it are its modes.
+  !! The space spanned by neighbouring modes is accurate where each of them is not. Inverse iteration with as many
+  !! drives as modes finds it, and the Rayleigh–Ritz method separates them: by Green's identity (bw_mode_probe) the
+  !! residuals of motion b do the work H_ab = ⟨a, (λ̂ − λ)b⟩ on motion a, with λ̂ of each mode. Residuals are in
+  !! double-double, so H resolves relative differences of 1e-20 in λ, though motions are in binary64. Closer modes form
+  !! a cluster: any orthonormal motions that span it are its modes.
   use bw_double_double, only: dd, operator(+), operator(-), operator(*), operator(/)
   use bw_extended_residual, only: find_drive
   use bw_kinds, only: dp
@@ -20,16 +20,16 @@ module bw_mode_cluster
 
   type, public :: mode_cluster
     integer :: first = 0, last = -1                !! numbers of the modes
-    type(mode_probe), allocatable :: mode(:)       !! where each of them is, (first:last)
+    type(mode_probe), allocatable :: mode(:)       !! their probes, (first:last)
   end type mode_cluster
 
 contains
 
   subroutine find_together(system, x, apart, probe, lambda)
-    !! Modes that no count tells apart, all at one frequency.
+    !! Find modes that counts cannot separate, all at one frequency.
     type(piece_system), intent(in) :: system
-    type(dd), intent(in) :: x                      !! beside them
-    real(dp), intent(in) :: apart                  !! as that of `polish`
+    type(dd), intent(in) :: x                      !! near them
+    real(dp), intent(in) :: apart                  !! see `polish`
     type(mode_probe), intent(out) :: probe(:)
     type(dd), intent(out) :: lambda(:)
     integer, parameter :: most_rounds = 40
@@ -48,7 +48,7 @@ contains
   end subroutine find_together
 
   subroutine take_apart(system, x, probe, lambda)
-    !! One inverse iteration with every drive, and the modes of the space that the motions span.
+    !! Do one inverse iteration with every drive, and separate the modes of the space spanned.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: x                      !! frequency of the iteration
     type(mode_probe), intent(inout) :: probe(:)
@@ -71,7 +71,7 @@ contains
     end do
     h = 0.5_dp*(h + transpose(h))                  ! they differ by the square of the residuals
     call dsyev('V', 'U', size(h, 1), h, size(h, 1), theta, work, size(work), info)
-    if (info /= 0) theta = 0.0_dp                  ! of what is no number: the counts of modes tell
+    if (info /= 0) theta = 0.0_dp                  ! for NaN; the counts of modes show the failure
     call mix(system, h, probe)
     do a = 1, size(probe)
       lambda(a) = x + theta(a)
@@ -80,13 +80,13 @@ contains
   end subroutine take_apart
 
   subroutine polish(system, apart, probe, lambda)
-    !! Neighbours once more, each at its own frequency, and none with a share of another.
+    !! Repeat this with each neighbour at its own frequency, and make them mutually orthogonal.
     type(piece_system), intent(in) :: system
     real(dp), intent(in) :: apart
-      !! distance in λ from which modes have frequencies of their own: within it motions at one frequency serve for all
+      !! distance in λ above which modes have frequencies of their own; one frequency serves all closer ones
     type(mode_probe), intent(inout) :: probe(:)
     type(dd), intent(inout) :: lambda(:)
-    integer, parameter :: rounds = 4               ! shares shrink by their own size
+    integer, parameter :: rounds = 4               ! the error is squared in each
     integer :: first, last, round
     do round = 1, rounds
       last = 0
@@ -105,7 +105,7 @@ contains
   end subroutine polish
 
   pure subroutine purify(system, lambda, first, last, probe)
-    !! Take from some motions what they have of the others, as their residuals tell.
+    !! Remove components of other modes from some motions, as shown by their residuals.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda(:)
     integer, intent(in) :: first, last             !! of those
@@ -129,7 +129,7 @@ contains
   end subroutine purify
 
   elemental real(dp) function gap(a, b)
-    !! a − b.
+    !! Return a − b.
     type(dd), intent(in) :: a, b
     type(dd) :: difference
     difference = a - b
@@ -137,7 +137,7 @@ contains
   end function gap
 
   pure subroutine mix(system, share, probe)
-    !! Motions as sums of others at the same frequency.
+    !! Combine motions at the same frequency.
     type(piece_system), intent(in) :: system
     real(dp), intent(in) :: share(:, :)
     type(mode_probe), intent(inout) :: probe(:)
@@ -162,7 +162,7 @@ contains
   end subroutine multiply
 
   pure subroutine add(other, share, probe)
-    !! Add a share of another motion.
+    !! Add a multiple of another motion.
     type(mode_probe), intent(in) :: other
     real(dp), intent(in) :: share
     type(mode_probe), intent(inout) :: probe
@@ -172,7 +172,7 @@ contains
   end subroutine add
 
   pure subroutine orthogonalize(system, probe)
-    !! Take what motions before the last have from it; mass 1.
+    !! Orthogonalise the last motion to those before, and scale it to mass 1.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe(:)
     integer, parameter :: rounds = 2
@@ -189,7 +189,7 @@ contains
   end subroutine orthogonalize
 
   pure real(dp) function mass_product(system, one, other) result(product)
-    !! Of two motions by all mass and inertia.
+    !! Return the product of two motions weighted by all mass and inertia.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(in) :: one, other
     integer :: i
@@ -204,8 +204,8 @@ contains
   end function mass_product
 
   pure subroutine find_resting(system, first, last, cluster)
-    !! Modes of which it is known that λ = 0: the beam moves as a whole, or turns about its centre of mass or what holds it.
-    type(piece_system), intent(in) :: system       !! of pieces that are short at rest
+    !! Find the modes known to have λ = 0: the beam moves as a whole, or rotates about its centre of mass or its support.
+    type(piece_system), intent(in) :: system       !! of pieces that are short at λ = 0
     integer, intent(in) :: first, last             !! their numbers
     type(mode_cluster), intent(out) :: cluster
     type(dd) :: middle, pivot
@@ -233,14 +233,14 @@ contains
   end subroutine find_resting
 
   pure logical function moves_freely(beam)
-    !! Nothing holds its deflection.
+    !! Tell whether deflection is free.
     type(piece_beam), intent(in) :: beam
     moves_freely = .not. (beam%root%holds_deflection .or. beam%root%stiffness%hi > 0.0_dp &
                           .or. any(beam%joint%stiffness%hi > 0.0_dp))
   end function moves_freely
 
   pure type(dd) function pivot_of(beam) result(pivot)
-    !! Where a beam that turns freely does not move: where it is held, else its centre of mass.
+    !! Return the fixed point of a freely rotating beam: its support, else its centre of mass.
     type(piece_beam), intent(in) :: beam
     type(dd) :: outer, mass, own
     integer :: i

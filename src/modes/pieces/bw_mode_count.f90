@@ -1,10 +1,10 @@
 module bw_mode_count
-  !! How many modes of a beam lie below a frequency (Wittrick and Williams 1971, doi:10.1093/qjmam/24.3.263).
+  !! The number of modes of a beam below a frequency (Wittrick and Williams 1971, doi:10.1093/qjmam/24.3.263).
   !!
-  !! Hold every joint, count the modes of the pieces, and let the joints go one by one from the root: each adds the number
-  !! of negative eigenvalues of its dynamic stiffness S + L, S that of all inside of it and L that of what is attached to it
-  !! and of the next piece. S is never formed: what is inside allows two motions D with forces F = SD, and S + L has as
-  !! many negative eigenvalues as DᵀF + DᵀLD, whose elements stay moderate where S has a pole or hardly any stiffness.
+  !! All joints are held, the modes of the pieces are counted, and joints are released in order from the root: each adds
+  !! the number of negative eigenvalues of its dynamic stiffness S + L, with S of the beam inwards and L of attachments
+  !! and the next piece. S is never formed: the inner part admits two motions D with forces F = SD, and S + L has as
+  !! many negative eigenvalues as DᵀF + DᵀLD, whose elements stay moderate where S has a pole or little stiffness.
   use bw_joint_elimination, only: elimination, joint_loads
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_root
@@ -21,7 +21,7 @@ contains
     type(piece_ends), intent(in) :: ends(:)      !! (n)
     type(elimination), intent(in) :: factors     !! of this frequency
     integer, intent(out) :: number
-    real(dp), intent(out) :: regular             !! below 1e-3 a piece is too near a clamped mode of its own: cut it
+    real(dp), intent(out) :: regular             !! below 1e-3 a piece is too close to one of its clamped modes and should be cut
     real(dp) :: d(2, 2), f(2, 2), k(2, 2), own
     integer :: clamped, i
     call inner_stiffness(ends(1), k, number, regular)
@@ -43,7 +43,7 @@ contains
   end subroutine modes_below
 
   pure subroutine root_motions(root, load, d, f)
-    !! Deflection and turning that the root allows, and the forces that its springs take for them.
+    !! Find deflection and rotation that the root admits, and the forces of its springs.
     type(beam_root), intent(in) :: root
     type(joint_loads), intent(in) :: load
     real(dp), intent(out) :: d(2, 2), f(2, 2)
@@ -56,8 +56,8 @@ contains
   end subroutine root_motions
 
   pure integer function negatives(deflections, forces, load) result(number)
-    !! Of the negative eigenvalues of DᵀF + DᵀLD. The motions are mixed so that only one of them moves what L holds the
-    !! more: a stiff spring then hides nothing of the other.
+    !! Count the negative eigenvalues of DᵀF + DᵀLD. The motions are combined so that only one moves the stiffer
+    !! direction of L; a stiff spring then does not hide the other.
     real(dp), intent(in) :: deflections(2, 2), forces(2, 2)   !! (v and ψ, motion), (N and M, motion)
     real(dp), intent(in) :: load(2, 2)
     real(dp) :: d(2, 2), f(2, 2), q11, q12, q22, ratio
@@ -82,7 +82,7 @@ contains
   end function negatives
 
   elemental integer function negative_pivots(q11, q12, q22) result(number)
-    !! Of the negative eigenvalues of a symmetric matrix of order 2.
+    !! Count the negative eigenvalues of a symmetric matrix of order 2.
     real(dp), intent(in) :: q11, q12, q22
     real(dp) :: det
     det = q11*q22 - q12**2

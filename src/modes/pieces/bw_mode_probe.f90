@@ -1,14 +1,14 @@
 module bw_mode_probe
-  !! A beam of pieces at one frequency: how many modes lie below, where the next mode is, and what it looks like.
+  !! A beam of pieces at one frequency: the number of modes below, the next mode, and its motion.
   !!
-  !! Inverse iteration gives motions u that fail the conditions at the joints by a little, e. With the exact mode φ, at
-  !! β² + δ, Green's identity reads δ⟨φ, u⟩ = Σ (φ_v e_N + φ_ψe_M − φ_Ne_v − φ_Me_ψ), forces those of the piece before the
-  !! joint, ⟨·,·⟩ weighted by all mass and inertia. Put u for φ: the error of δ is of the second order.
+  !! Inverse iteration gives motions u with residuals e of the conditions at the joints. With the exact mode φ, at β² +
+  !! δ, Green's identity is δ⟨φ, u⟩ = Σ (φ_v e_N + φ_ψe_M − φ_Ne_v − φ_Me_ψ), with forces on the piece before the joint
+  !! and ⟨·,·⟩ weighted by all mass and inertia. With u for φ the error of δ is of second order.
   !!
-  !! What excites a mode best is what it weighs: forces in the proportion of its deflections, and jumps between piece and
-  !! body in the proportion of its forces, on either side of each body, no larger than these forces bend the piece: larger ones
-  !! would ask a stiff piece for forces beside which those of the mode are rounding. Where a jump is between a body and the piece
-  !! that it moves with, its load is a force as well: the body stays at rest, however heavy it is.
+  !! A mode is excited best in proportion to its own motion: forces proportional to its deflections, and jumps between
+  !! piece and body proportional to its forces, on either side of each body, limited to what these forces bend the
+  !! piece: in a stiff piece larger jumps would cause forces that hide those of the mode. A jump between a body and the
+  !! piece with which it moves also acts as a force, so that even a heavy body stays at rest.
   use bw_double_double, only: dd, operator(-), operator(*)
   use bw_joint_elimination, only: eliminate, elimination, joint_loads, size_elimination, solve
   use bw_kinds, only: dp
@@ -23,7 +23,7 @@ module bw_mode_probe
   public :: improve_drive, keep_in_range, respond, weigh, works_on
 
   type, public :: piece_system
-    !! A beam with what its pieces' waves depend on.
+    !! A beam and the wave parameters of its pieces.
     type(piece_beam) :: beam
     type(piece_numbers), allocatable :: piece(:)   !! (n)
   end type piece_system
@@ -33,17 +33,17 @@ module bw_mode_probe
     type(piece_ends), allocatable :: ends(:)       !! (n)
     type(joint_loads), allocatable :: loads(:)     !! (0:n)
     type(elimination) :: factors
-    real(dp), allocatable :: unit(:, :)            !! sizes of v, ψ, M and N at the joints, whatever is attached, (4, 0:n)
+    real(dp), allocatable :: unit(:, :)            !! scales of v, ψ, M and N at the joints, without attachments, (4, 0:n)
     real(dp), allocatable :: jump(:, :, :)
-      !! jumps of v and ψ before and after each joint, by which these forces bend the piece there, (2, 2, 0:n)
-    real(dp), allocatable :: push(:, :)            !! N and M that move a joint so far in a cycle, more where a body is, (2, 0:n)
+      !! scales of jumps of v and ψ before and after each joint, by bending of the piece under these forces, (2, 2, 0:n)
+    real(dp), allocatable :: push(:, :)            !! N and M that move a joint so far in a cycle, with its body, (2, 0:n)
     real(dp), allocatable :: drive(:, :, :)
-      !! what drives the inverse iteration, in these units: jump before, force, jump after; of v and N, of ψ and M, (3, 2, 0:n)
+      !! drive of the inverse iteration, in these units: jump before, force, jump after; of v and N, of ψ and M, (3, 2, 0:n)
     real(dp), allocatable :: amplitude(:, :)       !! of the motions of each piece, (4, n)
     real(dp), allocatable :: motion(:, :)          !! of each joint: v and ψ, (2, 0:n)
     real(dp), allocatable :: before(:, :)          !! N and M before each joint, (2, 0:n)
     real(dp), allocatable :: after(:, :)           !! N and M after each joint, (2, 0:n)
-    real(dp) :: mass = 0.0_dp                      !! modal mass of these
+    real(dp) :: mass = 0.0_dp                      !! modal mass
   end type mode_probe
 
 contains
@@ -55,7 +55,7 @@ contains
   end function system_of
 
   pure type(mode_probe) function probe_for(system) result(probe)
-    !! Room for a beam.
+    !! Return a probe for a beam.
     type(piece_system), intent(in) :: system
     integer :: n
     n = size(system%piece)
@@ -66,18 +66,18 @@ contains
   end function probe_for
 
   pure subroutine start_anew(number, probe)
-    !! A drive that no mode escapes, one of many.
+    !! Set a pseudo-random drive, which excites all modes.
     integer, intent(in) :: number
     type(mode_probe), intent(inout) :: probe
     integer :: i
     probe%drive = reshape([(sin(real(1 + 7*number*i*i, dp)), i=1, size(probe%drive))], shape(probe%drive))
-    probe%drive(1, :, [0, size(probe%ends)]) = 0.0_dp      ! root and tip have a piece on one side
+    probe%drive(1, :, [0, size(probe%ends)]) = 0.0_dp      ! root and tip have a piece on one side only
   end subroutine start_anew
 
   pure subroutine start_bodies(number, probe)
-    !! The same, but that heavy bodies are driven as much as they weigh: for modes in which hardly anything else moves.
+    !! Set the same with drives of bodies in proportion to their mass, for modes in which hardly anything else moves.
     integer, intent(in) :: number
-    type(mode_probe), intent(inout) :: probe       !! where a frequency is set
+    type(mode_probe), intent(inout) :: probe       !! with a frequency
     call start_anew(number, probe)
     probe%drive(2, :, :) = probe%drive(2, :, :)*(probe%push/probe%unit(4:3:-1, :))
   end subroutine start_bodies
@@ -87,7 +87,7 @@ contains
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda                 !! > 0, unless all pieces are short
     type(mode_probe), intent(inout) :: probe
-    logical, intent(in), optional :: rough         !! binary64 will do; else phases are right to the last digit
+    logical, intent(in), optional :: rough         !! binary64 suffices; else phases are accurate to the last digit
     call set_frequency(system, lambda, probe, rough)
     call eliminate_drive(system, probe)
   end subroutine probe_at
@@ -100,11 +100,11 @@ contains
   end subroutine eliminate_drive
 
   pure subroutine set_frequency(system, lambda, probe, rough)
-    !! What pieces and bodies do at a frequency.
+    !! Set up pieces and bodies at a frequency.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda
     type(mode_probe), intent(inout) :: probe
-    logical, intent(in), optional :: rough         !! as that of `probe_at`
+    logical, intent(in), optional :: rough         !! see `probe_at`
     real(dp) :: sizes(4, size(system%piece))
     integer :: i, before, after
     probe%frequency = frequency_at(system%beam, lambda, rough)
@@ -130,9 +130,10 @@ contains
   end subroutine set_frequency
 
   pure function jumps_of(piece, sizes) result(jump)
-    !! How far forces of their sizes move and turn one end of a piece whose other end is held, at most as far as it moves in waves.
+    !! Return displacement and rotation of one end of a piece, with the other held, under forces of given size, at most
+    !! those in waves.
     type(piece_numbers), intent(in) :: piece
-    real(dp), intent(in) :: sizes(4)               !! of v, ψ, M and N
+    real(dp), intent(in) :: sizes(4)               !! scales of v, ψ, M and N
     real(dp) :: jump(2)
     associate (h => piece%half%hi, b => piece%stiffness%hi)
       jump = min(sizes(1:2), [sizes(4)*h*(h**2 + piece%flexible%hi)/b, sizes(3)*h/b])
@@ -140,11 +141,11 @@ contains
   end function jumps_of
 
   pure function driven(beam, probe) result(lack)
-    !! By how much v, ψ, M and N fail at each joint for a drive, (4, 0:n).
+    !! Return the jumps of v, ψ, M and N at each joint for a drive, (4, 0:n).
     type(piece_beam), intent(in) :: beam
     type(mode_probe), intent(in) :: probe
     real(dp) :: lack(4, 0:size(probe%ends))
-    real(dp), dimension(2) :: before, after, apart    ! the last between what is attached and the piece that it moves with
+    real(dp), dimension(2) :: before, after, apart    ! `apart`: between attachments and the piece with which they move
     integer :: i
     do i = 0, size(probe%ends)
       associate (d => probe%drive(:, :, i), jump => probe%jump(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
@@ -160,7 +161,7 @@ contains
   end function driven
 
   pure subroutine mask_ends(beam, values)
-    !! The root and the tip have two conditions each.
+    !! Remove the conditions that do not exist at root and tip.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(inout) :: values(:, 0:)
     values(merge(4, 1, beam%root%holds_deflection), 0) = 0.0_dp
@@ -193,21 +194,20 @@ contains
   end function load_of
 
   pure subroutine count_below(system, probe, number, regular)
-    !! Modes below the frequency of a probe.
+    !! Count the modes below the frequency of a probe.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(in) :: probe
     integer, intent(out) :: number
-    real(dp), intent(out) :: regular               !! as that of `modes_below`
+    real(dp), intent(out) :: regular               !! see `modes_below`
     call modes_below(system%beam%root, probe%loads, probe%ends, probe%factors, number, regular)
   end subroutine count_below
 
   pure subroutine improve(system, probe, correction, mixture)
-    !! The motions that inverse iteration gives at the frequency of a probe, and by how much β² and λ of their mode differ
-    !! from it.
+    !! Do one inverse iteration at the frequency of a probe, and return the correction of β² and λ to those of the mode.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
-    real(dp), intent(out) :: mixture               !! the same as if all joints called for it alike: that of two modes may cancel
+    real(dp), intent(out) :: mixture  !! the same with magnitudes summed over joints: contributions of two modes may cancel
     real(dp) :: works(3, 2, 0:size(probe%ends))
     call respond(system, probe)
     works = works_on(probe, probe)
@@ -217,7 +217,7 @@ contains
   end subroutine improve
 
   pure subroutine respond(system, probe)
-    !! The motions that the drive of a probe excites.
+    !! Find the motion that the drive of a probe excites.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     call solve(probe%factors, probe%ends, probe%amplitude)
@@ -226,7 +226,7 @@ contains
   end subroutine respond
 
   pure subroutine keep_in_range(probe)
-    !! Make a motion smaller, and its drive, whose mass would overflow: one beside an immense mass.
+    !! Scale down a motion, and its drive, if its mass would overflow, as beside an immense mass.
     type(mode_probe), intent(inout) :: probe
     real(dp), parameter :: large = 1.0e60_dp
     real(dp) :: largest
@@ -237,7 +237,7 @@ contains
   end subroutine keep_in_range
 
   pure subroutine improve_drive(probe)
-    !! In proportion to what the motion weighs.
+    !! Set the drive in proportion to the motion.
     type(mode_probe), intent(inout) :: probe
     real(dp) :: largest, share(4)
     integer :: i, j, n
@@ -257,7 +257,7 @@ contains
   end subroutine improve_drive
 
   pure function works_on(probe, driven) result(works)
-    !! What each drive of a probe does work on in the motion of another: forces on deflections, jumps on forces.
+    !! Return the work of each drive of one probe on the motion of another: forces on deflections, jumps on forces.
     type(mode_probe), intent(in) :: probe, driven
     real(dp) :: works(3, 2, 0:size(probe%ends))
     integer :: j, n
@@ -273,7 +273,7 @@ contains
   end function works_on
 
   pure subroutine weigh(system, probe)
-    !! The modal mass of a motion, and what it does at the joints.
+    !! Find the modal mass of a motion, and its values at the joints.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp) :: before(4), after(4), next(4), squares(2)
@@ -301,11 +301,11 @@ contains
   end subroutine weigh
 
   pure function joint_motion(probe, i, before, after) result(motion)
-    !! Deflection and turning of joint i with what is attached to it: those of a piece next to it less the jump that drives
-    !! them apart or, where what is attached hardly lets it move, those that the forces take.
+    !! Return deflection and rotation of joint i with its attachments: those of an adjacent piece less the jump between
+    !! them or, for stiff attachments, those due to the forces.
     type(mode_probe), intent(in) :: probe
     integer, intent(in) :: i
-    real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; no forces beyond root and tip
+    real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; zero beyond root and tip
     real(dp) :: motion(2)
     associate (d => probe%drive(:, :, i), jump => probe%jump(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
       if (i == size(probe%ends)) then
@@ -321,7 +321,7 @@ contains
   end function joint_motion
 
   pure subroutine end_states(ends, amplitude, inner, outer)
-    !! The states at both ends of a piece.
+    !! Return the states at both ends of a piece.
     type(piece_ends), intent(in) :: ends
     real(dp), intent(in) :: amplitude(4)
     real(dp), intent(out) :: inner(4), outer(4)

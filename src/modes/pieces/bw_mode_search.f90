@@ -1,9 +1,9 @@
 module bw_mode_search
   !! Modes of a beam of pieces by their numbers.
   !!
-  !! Phases at the tip tell where to begin (bw_tip_phase). Inverse iteration runs to a mode; the count of modes on both sides
-  !! tells which it is, and which others are so near that they show in its motion. A bracket of two counts closes in on the
-  !! mode that is asked for, whatever inverse iteration was drawn to meanwhile: none is missed and none is found twice.
+  !! The phase at the tip gives a first guess (bw_tip_phase). Inverse iteration converges to some mode; counts on both
+  !! sides identify it, and show others that are so near that they affect its motion. A bracket of two counts narrows to
+  !! the wanted mode even if inverse iteration strays to others: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
   use bw_mode_cluster, only: find_resting, find_together, mode_cluster, polish
@@ -19,36 +19,36 @@ module bw_mode_search
   private
   public :: search_in, find_mode
 
-  integer, parameter :: cuts = 2                   !! other ways to cut the pieces: in two, in three
+  integer, parameter :: cuts = 2                   !! alternative cuts of the pieces: in two, in three
   integer, parameter :: most_steps = 400
-  integer, parameter :: most_parts = 1000          !! into which pieces are cut where the spin bends them: more would take minutes
+  integer, parameter :: most_parts = 1000          !! limit of pieces where rotation requires cuts; more would take minutes
   real(dp), parameter :: regular_enough = 1.0e-3_dp
-    !! distance from clamped modes of the pieces, 0 … 1, from which a count is trusted
-  real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
-  real(dp), parameter :: rough_until = 1.0e-3_dp   !! likewise: the step after one so small may be the last
-  real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
-  real(dp), parameter :: converged = 2.0e-14_dp      !! likewise: a step that changes neither frequency nor motion
+    !! least distance from clamped modes of the pieces, 0 … 1, for a reliable count
+  real(dp), parameter :: near = 1.0e-2_dp  !! of the mode spacing: below it steps of inverse iteration are taken without counts
+  real(dp), parameter :: rough_until = 1.0e-3_dp   !! likewise: after such a step the next may be the last
+  real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: below it steps that do not shrink are rounding
+  real(dp), parameter :: converged = 2.0e-14_dp      !! likewise: such a step changes neither frequency nor motion
   real(dp), parameter :: three_digits = 3.0e-4_dp
-    !! likewise: motions are off by about as much, and by some times more where another mode is near
-  real(dp), parameter :: nearby = 0.6_dp         !! likewise: a motion from so far is about that of the mode (tuned)
+    !! likewise: motions have about this error, several times more if another mode is near
+  real(dp), parameter :: nearby = 0.6_dp         !! tuned, likewise: from such a distance a motion resembles that of the mode
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here inverse iteration mixes motions
-  real(dp), parameter :: together = 1.0e-11_dp     !! tuned: likewise, up to here one frequency serves for the motions
-  real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
+  real(dp), parameter :: together = 1.0e-11_dp     !! tuned, likewise: up to here one frequency serves for several motions
+  real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: width at which brackets are not halved further
 
   type, public :: mode_search
     type(piece_system) :: system
-    type(mode_probe) :: probe                      !! of the last mode that was found
-    type(mode_probe) :: scout                      !! counts without moving the probe
-    type(piece_system) :: finer(cuts)              !! the same beam in more pieces, where a piece is near its own modes
+    type(mode_probe) :: probe                      !! of the last mode found
+    type(mode_probe) :: scout                      !! for counts only
+    type(piece_system) :: finer(cuts)              !! the same beam in more pieces, if a piece is near its own modes
     type(mode_probe) :: finer_probe(cuts)
     type(mode_bracket) :: bracket
-    integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
-    integer :: resting = 0                         !! modes of λ = 0
-    type(mode_cluster) :: cluster                  !! the group that was found last
-    logical :: possible = .true.                   !! false: the spin bends the beam in so many waves that no mode is looked for
-    logical :: roughly = .false.                   !! three digits will do
-    real(dp), allocatable :: any_drive(:, :, :)    !! one that no mode escapes
-    integer :: last = -1                           !! number of the last mode that was found
+    integer :: growing = 0                         !! modes with λ < 0: out of plane rotation may destabilise sections
+    integer :: resting = 0                         !! modes with λ = 0
+    type(mode_cluster) :: cluster                  !! the last group found
+    logical :: possible = .true.                   !! false: rotation bends the beam in too many waves for a search
+    logical :: roughly = .false.                   !! three digits suffice
+    real(dp), allocatable :: any_drive(:, :, :)    !! one that excites all modes
+    integer :: last = -1                           !! number of the last mode found
     type(dd) :: last_lambda                        !! its frequency
     integer :: evaluations = 0
   end type mode_search
@@ -68,7 +68,7 @@ contains
   end function search_in
 
   pure subroutine cut_finer(search, c)
-    !! The same beam in more pieces, when it is first asked for.
+    !! Cut the beam into more pieces, once needed.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: c
     integer :: i
@@ -78,7 +78,7 @@ contains
   end subroutine cut_finer
 
   subroutine find_mode(search, k, lambda, found)
-    !! The frequency of mode k; its motion is the probe's.
+    !! Find λ of mode k. The probe has its motion.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k                       !! ≥ 1
     type(dd), intent(out) :: lambda
@@ -105,14 +105,14 @@ contains
   end subroutine find_mode
 
   elemental real(dp) function mode_distance(k, x) result(distance)
-    !! About how far apart modes near mode k are.
+    !! Estimate the spacing of modes near mode k.
     integer, intent(in) :: k
     type(dd), intent(in) :: x
     distance = 2.0_dp*abs(x%hi)/k
   end function mode_distance
 
   subroutine locate(search, k, lambda, alone, found)
-    !! Mode k to the last digit, alone in the bracket, or about where it is with others in a bracket that has hardly any width.
+    !! Locate mode k to the last digit, alone in the bracket, or approximately with others in a very narrow bracket.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(out) :: lambda
@@ -139,7 +139,7 @@ contains
       if (search%roughly .and. i > 1) final = final .or. (gains .and. mixture < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
-        if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
+        if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it strayed to another mode
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
       else if (final) then
         call enclose(search, k, lambda, alone)
@@ -166,8 +166,7 @@ contains
   end subroutine locate
 
   pure subroutine begin(search, k, x)
-    !! About where mode k is, and a drive that is about its own, as the phases at the tip tell nearby; where they do not, a drive
-    !! that no mode escapes.
+    !! Estimate λ of mode k and its drive from the phase at the tip; if that is not reliable, use a drive that excites all modes.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(out) :: x
@@ -186,7 +185,7 @@ contains
   end subroutine begin
 
   subroutine enclose(search, k, x, found)
-    !! Count on both sides of a mode: is it mode k, and alone?
+    !! Count on both sides of a mode, to check that it is mode k, alone.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
@@ -202,12 +201,12 @@ contains
   end subroutine enclose
 
   logical function is_apart(search, k, x)
-    !! No mode is so near to mode k that binary64 does not tell them apart.
+    !! Tell whether all other modes are far enough from mode k for binary64.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
     type(dd) :: edge
-    edge = x + 0.99_dp*merged*mode_distance(k, x)  ! inside of where was counted
+    edge = x + 0.99_dp*merged*mode_distance(k, x)  ! inside the counts made
     is_apart = closed_to(search%bracket, k, edge)
     if (.not. is_apart) is_apart = counted_at(search, k, edge, k)
     if (.not. is_apart) return
@@ -222,10 +221,10 @@ contains
   end function is_apart
 
   subroutine find_group(search, k, guess, found)
-    !! Mode k with all modes that are near it, or near one of these.
+    !! Find mode k with all modes near it, or near one of these.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
-    type(dd), intent(in) :: guess                  !! about its λ
+    type(dd), intent(in) :: guess                  !! an estimate of its λ
     logical, intent(out) :: found
     type(mode_cluster) :: group
     type(dd), allocatable :: lambda(:)
@@ -260,11 +259,11 @@ contains
   end subroutine find_group
 
   integer function beyond_gap(search, k, guess, step) result(below)
-    !! Modes below the first gap on one side of a frequency; −1 where none is.
+    !! Count the modes below the first gap on one side of a frequency; −1 if there is no gap.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: guess
-    real(dp), intent(in) :: step                   !! its width, below 0 towards lower frequencies
+    real(dp), intent(in) :: step                   !! width of the gap, negative towards lower frequencies
     integer, parameter :: most = 40
     integer :: i, next
     call look(search, k, guess + step, below)
@@ -277,7 +276,7 @@ contains
   end function beyond_gap
 
   logical function counted_at(search, k, x, below)
-    !! So many modes lie below a frequency.
+    !! Tell whether `below` modes lie below a frequency.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k, below
     type(dd), intent(in) :: x
@@ -287,7 +286,7 @@ contains
   end function counted_at
 
   pure subroutine look(search, k, x, n)
-    !! Count the modes below a frequency by a probe of its own; the bracket closes.
+    !! Count the modes below a frequency with the scout, and narrow the bracket.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
@@ -299,7 +298,7 @@ contains
   end subroutine look
 
   pure subroutine count_at(search, k, probe, n)
-    !! Modes below the frequency of a probe, by which the bracket closes.
+    !! Count the modes below the frequency of a probe, and narrow the bracket.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(mode_probe), intent(in) :: probe
@@ -320,10 +319,10 @@ contains
   end subroutine count_at
 
   pure type(dd) function first_guess(search, k) result(x)
-    !! As many half waves further than the last mode, or the lower end of the bracket, as modes are between.
+    !! Advance from the last mode, or the lower end of the bracket, by as many half waves as modes.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: k
-    real(dp), parameter :: beyond = 1.05_dp        ! half waves: on the way the upper end of the bracket closes
+    real(dp), parameter :: beyond = 1.05_dp        ! half waves: overshoots, so that the upper end of the bracket closes
     x = middle(search%bracket)
     associate (low => search%bracket%low, system => search%system)
       if (search%last == k - 1 .and. search%last_lambda%hi > 0.0_dp) then
@@ -336,8 +335,7 @@ contains
   end function first_guess
 
   pure type(dd) function next_guess(search, k, n, x, correction, gains) result(guess)
-    !! Where inverse iteration points, if that is inside of the bracket and gains; else by the number of half waves or by
-    !! halves.
+    !! Take the step of inverse iteration if it stays in the bracket and converges; else go by half waves or bisection.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: k, n                    !! modes below x
     type(dd), intent(in) :: x

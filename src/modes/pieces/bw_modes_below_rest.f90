@@ -1,5 +1,5 @@
 module bw_modes_below_rest
-  !! Modes of a beam of pieces whose λ is below 0: out of plane the spin may turn sections away.
+  !! Modes of a beam of pieces with λ < 0: out of plane rotation may destabilise the sections.
   use bw_double_double, only: operator(*)
   use bw_kinds, only: dp
   use bw_mode_probe, only: count_below, mode_probe, piece_system, probe_at, probe_for, system_of
@@ -12,9 +12,9 @@ module bw_modes_below_rest
 contains
 
   pure integer function growing_modes(beam, floats) result(number)
-    !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
+    !! Count modes with λ < 0, by pieces that are short there. A free beam is pinned, as rigid motions do not matter.
     type(piece_beam), intent(in) :: beam
-    logical, intent(in) :: floats                  !! nothing holds its deflection
+    logical, intent(in) :: floats                  !! deflection is free
     type(piece_beam) :: fine
     type(piece_system) :: system
     type(mode_probe) :: probe
@@ -28,7 +28,7 @@ contains
   end function growing_modes
 
   pure logical function may_grow(beam)
-    !! Out of plane, by rotary inertia.
+    !! Tell whether rotary inertia may destabilise the beam out of plane.
     type(piece_beam), intent(in) :: beam
     may_grow = .not. beam%in_plane .and. beam%spin_squared%hi > 0.0_dp .and. any(beam%piece%rotary%hi > 0.0_dp)
   end function may_grow

@@ -1,10 +1,10 @@
 module bw_piece_critical
   !! The lowest angular velocity at which a mode of a beam of pieces is unstable. There β² = 0.
   !!
-  !! In the plane of rotation that is λ = Ω², with no load on turnings: the lowest frequency where neither sections nor bodies
-  !! have rotary inertia, and nothing turns. Out of the plane λ = 0, and the centrifugal force turns the sections of a beam with
-  !! shear, ρI Ω² on ψ: a section that has turned comes nearer the axis. There the speed is found by the count of modes of λ < 0.
-  !! Of one uniform clamped piece without springs it is π/(2r), r² = ρI/(ρA) with EI = ρA = 1.
+  !! In the plane of rotation that is λ = Ω², without load on rotation of sections: the lowest frequency without rotary inertia
+  !! of sections and bodies, and without angular velocity. Out of plane it is λ = 0, where the centrifugal force acts on the
+  !! sections of a beam with shear, ρI Ω² on ψ: a rotated section comes nearer the axis. That speed is found from the count of
+  !! modes with λ < 0. One uniform clamped piece without springs has π/(2r), r² = ρI/(ρA) with EI = ρA = 1.
   use bw_extended_residual, only: refine
   use bw_double_double, only: dd, dd_pi, sqrt, to_dd, operator(*), operator(/)
   use bw_kinds, only: dp
@@ -17,8 +17,8 @@ module bw_piece_critical
 contains
 
   type(dd) function critical_speed_of(beam) result(omega)
-    !! In the units of the beam; 0 where there is none, and where a beam that nothing holds against turning is unstable at any
-    !! speed. A beam that does not turn is taken to bend in plane.
+    !! Return it in the units of the beam; 0 if there is none, and for a beam that can rotate freely, which is unstable
+    !! at any speed. A beam without angular velocity is taken to bend in plane.
     type(piece_beam), intent(in) :: beam
     if (beam%spin_squared%hi > 0.0_dp .and. .not. beam%in_plane) then
       omega = speed_out_of_plane(beam)
@@ -44,7 +44,7 @@ contains
   end function speed_in_plane
 
   pure type(piece_beam) function without_inertia(beam) result(still)
-    !! The beam at rest, of which nothing that turns has inertia.
+    !! Return the beam without angular velocity and rotary inertia.
     type(piece_beam), intent(in) :: beam
     integer :: i
     still = beam
@@ -88,7 +88,7 @@ contains
   end function speed_out_of_plane
 
   logical function is_unstable(beam, speed)
-    !! A mode of λ < 0 is there at an angular velocity.
+    !! Tell whether there is a mode with λ < 0 at an angular velocity.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: speed
     type(piece_beam) :: turning

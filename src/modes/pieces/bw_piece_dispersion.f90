@@ -1,6 +1,6 @@
 module bw_piece_dispersion
-  !! The waves of a beam of pieces as a function of frequency: the mean wave number over the beam of its bending waves, and
-  !! how many half waves the beam holds, which is near the number of modes below.
+  !! The waves of a beam of pieces as a function of frequency: the mean wave number of bending waves, and the number of
+  !! half waves in the beam, which is near the number of modes below.
   !!
   !! z = p² solves Bz² − (R + σB)z − mλ(1 − sR) = 0, which also gives dz/dβ².
   use bw_constants, only: pi
@@ -17,7 +17,7 @@ module bw_piece_dispersion
 contains
 
   pure real(dp) function next_half_wave(beam, piece, start, more) result(x)
-    !! About the λ at which the beam holds so many half waves more.
+    !! Estimate λ at which the beam holds `more` further half waves.
     type(piece_beam), intent(in) :: beam
     type(piece_numbers), intent(in) :: piece(:)
     real(dp), intent(in) :: start                       !! λ ≥ 0
@@ -38,7 +38,7 @@ contains
       if (i > 1 .or. x > start) call half_waves(piece, frequency_at(beam, to_dd(x), rough=.true.), waves, slope)
       if (abs(waves - number) < near_enough) return
       if (waves > far*number) then
-        x = x*exp(log(number/waves)*(waves/(slope*x)))         ! they grow about as a power of λ
+        x = x*exp(log(number/waves)*(waves/(slope*x)))         ! their number is roughly a power of λ
       else
         x = x*exp(max(-longest, min(longest, (number - waves)/(slope*x))))
       end if
@@ -46,8 +46,8 @@ contains
   end function next_half_wave
 
   pure subroutine half_waves(piece, frequency, number, slope)
-    !! Half waves of all waves that propagate in the beam, and about their derivative by β², as if all grew at the rate of
-    !! the bending waves: thickness-shear waves, which set in with an infinite one, soon do.
+    !! Find the half waves of all propagating waves, and approximately their derivative by β², as if all grew at the
+    !! rate of bending waves: thickness-shear waves, with infinite slope at cutoff, soon do.
     type(piece_numbers), intent(in) :: piece(:)
     type(piece_frequency), intent(in) :: frequency      !! λ > 0
     real(dp), intent(out) :: number, slope
@@ -66,7 +66,7 @@ contains
   end subroutine half_waves
 
   pure subroutine mean_waves(piece, frequency, alpha, phase_velocity, group_velocity)
-    !! P, the mean of the wave numbers of the bending waves, β/P and dβ/dP; missing where they do not exist.
+    !! Find P, the mean wave number of bending waves, β/P and dβ/dP; missing if they do not exist.
     type(piece_numbers), intent(in) :: piece(:)
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(out) :: alpha, phase_velocity, group_velocity
@@ -88,7 +88,7 @@ contains
   end subroutine mean_waves
 
   pure subroutine local_waves(piece, frequency, p, rise)
-    !! Wave numbers of the bending wave and of the thickness-shear wave, and their derivatives by β²; 0 where there is none.
+    !! Find wave numbers of the bending and the thickness-shear wave, and their derivatives by β²; 0 if there is none.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(out) :: p(2), rise(2)
@@ -107,7 +107,7 @@ contains
     sigma = piece%shear%hi*frequency%lambda%hi
     cutoff = 1.0_dp - piece%cut%hi*frequency%rho%hi
     root = (r - sigma)**2 + 4.0_dp*u
-    if (root <= 0.0_dp) return                          ! of λ < 0: all waves decay
+    if (root <= 0.0_dp) return                          ! λ < 0: all waves decay
     root = sqrt(root)
     if (r >= sigma) then
       y = 0.5_dp*((r - sigma) + root)

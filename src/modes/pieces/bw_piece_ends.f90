@@ -1,7 +1,7 @@
 module bw_piece_ends
-  !! States (v, ψ, M, N) at the outer end of a piece of four motions that span all that it can do at a frequency: two whose
-  !! deflection is even about its middle and two whose deflection is odd. At the inner end the states are the same but for
-  !! signs. N = κGA(v' − ψ) is the shear force, M = Bψ' the moment.
+  !! States (v, ψ, M, N) at the outer end of a piece for four motions that span all possible ones at a frequency: two
+  !! with even deflection about its middle and two with odd. At the inner end the states are the same up to signs. N =
+  !! κGA(v' − ψ) is the shear force, M = Bψ' the moment.
   use bw_kinds, only: dp
   use bw_piece_waves, only: find_waves, piece_frequency, piece_numbers, piece_waves
   use bw_short_piece, only: find_series, piece_series, short_ends
@@ -9,14 +9,14 @@ module bw_piece_ends
   private
   public :: find_ends, inner_states, inner_stiffness, parity_shares
 
-  integer, parameter :: begins(4) = [1, 3, 2, 4]     !! which of v, ψ, M, N a motion of a short piece begins with
+  integer, parameter :: begins(4) = [1, 3, 2, 4]     !! component of v, ψ, M, N with which a motion of a short piece starts
 
   type, public :: piece_ends
     type(piece_waves) :: waves
-    real(dp) :: outer(4, 4) = 0.0_dp     !! states at the outer end of the two even and the two odd motions, (state, motion)
+    real(dp) :: outer(4, 4) = 0.0_dp     !! states at the outer end of two even and two odd motions, (state, motion)
     real(dp) :: begun(4, 4) = 0.0_dp
-      !! of a short piece: amplitudes of these in motions that begin at the inner end, (motion, begun)
-    real(dp) :: unit(4) = 1.0_dp         !! and what v, M, ψ and N these begin with, each with one of them
+      !! short piece: amplitudes of these in motions that start at the inner end, (motion, begun)
+    real(dp) :: unit(4) = 1.0_dp         !! initial v, M, ψ and N of these, one in each motion
     integer :: hinged = 0                !! modes of the piece with hinged ends below the frequency
   end type piece_ends
 
@@ -52,8 +52,8 @@ contains
   end subroutine find_ends
 
   pure function inner_states(ends) result(inner)
-    !! States at the inner end, of a short piece those that its motions begin with. Of the others v and M of even motions and
-    !! ψ and N of odd ones are even.
+    !! Return states at the inner end, for a short piece those of the motions that start there. For others v and M of
+    !! even motions and ψ and N of odd ones are even.
     type(piece_ends), intent(in) :: ends
     real(dp) :: inner(4, 4)                  !! (motion, state)
     integer :: q
@@ -72,7 +72,7 @@ contains
   end function inner_states
 
   pure function parity_shares(ends, begun) result(amplitude)
-    !! Amplitudes of the even and odd motions in what the inner end does.
+    !! Return amplitudes of even and odd motions for a motion given at the inner end.
     type(piece_ends), intent(in) :: ends
     real(dp), intent(in) :: begun(4)         !! amplitudes of the motions of `inner_states`
     real(dp) :: amplitude(4)
@@ -81,10 +81,10 @@ contains
   end function parity_shares
 
   pure subroutine parity_stiffness(f, k, regular)
-    !! Forces (N, M) that two motions of one parity take for deflection and turning at the outer end.
+    !! Find the forces (N, M) of two motions of one parity for deflection and rotation at the outer end.
     real(dp), intent(in) :: f(4, 2)
     real(dp), intent(out) :: k(2, 2)
-    real(dp), intent(out) :: regular         !! how far the frequency is from a clamped mode of this parity: 0 at it, up to 1
+    real(dp), intent(out) :: regular         !! distance from a clamped mode of this parity: 0 at it, up to 1
     real(dp) :: det, one, other
     one = f(1, 1)*f(2, 2)
     other = f(1, 2)*f(2, 1)
@@ -98,12 +98,12 @@ contains
   end subroutine parity_stiffness
 
   pure subroutine inner_stiffness(ends, k, clamped, regular)
-    !! Forces at the inner end of a piece for its deflection and turning there, the outer end held: what Wittrick and
-    !! Williams count with.
+    !! Find the forces at the inner end of a piece for its deflection and rotation with the outer end held, for the
+    !! count of Wittrick and Williams.
     type(piece_ends), intent(in) :: ends
     real(dp), intent(out) :: k(2, 2)
     integer, intent(out) :: clamped          !! modes with both ends clamped below the frequency
-    real(dp), intent(out) :: regular         !! as that of `parity_stiffness`: near 0 `k` has lost its digits
+    real(dp), intent(out) :: regular         !! see `parity_stiffness`: near 0 `k` has lost its digits
     real(dp) :: even(2, 2), odd(2, 2), other
     call parity_stiffness(ends%outer(:, 1:2), even, regular)
     call parity_stiffness(ends%outer(:, 3:4), odd, other)
@@ -115,7 +115,7 @@ contains
   end subroutine inner_stiffness
 
   elemental integer function clamped_count(hinged, even, odd) result(clamped)
-    !! Clamping takes a mode away for each parity in which the hinged ends have a negative stiffness against turning.
+    !! Count clamped modes: one less for each parity with negative rotational stiffness of the hinged ends.
     integer, intent(in) :: hinged
     real(dp), intent(in) :: even, odd        !! that stiffness
     clamped = hinged - merge(1, 0, even < 0.0_dp) - merge(1, 0, odd < 0.0_dp)

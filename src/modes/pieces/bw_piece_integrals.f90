@@ -15,7 +15,7 @@ module bw_piece_integrals
 contains
 
   pure function mean_squares(piece, frequency, ends, amplitude) result(squares)
-    !! ∫v² dx, and ∫ψ² dx where the piece has rotary inertia, else 0.
+    !! Return ∫v² dx, and ∫ψ² dx with rotary inertia, else 0.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     type(piece_ends), intent(in) :: ends
@@ -53,7 +53,7 @@ contains
   end function of_waves
 
   pure real(dp) function sine_square(half, z, c, s, w) result(integral)
-    !! ∫S² dx over a piece, over cosh² where z < 0.
+    !! Return ∫S² dx over a piece, over cosh² for z < 0.
     real(dp), intent(in) :: half, z, c, s, w
     real(dp) :: x, term
     integer :: m
@@ -87,7 +87,7 @@ contains
   end function of_series
 
   pure real(dp) function even_square(f) result(integral)
-    !! ∫(Σ f_m t^(2m))² dt from −1 to 1, m from 0.
+    !! Return ∫(Σ f_m t^(2m))² dt from −1 to 1, m from 0.
     real(dp), intent(in) :: f(:)
     integer :: i, j
     integral = 0.0_dp
@@ -99,7 +99,7 @@ contains
   end function even_square
 
   pure real(dp) function odd_square(f) result(integral)
-    !! ∫(Σ f_m t^(2m+1))² dt.
+    !! Return ∫(Σ f_m t^(2m+1))² dt.
     real(dp), intent(in) :: f(:)
     integer :: i, j
     integral = 0.0_dp

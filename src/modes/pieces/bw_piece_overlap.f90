@@ -1,11 +1,10 @@
 module bw_piece_overlap
-  !! What modes of a beam of pieces see of a motion written in modes of the same beam with another body at a joint, without
-  !! quadrature.
+  !! Overlaps of modes of a beam of pieces with those of the same beam with another body at a joint, without quadrature.
   !!
-  !! Let φ_i be modes of the beam and Φ_k those with a body (m, J) and its springs (k_v, k_θ) more. Then
-  !! (β_i² − B_k²)⟨φ_i, Φ_k⟩ = (Λ_k m − k_v)φ_iΦ_k + (B_k² J − k_θ)ψ_iΨ_k at the body, ⟨·,·⟩ the product by all mass and inertia
-  !! without it, Λ_k = B_k² (+ Ω² in plane). With the body's mass the first term has λ_i in the place of Λ_k.
-  !! Modes that hardly differ are integrated instead, and so are those of which a stiff spring leaves too few digits.
+  !! Let φ_i be modes of the beam and Φ_k those with an additional body (m, J) and its springs (k_v, k_θ). Then (β_i² −
+  !! B_k²)⟨φ_i, Φ_k⟩ = (Λ_k m − k_v)φ_iΦ_k + (B_k² J − k_θ)ψ_iΨ_k at the body, with ⟨·,·⟩ weighted by all mass and
+  !! inertia without it, Λ_k = B_k² (+ Ω² in plane). With the body's mass in the product λ_i replaces Λ_k in the first
+  !! term. Nearly equal modes are integrated instead, as are those for which a stiff spring leaves too few digits.
   use bw_double_double, only: add_exactly, dd, operator(-)
   use bw_kinds, only: dp
   use bw_mode_probe, only: piece_system
@@ -17,16 +16,16 @@ module bw_piece_overlap
   public :: joint_motions, mass_product, overlap_sums
 
   real(dp), parameter :: alike = 1.0e-2_dp
-    !! product of modes of mass 1 from which it is integrated: the values at the body have lost digits where they are small
+    !! product of modes of mass 1 below which it is integrated: small values at the body have lost digits
 
   real(dp), parameter :: apart = sqrt(epsilon(1.0_dp))
-    !! of β²: squares nearer than that are known to too few digits for what they differ by
+    !! relative difference of β² below which its digits do not suffice
 
-  integer, parameter :: asked_every = 64         !! motions after which the monitor is asked
-  real(dp), parameter :: least_digits = 1.0e-13_dp  !! of products of modes of mass 1
+  integer, parameter :: asked_every = 64         !! motions between two calls of the monitor
+  real(dp), parameter :: least_digits = 1.0e-13_dp  !! error of products of modes of mass 1
 
   type, public :: piece_modes
-    !! Modes as their amplitudes.
+    !! Modes by their amplitudes.
     type(piece_system) :: system
     type(dd), allocatable :: lambda(:)           !! λ_k, (modes)
     type(dd), allocatable :: square(:)           !! β_k², (modes)
@@ -38,7 +37,7 @@ module bw_piece_overlap
   end type piece_modes
 
   type :: change_type
-    !! By how much `onto` has more, at a joint; 0 is the root.
+    !! The attachments at a joint that `onto` has in addition; joint 0 is the root.
     integer :: joint = 0
     real(dp) :: mass = 0.0_dp, inertia = 0.0_dp
     real(dp) :: stiffness = 0.0_dp, turning_stiffness = 0.0_dp
@@ -47,15 +46,15 @@ module bw_piece_overlap
 contains
 
   function overlap_sums(onto, from, amplitude, with_mass, monitor) result(sums)
-    !! Σ_i ⟨Φ_k, φ_i⟩ a_i for all k.
+    !! Return Σ_i ⟨Φ_k, φ_i⟩ a_i for all k.
     type(piece_modes), intent(in) :: onto        !! Φ_k
     type(piece_modes), intent(in) :: from        !! φ_i
     real(dp), intent(in) :: amplitude(:)         !! a_i
     logical, intent(in) :: with_mass
-      !! the product holds the masses of either beam, but no inertia of a body that only one of them has; else neither
+      !! weight by the mass of either beam, but only common inertia; else only by what both have
     class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     real(dp) :: sums(size(onto%lambda))
-    integer, parameter :: most = 512, most_parts = 4096   ! modes, and their pieces, whose numbers stay in the cache
+    integer, parameter :: most = 512, most_parts = 4096   ! modes, and their pieces, whose data stay in the cache
     type(change_type), allocatable :: changed(:)
     integer :: batch, first, last
     batch = max(1, min(most, most_parts/size(onto%system%piece)))
@@ -68,7 +67,7 @@ contains
   end function overlap_sums
 
   pure type(piece_modes) function some_of(modes, first, last) result(some)
-    !! Neighbours.
+    !! Return consecutive modes.
     type(piece_modes), intent(in) :: modes
     integer, intent(in) :: first, last
     some = piece_modes(modes%system, modes%lambda(first:last), modes%square(first:last), modes%amplitude(:, :, first:last), &
@@ -77,7 +76,7 @@ contains
   end function some_of
 
   subroutine find_sums(onto, from, amplitude, changed, with_mass, sums, monitor)
-    !! As those of `overlap_sums`.
+    !! Find the sums; see `overlap_sums`.
     type(piece_modes), intent(in) :: onto, from
     real(dp), intent(in) :: amplitude(:)
     type(change_type), intent(in) :: changed(:)  !! joints at which the beams differ
@@ -102,7 +101,7 @@ contains
   end subroutine find_sums
 
   pure function changes_between(onto, from) result(changed)
-    !! The joints at which the beams differ.
+    !! Return the joints at which the beams differ.
     type(piece_modes), intent(in) :: onto, from
     type(change_type), allocatable :: changed(:)
     type(change_type) :: change
@@ -129,7 +128,7 @@ contains
   end function changes_between
 
   pure subroutine joint_motions(modes, j, deflection, turning)
-    !! Of all modes at a joint; 0 is the root.
+    !! Return the motions of all modes at a joint; 0 is the root.
     type(piece_modes), intent(in) :: modes
     integer, intent(in) :: j
     real(dp), intent(out) :: deflection(:), turning(:)
@@ -143,13 +142,13 @@ contains
   end subroutine joint_motions
 
   pure subroutine products_with(onto, from, i, changed, with_mass, parts, known, products)
-    !! ⟨Φ_k, φ_i⟩ for all k.
+    !! Find ⟨Φ_k, φ_i⟩ for all k.
     type(piece_modes), intent(in) :: onto, from
     integer, intent(in) :: i
     type(change_type), intent(in) :: changed(:)
     logical, intent(in) :: with_mass
-    type(piece_part), intent(inout) :: parts(:, :)   !! motions of `onto` that have been integrated, (pieces, k)
-    logical, intent(inout) :: known(:)           !! these, (k)
+    type(piece_part), intent(inout) :: parts(:, :)   !! motions of `onto` used in integrals so far, (pieces, k)
+    logical, intent(inout) :: known(:)           !! which of these exist, (k)
     real(dp), intent(out) :: products(:)         !! (k)
     real(dp), dimension(size(products)) :: blurred, gap, moved, numerator, psi, v
     real(dp), dimension(size(from%mass)) :: psi_too, v_too
@@ -190,14 +189,14 @@ contains
     end do
   contains
     elemental real(dp) function wave(square)
-      !! About the wave number of a mode.
+      !! Estimate the wave number of a mode.
       real(dp), intent(in) :: square
       wave = 1.0_dp + sqrt(sqrt(abs(square)))
     end function wave
   end subroutine products_with
 
   pure function parts_of(modes, k) result(parts)
-    !! The motions of all pieces in a mode.
+    !! Return the motions of all pieces in a mode.
     type(piece_modes), intent(in) :: modes
     integer, intent(in) :: k
     type(piece_part) :: parts(size(modes%system%piece))
@@ -210,14 +209,14 @@ contains
   end function parts_of
 
   pure real(dp) function mass_product(one, k, other, i) result(product)
-    !! ⟨Φ_k, φ_i⟩ by integration: with the mass and inertia that both beams have.
+    !! Return ⟨Φ_k, φ_i⟩ by integration, with the mass and inertia of both beams.
     type(piece_modes), intent(in) :: one, other
     integer, intent(in) :: k, i
     product = product_of(one, k, parts_of(one, k), other, i, parts_of(other, i))
   end function mass_product
 
   pure real(dp) function product_of(one, k, part, other, i, part_too) result(product)
-    !! The same of motions of which all is known.
+    !! Return the same for motions with known end states.
     type(piece_modes), intent(in) :: one, other
     integer, intent(in) :: k, i
     type(piece_part), intent(in) :: part(:), part_too(:)   !! (pieces)

@@ -1,11 +1,11 @@
 module bw_piece_products
   !! Integrals over a piece of the product of two motions at two frequencies, weighted by its mass and rotary inertia.
   !!
-  !! Far from each other the states at the ends give it: (λ' − λ)∫ρAvv' + ρIψψ' dx is the difference of
-  !! v'N + ψ'M − vN' − ψM' at the ends, N and M of the one, N' and M' of the other motion. Next to each other the waves are
-  !! integrated in pairs. Of two, C and S at z and z', ∫CC' dx = 2(zSC' − z'CS')/(z − z') and ∫SS' dx =
-  !! 2(SC' − CS')/(z − z') at the end, and two of one kind take sums and differences of their wave numbers instead, p = √|z|:
-  !! the difference may vanish. What varies little over the piece takes Gauss's rule.
+  !! At distant frequencies the states at the ends give it: (λ' − λ)∫ρAvv' + ρIψψ' dx is the difference of v'N + ψ'M −
+  !! vN' − ψM' between the ends, with N and M of one, N' and M' of the other motion. At close frequencies the waves are
+  !! integrated in pairs. For C and S at z and z', ∫CC' dx = 2(zSC' − z'CS')/(z − z') and ∫SS' dx = 2(SC' − CS')/(z −
+  !! z') at the end; two waves of one kind use sums and differences of their wave numbers instead, p = √|z|, as the
+  !! difference may vanish. Slowly varying products use Gauss quadrature.
   use bw_double_double, only: dd, dd_pi, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
   use bw_piece_shape, only: states_inside, wave_values
@@ -18,17 +18,17 @@ module bw_piece_products
   real(dp), parameter :: half_rule(10) = [ &
     0.99312859918509492479_dp, 0.96397192727791379127_dp, 0.91223442825132590587_dp, 0.83911697182221882339_dp, &
     0.74633190646015079261_dp, 0.63605368072651502545_dp, 0.510867001950827098_dp, 0.37370608871541956067_dp, &
-    0.22778585114164507808_dp, 0.076526521133497333755_dp]    !! nodes of Gauss's rule on −1 … 1, those above 0
+    0.22778585114164507808_dp, 0.076526521133497333755_dp]    !! positive Gauss nodes on −1 … 1
   real(dp), parameter :: half_weights(10) = [ &
     0.017614007139152118312_dp, 0.040601429800386941331_dp, 0.06267204833410906357_dp, 0.083276741576704748725_dp, &
     0.10193011981724043504_dp, 0.11819453196151841731_dp, 0.1316886384491766269_dp, 0.14209610931838205133_dp, &
     0.14917298647260374679_dp, 0.1527533871307258507_dp]
   real(dp), parameter :: node(nodes) = [half_rule, -half_rule], gauss(nodes) = [half_weights, half_weights]
-  real(dp), parameter :: calm = 4.0_dp           !! |z|h² up to which products of C and of S take Gauss's rule
-  real(dp), parameter :: far = 0.1_dp            !! |λ − λ'| over the larger of them from which the ends give all digits
+  real(dp), parameter :: calm = 4.0_dp           !! |z|h² up to which products of C and of S use Gauss quadrature
+  real(dp), parameter :: far = 0.1_dp            !! relative difference of λ above which end states give all digits
 
   type, public :: piece_part
-    !! A motion of one piece.
+    !! The motion of one piece.
     type(piece_frequency) :: frequency
     type(wave_numbers) :: waves                  !! unless the piece is short
     real(dp) :: amplitude(4) = 0.0_dp
@@ -39,7 +39,7 @@ module bw_piece_products
 contains
 
   pure type(piece_part) function part_of(piece, frequency, amplitude) result(part)
-    !! What products take of a motion.
+    !! Return the data of a motion for products.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(in) :: amplitude(4)
@@ -51,7 +51,7 @@ contains
   end function part_of
 
   pure real(dp) function piece_product(piece, one, other) result(product)
-    !! ∫ρAvv' + ρIψψ' dx of two motions.
+    !! Return ∫ρAvv' + ρIψψ' dx of two motions.
     type(piece_numbers), intent(in) :: piece
     type(piece_part), intent(in) :: one, other
     type(dd) :: gap
@@ -66,12 +66,12 @@ contains
   end function piece_product
 
   pure real(dp) function turn_product(piece, frequency, amplitude, inner) result(product)
-    !! ∫ρAxv + ρIψ dx, of a motion and a rigid turn about the root. By the states at the ends, mλ∫xv = −[xN + M] − Rψ's integral, which is
-    !! ∫ψ = ([v] + s[M])/(1 − sR); by Gauss's rule where the piece is short, and over half waves where sR is near 1.
+    !! Return ∫ρAxv + ρIψ dx of a motion and a rigid rotation about the root, by the end states: mλ∫xv = −[xN + M] −
+    !! R∫ψ, ∫ψ = ([v] + s[M])/(1 − sR); by Gauss quadrature in a short piece, and over half waves where sR is near 1.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(in) :: amplitude(4)
-    real(dp), intent(in) :: inner                !! place of the inner end
+    real(dp), intent(in) :: inner                !! position of the inner end
     real(dp), parameter :: near_cutoff = 1.0e-2_dp
     real(dp) :: cut, ends(4, 2), turned
     type(wave_numbers) :: waves
@@ -105,7 +105,7 @@ contains
   end function turn_product
 
   pure real(dp) function end_product(first, second) result(product)
-    !! Of the states at both ends.
+    !! Return the product of the states at both ends.
     real(dp), dimension(4, 2), intent(in) :: first, second
     product = dot_product(second(1:2, 2), first([4, 3], 2)) - dot_product(first(1:2, 2), second([4, 3], 2)) &
       - (dot_product(second(1:2, 1), first([4, 3], 1)) - dot_product(first(1:2, 1), second([4, 3], 1)))
@@ -140,7 +140,7 @@ contains
   end function wave_product
 
   pure subroutine pair(z, p, z_too, p_too, half, cc, ss)
-    !! ∫CC' dx and ∫SS' dx, as C and S are scaled in `wave_values`.
+    !! Find ∫CC' dx and ∫SS' dx, with C and S scaled as in `wave_values`.
     type(dd), intent(in) :: z, p, z_too, p_too, half
     real(dp), intent(out) :: cc, ss
     real(dp) :: c, s, c_too, s_too, sum, difference
@@ -172,7 +172,7 @@ contains
   end subroutine pair
 
   pure real(dp) function mean_cosine(p, half) result(integral)
-    !! ∫cos px dx over half of the piece.
+    !! Return ∫cos px dx over half of the piece.
     type(dd), intent(in) :: p, half
     type(dd) :: angle
     real(dp) :: c, s
@@ -186,7 +186,7 @@ contains
   end function mean_cosine
 
   elemental subroutine exponential_pair(q, q_too, gap, half, cc, ss)
-    !! ∫cosh qx cosh q'x dx and ∫sinh qx sinh q'x dx/(qq') over cosh qh cosh q'h.
+    !! Find ∫cosh qx cosh q'x dx and ∫sinh qx sinh q'x dx/(qq') over cosh qh cosh q'h.
     real(dp), intent(in) :: q, q_too
     real(dp), intent(in) :: gap                  !! q − q'
     real(dp), intent(in) :: half

@@ -1,9 +1,8 @@
 module bw_piece_set
-  !! Modes of a beam of uniform pieces: shapes at points, and what they see of a motion written in the modes of the same
-  !! beam with another body.
+  !! Modes of a beam of uniform pieces: shapes at points, and overlaps with the modes of the same beam with another body.
   !!
   !! Shapes have ∫Φ² dξ = 1 of the beam's part and a tip value of sign (−1)^k. The modal mass holds all mass and inertia:
-  !! M_k = ∫ρAΦ² + ρIΨ² dx + Σ mΦ² + JΨ², Ψ the turning of the sections.
+  !! M_k = ∫ρAΦ² + ρIΨ² dx + Σ mΦ² + JΨ², Ψ the rotation of the sections.
   use bw_damping, only: damping_law
   use bw_double_double, only: dd, operator(+), operator(*)
   use bw_kinds, only: dp
@@ -19,10 +18,10 @@ module bw_piece_set
   private
 
   type, extends(mode_set), public :: piece_set
-    type(piece_modes) :: modes                   !! from which shapes follow
-    real(dp), allocatable :: spun(:)             !! part of M_k on which the spin acts: translations in plane, turning out of it, (n)
-    integer :: struck_joint = 1                  !! where the mass strikes, or has been captured
-    real(dp) :: body_inertia = 0.0_dp            !! J of the body that has been captured there
+    type(piece_modes) :: modes                   !! amplitudes, from which shapes follow
+    real(dp), allocatable :: spun(:)  !! part of M_k on which rotation acts: translations in plane, rotations out of it, (n)
+    integer :: struck_joint = 1                  !! joint at which the mass strikes, or was captured
+    real(dp) :: body_inertia = 0.0_dp            !! J of the body captured there
   contains
     procedure :: states => states_at
     procedure :: some_shapes => piece_shapes
@@ -42,8 +41,8 @@ module bw_piece_set
 contains
 
   pure function states_at(self, first, last, xi) result(state)
-    !! Deflection, turning, moment M = EIψ' and shear force N = κGA(v' − ψ) of modes `first` … `last` at points of the beam. At
-    !! joints the first two are those that the forces of what is attached there take, which waves would leave to rounding.
+    !! Return deflection, rotation, moment M = EIψ' and shear force N = κGA(v' − ψ) of modes `first` … `last` at points.
+    !! At joints the first two follow from the forces of attachments, where waves would leave only rounding.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)                !! 0 ≤ ξ ≤ 1, (points)
@@ -73,7 +72,7 @@ contains
   end function states_at
 
   pure function piece_shapes(self, first, last, xi) result(values)
-    !! Piece by piece.
+    !! Return the shapes, piece by piece.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -81,7 +80,7 @@ contains
     type(beam_place) :: place(size(xi))
     type(dd) :: offset(size(xi))
     type(piece_frequency) :: frequency
-    integer, parameter :: at_once = 1024         ! points: work arrays of each are on the stack
+    integer, parameter :: at_once = 1024         ! points: work arrays are on the stack
     integer, allocatable :: here(:), some(:)
     type(dd), allocatable :: inside(:)
     real(dp), allocatable :: gap(:)
@@ -113,7 +112,7 @@ contains
   end function piece_shapes
 
   pure function piece_curvatures(self, first, last, xi) result(values)
-    !! The moment over EI of the root piece; at a joint that of the piece inside it. Exactly 0 at a tip where nothing turns it.
+    !! Return the moment over EI of the root piece; at a joint that of the inner piece. Exactly 0 at a tip without rotational load.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -168,15 +167,15 @@ contains
   end function overlap_of_beam
 
   pure function piece_elastic(self) result(squares)
-    !! All stiffness, that of springs too: β² and what the spin takes from it.
+    !! Return the elastic part with springs: β² plus the part that rotation subtracts.
     class(piece_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = self%beta_squared + self%modes%system%beam%spin_squared*(self%spun/self%modal_mass)
   end function piece_elastic
 
   pure function energy_of_body(self, q, rate) result(energy)
-    !! ½Jψ̇² of the captured body. Rotation does no work on its turning: in plane (ω + ψ̇)² leaves none, and out of plane the body
-    !! is isotropic.
+    !! Return ½Jψ̇² of the captured body. Rotation does no work on its ψ: in plane (ω + ψ̇)² leaves none, out of plane
+    !! the body is isotropic.
     class(piece_set), intent(in) :: self
     real(dp), intent(in) :: q(:), rate(:)        !! (modes)
     real(dp) :: energy(2)
@@ -222,12 +221,12 @@ contains
   end function share_of_turn
 
   real(dp) function coupling(self, law) result(ratio)
-    !! The largest ratio of what damping couples two of the first modes to what damps each, |C_ij|/√(C_iiC_jj). Modes are
-    !! orthogonal with all mass and inertia, but the spin acts on one of the two only: K_ij is Ω² times what the turning of the
-    !! sections has of the product of two modes, and in plane that of bodies too. The products are means over points.
+    !! Return the largest coupling of two of the first modes by damping, |C_ij|/√(C_iiC_jj). Modes are orthogonal with
+    !! all mass and inertia, but rotation acts on one part only: K_ij is Ω² times the product of two modes in the
+    !! rotation of sections, and in plane of bodies too. Products are means over points.
     class(piece_set), intent(in) :: self
-    type(damping_law), intent(in) :: law         !! Rayleigh's: a ratio of each mode couples none
-    integer, parameter :: first_modes = 60       ! enough: C_ij/√(C_iiC_jj) falls with the number of the mode
+    type(damping_law), intent(in) :: law         !! Rayleigh's; one ratio for all modes couples none
+    integer, parameter :: first_modes = 60       ! enough: C_ij/√(C_iiC_jj) falls with the mode number
     integer, parameter :: points = 16*first_modes
     real(dp), allocatable :: state(:, :, :), gram(:, :), turning(:)
     real(dp) :: rate(min(first_modes, self%count))
@@ -266,8 +265,8 @@ contains
   end function coupling
 
   pure subroutine errors_of_pieces(self, square_error, mass_error)
-    !! Squares have the digits of double-double numbers where they were found for a record without end, fewer next to another
-    !! mode; shapes, and with them M, those of binary64.
+    !! Return the errors of β² and M. β² has double-double digits if found for an infinite record, fewer next to another
+    !! mode; shapes, and M, have those of binary64.
     class(piece_set), intent(in) :: self
     real(dp), intent(out) :: square_error(:), mass_error(:)
     type(dd) :: elastic(self%count)

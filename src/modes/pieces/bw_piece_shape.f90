@@ -1,5 +1,5 @@
 module bw_piece_shape
-  !! What a motion of a piece looks like inside: the state (v, ψ, M, N) at places between its ends, from the amplitudes.
+  !! The motion inside a piece: the state (v, ψ, M, N) at places between its ends, from the amplitudes.
   use bw_double_double, only: dd, rounder, to_dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
@@ -9,7 +9,7 @@ module bw_piece_shape
   private
   public :: deflections_inside, gap_to_end, place_of, states_inside, wave_values
 
-  real(dp), parameter :: small = 0.5_dp          !! |z|h² below which exponentials would cancel: powers are summed
+  real(dp), parameter :: small = 0.5_dp          !! |z|h² below which exponentials would cancel, and a power series is used
   integer, parameter :: terms = 10
 
   type, public :: beam_place
@@ -20,7 +20,7 @@ module bw_piece_shape
 contains
 
   pure type(beam_place) function place_of(beam, xi) result(place)
-    !! The piece that a point of the beam belongs to; a joint belongs to the piece before it.
+    !! Return the piece of a point of the beam; a joint belongs to the piece before it.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi                   !! 0 ≤ ξ ≤ 1
     type(dd) :: joint, gap
@@ -36,7 +36,7 @@ contains
   end function place_of
 
   pure function states_inside(piece, frequency, amplitude, offset) result(state)
-    !! (v, ψ, M, N) at places of one piece, (4, places).
+    !! Return (v, ψ, M, N) at places of one piece, (4, places).
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(in) :: amplitude(4)
@@ -57,12 +57,12 @@ contains
   end function states_inside
 
   pure function deflections_inside(piece, frequency, amplitude, offset, gap) result(values)
-    !! v alone, (places).
+    !! Return v alone, (places).
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(in) :: amplitude(4)
     type(dd), intent(in) :: offset(:)
-    real(dp), intent(in) :: gap(:)               !! of `gap_to_end`
+    real(dp), intent(in) :: gap(:)               !! from `gap_to_end`
     real(dp) :: values(size(offset)), state(4, size(offset))
     real(dp), dimension(size(offset)) :: c, s
     type(wave_numbers) :: waves
@@ -89,7 +89,7 @@ contains
   end function deflections_inside
 
   elemental real(dp) function gap_to_end(piece, offset) result(gap)
-    !! Distance to the nearer end of a piece.
+    !! Return the distance to the nearer end of a piece.
     type(piece_numbers), intent(in) :: piece
     type(dd), intent(in) :: offset               !! from the middle of the piece
     type(dd) :: distance
@@ -98,11 +98,11 @@ contains
   end function gap_to_end
 
   pure subroutine find_exponential(q, half, x, gap, c, s)
-    !! C and S over cosh qh of a pair of exponentials at many places.
+    !! Find C and S over cosh qh of a pair of exponentials at many places.
     real(dp), intent(in) :: q, half
     real(dp), intent(in) :: x(:), gap(:)         !! from the middle and to the nearer end, (places)
     real(dp), intent(out) :: c(:), s(:)
-    real(dp), parameter :: nothing = 40.0_dp     !! qh from which nothing of one end is seen beyond the middle
+    real(dp), parameter :: nothing = 40.0_dp     ! qh above which exponentials of one end vanish beyond the middle
     real(dp) :: scale, middle
     real(dp), dimension(size(x)) :: near, far
     near = exp(-q*gap)
@@ -115,13 +115,13 @@ contains
   end subroutine find_exponential
 
   pure subroutine find_circular(p, offset, c, s)
-    !! C and S of a wave that propagates at many places: whole quarter turns are taken off in three parts, of which the first
-    !! two are exact.
+    !! Find C and S of a propagating wave at many places. Whole quarter cycles are subtracted in three parts, the first
+    !! two exactly.
     type(dd), intent(in) :: p, offset(:)
     real(dp), intent(out) :: c(:), s(:)
     real(dp), parameter :: quarter(3) = [1.570796325802803039550781_dp, 9.920935739593517155299196e-10_dp, &
                                         5.721188726109831840121713e-18_dp]
-    real(dp), parameter :: most = 5.0e7_dp         ! quarter turns, times the 27 bits of a part
+    real(dp), parameter :: most = 5.0e7_dp         ! quarter cycles, times the 27 bits of a part
     real(dp), dimension(size(offset)) :: angle, low, turns
     type(dd) :: exact(size(offset))
     exact = offset*p
@@ -140,7 +140,7 @@ contains
   end subroutine find_circular
 
   elemental subroutine turn_quarters(turns, c, s)
-    !! Cosine and sine of an angle more, without branches.
+    !! Rotate cosine and sine by quarter cycles, without branches.
     integer, intent(in) :: turns                   !! 0 … 3
     real(dp), intent(inout) :: c, s
     real(dp) :: cosine, sine
@@ -174,7 +174,7 @@ contains
   end function wave_states
 
   elemental subroutine wave_values(z, p, half, offset, c, s)
-    !! C and S at a place, over cosh √(−z)h where z < 0.
+    !! Find C and S at a place, over cosh √(−z)h for z < 0.
     type(dd), intent(in) :: z, p, half, offset
     real(dp), intent(out) :: c, s
     type(dd) :: distance
@@ -202,7 +202,7 @@ contains
   end subroutine wave_values
 
   elemental subroutine power_values(square, x, c, s)
-    !! cos √z x and sin √z x/√z by their powers.
+    !! Find cos √z x and sin √z x/√z by power series.
     real(dp), intent(in) :: square               !! zx²
     real(dp), intent(in) :: x
     real(dp), intent(out) :: c, s

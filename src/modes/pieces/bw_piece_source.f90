@@ -1,5 +1,5 @@
 module bw_piece_source
-  !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
+  !! Modes of a beam of uniform pieces by their numbers, exact for every number.
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
   use bw_extended_residual, only: refine
   use bw_kinds, only: dp
@@ -21,10 +21,10 @@ module bw_piece_source
 
   integer, parameter :: highest_mode = 10000000, quick_modes = 100000
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
-  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
+  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies lose digits
 
   type, extends(mode_source), public :: piece_source
-    type(dd) :: critical_speed                       !! as those of a set
+    type(dd) :: critical_speed                       !! see mode_set
     logical :: grows_at_any_speed = .false.
   contains
     procedure :: find => find_of_pieces
@@ -74,7 +74,7 @@ contains
   end subroutine find_of_pieces
 
   subroutine terms_of_pieces(self, number, xi, longest, beta, drive, shapes, mass)
-    !! Where no history is asked for, three digits will do.
+    !! Find the terms of a sum. Without a history three digits suffice.
     class(piece_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
@@ -98,12 +98,12 @@ contains
   end subroutine terms_of_pieces
 
   subroutine set_of_pieces(beam, number, longest, set, struck, monitor, roughly)
-    !! Modes of any numbers, in their order.
+    !! Find modes with given numbers, in that order.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: number(:)               !! k ≥ 1, ascending
-    real(dp), intent(in), optional :: longest      !! the longest time after which phases must still be right
+    real(dp), intent(in), optional :: longest      !! time up to which phases are accurate
     type(piece_set), intent(out) :: set
-    integer, intent(in), optional :: struck        !! the joint at which a mass strikes; absent: the tip
+    integer, intent(in), optional :: struck        !! joint at which a mass strikes; absent: the tip
     class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
     logical, intent(in), optional :: roughly       !! frequencies and shapes to three digits; absent: to all
     type(mode_search) :: search
@@ -130,7 +130,7 @@ contains
   end subroutine set_of_pieces
 
   pure function parts_of_cut(beam, pieces) result(parts)
-    !! Into how many parts a search cuts the first pieces of a beam with modes at rest.
+    !! Return the parts into which a search cuts the first pieces of a beam with modes of λ ≤ 0.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: pieces
     integer :: parts(pieces), all(size(beam%piece))
@@ -139,7 +139,7 @@ contains
   end function parts_of_cut
 
   pure subroutine size_set(search, n, set)
-    !! Arrays in which nothing moves.
+    !! Allocate a set with zero motion.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: n
     type(piece_set), intent(inout) :: set
@@ -158,7 +158,8 @@ contains
   end subroutine size_set
 
   pure logical function is_coarse(search, lambda, longest)
-    !! Binary64 does not carry this frequency: a wave's phase is right to half a unit of 1 in it, whatever its number.
+    !! Tell whether a frequency needs more digits than binary64: a phase has an error of half a unit of 1 in it for any
+    !! wave number.
     type(mode_search), intent(in) :: search
     type(dd), intent(in) :: lambda
     real(dp), intent(in), optional :: longest
@@ -173,7 +174,7 @@ contains
   end function is_coarse
 
   pure subroutine set_mode(probe, number, lambda, j, set)
-    !! Scale a motion and keep it as mode j of a set.
+    !! Scale a motion and store it as mode j of a set.
     type(mode_probe), intent(in) :: probe
     integer, intent(in) :: number
     type(dd), intent(in) :: lambda

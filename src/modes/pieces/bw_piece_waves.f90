@@ -1,14 +1,14 @@
 module bw_piece_waves
   !! The waves that a uniform piece carries at a frequency.
   !!
-  !! With λ = β² (+ Ω² in plane) on every translation and ρ = β² (+ Ω² out of plane) on the turning of sections, e^(ipx)
-  !! solves the equations of a piece for two values of z = p²: z = y + σ, By² − (R − Bσ)y − mλ = 0, σ = smλ, R = ρI ρ. Of
-  !! these z₁ > 0 always; z₂ < 0, a pair of exponentials, up to the cutoff sR = 1, where z₁z₂ = −mλ(1 − sR)/B changes
-  !! sign. Without shear y = z = ±√(mλ/B).
+  !! With λ = β² (+ Ω² in plane) for translations and ρ = β² (+ Ω² out of plane) for rotations of sections, e^(ipx)
+  !! satisfies the equations of a piece for two values of z = p²: z = y + σ, By² − (R − Bσ)y − mλ = 0, σ = smλ, R = ρI
+  !! ρ. z₁ > 0 always; z₂ < 0, a pair of exponentials, up to the cutoff sR = 1, where z₁z₂ = −mλ(1 − sR)/B changes sign.
+  !! Without shear y = z = ±√(mλ/B).
   !!
-  !! With C = cos √z x and S = sin √z x/√z, x from the middle of the piece, v = C is the even solution of a wave and
-  !! v = zS the odd one. Phases are reduced by whole quarter turns in double-double before they are rounded, so that sines
-  !! and cosines are as good in mode 10⁵ as in mode 1.
+  !! With C = cos √z x and S = sin √z x/√z, x from the middle of the piece, v = C is the even solution of a wave and v =
+  !! zS the odd one. Phases are reduced by quarter cycles in double-double before rounding, so sines and cosines are as
+  !! accurate in mode 10⁵ as in mode 1.
   use bw_double_double, only: dd, dd_pi, sqrt, to_dd, operator(+), operator(-), operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam, uniform_piece
@@ -17,22 +17,22 @@ module bw_piece_waves
   public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, parts_at_rest, circular
 
   real(dp), parameter :: short_square = 0.5_dp
-    !! |z|h² up to which a piece is short: half of it turns no wave by more than 0.7 rad
+    !! |z|h² up to which a piece is short: half of it changes no phase by more than 0.7 rad
   real(dp), parameter :: most_quarters = 1.0e8_dp
-    !! quarter turns in half a piece that are counted: more modes than are ever asked for lie below
+    !! limit of quarter cycles counted in half a piece: more modes than ever needed lie below
 
   type, public :: piece_frequency
     type(dd) :: lambda                   !! λ
     type(dd) :: rho                      !! ρ
     type(dd) :: beta_squared             !! β²
-    type(dd) :: fourth_root              !! λ^¼, of λ > 0, unless all pieces have shear
-    real(dp) :: unit(4) = 1.0_dp         !! v, ψ, M and N of about the same motion of the beam
-    logical :: rough = .false.           !! wave numbers in binary64 will do: on the way to a mode, and to count
+    type(dd) :: fourth_root              !! λ^¼, for λ > 0, unless all pieces have shear
+    real(dp) :: unit(4) = 1.0_dp         !! v, ψ, M and N of a typical motion of the beam
+    logical :: rough = .false.           !! binary64 wave numbers suffice, for searches and counts
   end type piece_frequency
 
   type, public :: piece_numbers
-    !! What the waves of a piece depend on.
-    type(dd) :: half                     !! h, half of its length
+    !! Wave parameters of a piece.
+    type(dd) :: half                     !! h, half its length
     type(dd) :: wave                     !! m/B
     type(dd) :: shear                    !! sm
     type(dd) :: turn                     !! ρI/B
@@ -46,20 +46,20 @@ module bw_piece_waves
   end type piece_numbers
 
   type, public :: wave_numbers
-    !! Of the two waves.
+    !! Wave numbers of the two waves.
     type(dd) :: y(2)
     type(dd) :: z(2)
     type(dd) :: p(2)                     !! √|z|
   end type wave_numbers
 
   type, public :: piece_waves
-    logical :: short = .false.           !! a power series serves better: nothing else is set
+    logical :: short = .false.           !! a power series is used instead, and nothing else is set
     real(dp) :: y(2) = 0.0_dp
     real(dp) :: z(2) = 0.0_dp
-    real(dp) :: c(2) = 0.0_dp            !! C at the end; over cosh √(−z)h where z < 0
+    real(dp) :: c(2) = 0.0_dp            !! C at the end; over cosh √(−z)h for z < 0
     real(dp) :: s(2) = 0.0_dp            !! S likewise
     real(dp) :: w(2) = 1.0_dp            !! C² + zS² of these: 1, or 1/cosh² √(−z)h
-    integer :: quarters = 0              !! whole quarter turns of the waves that propagate over half of the piece
+    integer :: quarters = 0              !! whole quarter cycles of propagating waves over half of the piece
   end type piece_waves
 
 contains
@@ -82,7 +82,7 @@ contains
   pure type(piece_frequency) function frequency_at(beam, lambda, rough) result(frequency)
     type(piece_beam), intent(in) :: beam
     type(dd), intent(in) :: lambda
-    logical, intent(in), optional :: rough       !! not if absent
+    logical, intent(in), optional :: rough       !! absent: false
     if (present(rough)) frequency%rough = rough
     frequency%lambda = lambda
     if (beam%in_plane) then
@@ -103,13 +103,12 @@ contains
   end function frequency_at
 
   pure function units_at(beam, frequency) result(unit)
-    !! Sizes of v, ψ, M and N in a motion of the beam: a deflection of 1; the slope that waves have, or the whole beam where waves
-    !! are longer; and the forces that the inertia of so much motion asks for, at most those of waves. Stiffness is that of all
-    !! pieces one after the other.
+    !! Return scales of v, ψ, M and N in a motion of the beam: a deflection of 1; the slope of waves, or of the whole beam if
+    !! waves are longer; and the forces due to inertia, at most those of waves. Stiffness is that of all pieces in series.
     type(piece_beam), intent(in) :: beam
     type(piece_frequency), intent(in) :: frequency
     real(dp) :: unit(4)
-    real(dp), parameter :: nothing = 1.0e-60_dp  ! force at rest
+    real(dp), parameter :: nothing = 1.0e-60_dp  ! force at λ = 0
     real(dp) :: stiffness, mass, kappa, force
     associate (piece => beam%piece, joint => beam%joint)
       stiffness = 1.0_dp/sum(piece%length%hi/piece%stiffness%hi)
@@ -129,7 +128,7 @@ contains
   end function is_short
 
   pure real(dp) function largest_square(piece, frequency) result(bound)
-    !! A bound of |z|: of the roots of z² − bz + c, real or not.
+    !! Bound |z|: roots of z² − bz + c, real or not.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp) :: b, c
@@ -139,11 +138,11 @@ contains
   end function largest_square
 
   pure function parts_at_rest(beam) result(parts)
-    !! Into how many parts pieces must be cut to be short wherever −Ω² ≤ λ ≤ 0.
+    !! Return the number of parts that makes each piece short for −Ω² ≤ λ ≤ 0.
     type(piece_beam), intent(in) :: beam
     integer :: parts(size(beam%piece))
-    real(dp), parameter :: most = 1.0e5_dp       ! that 10⁴ pieces of so many parts can be counted
-    real(dp) :: bending, shearing, spin, turning     ! wave numbers, none of which overflows
+    real(dp), parameter :: most = 1.0e5_dp       ! so that parts of 10⁴ pieces can be counted
+    real(dp) :: bending, shearing, spin, turning     ! wave numbers; none overflows
     integer :: i
     spin = sqrt(beam%spin_squared%hi)
     do i = 1, size(parts)
@@ -158,7 +157,7 @@ contains
   end function parts_at_rest
 
   pure subroutine find_waves(piece, frequency, waves)
-    !! λ > 0, unless the piece is short.
+    !! Find the waves at λ > 0, or at any λ in a short piece.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     type(piece_waves), intent(out) :: waves
@@ -195,7 +194,7 @@ contains
   end subroutine find_waves
 
   pure type(wave_numbers) function wave_numbers_of(piece, frequency) result(waves)
-    !! λ > 0.
+    !! Return the wave numbers for λ > 0.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     type(dd) :: u, sigma, difference, root
@@ -229,7 +228,7 @@ contains
   end function wave_numbers_of
 
   pure type(wave_numbers) function rough_numbers(piece, frequency) result(waves)
-    !! Those of `wave_numbers_of` with shear, in binary64.
+    !! Return the same with shear in binary64.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp) :: u, sigma, difference, root
@@ -248,7 +247,7 @@ contains
   end function rough_numbers
 
   pure subroutine find_circular(angle, p, c, s, quarters)
-    !! C and S of a wave that propagates, and its whole quarter turns.
+    !! Find C and S of a propagating wave, and its whole quarter cycles.
     type(dd), intent(in) :: angle                !! ph ≥ 0
     real(dp), intent(in) :: p
     real(dp), intent(out) :: c, s
@@ -259,7 +258,7 @@ contains
     rest = angle - dd_pi*(0.5_dp*quarters)
     cosine = cos(rest%hi) - rest%lo*sin(rest%hi)
     sine = sin(rest%hi) + rest%lo*cos(rest%hi)
-    if (sine < 0.0_dp .or. cosine < 0.0_dp) then   ! at a quarter turn the quotient was rounded across it
+    if (sine < 0.0_dp .or. cosine < 0.0_dp) then   ! the quotient was rounded across a quarter cycle
       quarters = quarters + merge(1, -1, cosine < 0.0_dp)
       rest%hi = sine
       sine = merge(-cosine, cosine, cosine < 0.0_dp)
@@ -283,7 +282,7 @@ contains
   end subroutine find_circular
 
   elemental subroutine circular(angle, cosine, sine)
-    !! Of any angle.
+    !! Compute cosine and sine of any angle.
     type(dd), intent(in) :: angle
     real(dp), intent(out) :: cosine, sine
     integer :: quarters
@@ -296,11 +295,11 @@ contains
   end subroutine circular
 
   elemental subroutine find_exponential(half, q, c, s, w)
-    !! C and S over cosh qh of a pair of exponentials.
+    !! Find C and S over cosh qh of a pair of exponentials.
     real(dp), intent(in) :: half, q
     real(dp), intent(out) :: c, s, w
-    real(dp), parameter :: nothing = 20.0_dp       !! qh from which tanh qh is 1
-    real(dp), parameter :: little = 0.5_dp         !! qh below which 1 − e^(−2qh) has lost digits
+    real(dp), parameter :: nothing = 20.0_dp       ! qh above which tanh qh is 1
+    real(dp), parameter :: little = 0.5_dp         ! qh below which 1 − e^(−2qh) loses digits
     real(dp) :: t, e
     c = 1.0_dp
     t = 1.0_dp

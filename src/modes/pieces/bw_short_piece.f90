@@ -1,23 +1,22 @@
 module bw_short_piece
-  !! The motions of a piece that is short beside its waves, as power series from its middle.
+  !! The motions of a piece that is short compared with its waves, as power series from its middle.
   !!
-  !! In t = x/h the state (v, hψ, h²M/B, h³N/B) obeys v' = ψ + cN, ψ' = M, M' = −N − bψ, N' = −av, a = mλh⁴/B,
-  !! b = Rh²/B, c = sB/h². Even motions start from v and from M in the middle, odd ones from ψ and from N, by amounts that are
-  !! those of the whole beam at the frequency and hardly depend on the piece, however short it is: elimination exchanges rows
-  !! by size, and so takes deflections from deflections and forces from forces. Were forces found from deflections, a mode that
-  !! hardly bends would have to be exact in the differences of what moves almost as a whole. As λ → 0 the motions become those
-  !! of a beam at rest, and no digit is lost.
+  !! In t = x/h the state (v, hψ, h²M/B, h³N/B) obeys v' = ψ + cN, ψ' = M, M' = −N − bψ, N' = −av, a = mλh⁴/B, b = Rh²/B, c =
+  !! sB/h². Even motions start from v and from M in the middle, odd ones from ψ and from N, in amounts typical of the whole beam
+  !! at the frequency, which hardly depend on the piece: elimination pivots by size, and so subtracts deflections from
+  !! deflections and forces from forces. If forces were computed from deflections, a mode that hardly bends the piece would need
+  !! exact differences of nearly equal motions. As λ → 0 the motions become static ones, without loss of digits.
   use bw_kinds, only: dp
   use bw_piece_waves, only: piece_frequency, piece_numbers
   implicit none (type, external)
   private
   public :: find_series, short_ends, starts, states_of_series, polynomial_states
 
-  integer, parameter, public :: series_terms = 11   !! of powers t^0, t^2, … or t^1, t^3, …: |z|h² ≤ ½ ends below 1e-18
+  integer, parameter, public :: series_terms = 11   !! of powers t^0, t^2, … or t^1, t^3, …: the rest is below 1e-18 for |z|h² ≤ ½
 
   type, public :: piece_series
-    !! Coefficients by state (v, ψ, M, N) and start, (terms, 4, 2): of even motions v and M belong to even powers of t, ψ
-    !! and N to odd ones; of odd motions the other way round. In physical units but for t.
+    !! Coefficients by state (v, ψ, M, N) and start, (terms, 4, 2): in even motions v and M have even powers of t, ψ and
+    !! N odd ones; in odd motions vice versa. In physical units except t.
     real(dp) :: even(series_terms, 4, 2) = 0.0_dp
     real(dp) :: odd(series_terms, 4, 2) = 0.0_dp
   end type piece_series
@@ -51,7 +50,7 @@ contains
   end subroutine find_series
 
   pure function starts(piece, frequency) result(start)
-    !! v, hψ, h²M/B and h³N/B in the middle, each of one motion.
+    !! Return v, hψ, h²M/B and h³N/B in the middle, each of one motion.
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp) :: start(4)
@@ -61,7 +60,7 @@ contains
   end function starts
 
   pure subroutine continue_even(a, b, c, f)
-    !! Higher coefficients from those of v and M in the middle.
+    !! Find higher coefficients from those of v and M in the middle.
     real(dp), intent(in) :: a, b, c
     real(dp), intent(inout) :: f(:, :)             !! (terms, 4)
     integer :: m
@@ -75,7 +74,7 @@ contains
   end subroutine continue_even
 
   pure subroutine continue_odd(a, b, c, f)
-    !! Higher coefficients from those of ψ and N in the middle.
+    !! Find higher coefficients from those of ψ and N in the middle.
     real(dp), intent(in) :: a, b, c
     real(dp), intent(inout) :: f(:, :)             !! (terms, 4)
     integer :: m
@@ -89,7 +88,7 @@ contains
   end subroutine continue_odd
 
   pure subroutine short_ends(series, even, odd)
-    !! States at t = 1.
+    !! Find the states at t = 1.
     type(piece_series), intent(in) :: series
     real(dp), intent(out) :: even(4, 2), odd(4, 2)
     integer :: m
@@ -102,17 +101,17 @@ contains
   end subroutine short_ends
 
   pure function states_of_series(series, amplitude) result(f)
-    !! Coefficients of a motion: even ones of v, ψ, M, N in columns 1 … 4, odd ones in 5 … 8.
+    !! Return the coefficients of a motion: even ones of v, ψ, M, N in columns 1 … 4, odd ones in 5 … 8.
     type(piece_series), intent(in) :: series
-    real(dp), intent(in) :: amplitude(4)           !! of the two even and the two odd motions
+    real(dp), intent(in) :: amplitude(4)           !! of two even and two odd motions
     real(dp) :: f(series_terms, 8)
     f(:, 1:4) = amplitude(1)*series%even(:, :, 1) + amplitude(2)*series%even(:, :, 2)
     f(:, 5:8) = amplitude(3)*series%odd(:, :, 1) + amplitude(4)*series%odd(:, :, 2)
   end function states_of_series
 
   pure function polynomial_states(f, t) result(state)
-    !! (v, ψ, M, N) at a place −1 ≤ t ≤ 1.
-    real(dp), intent(in) :: f(series_terms, 8)     !! of `states_of_series`
+    !! Return (v, ψ, M, N) at −1 ≤ t ≤ 1.
+    real(dp), intent(in) :: f(series_terms, 8)     !! from `states_of_series`
     real(dp), intent(in) :: t
     real(dp) :: state(4)
     real(dp) :: sum(8)

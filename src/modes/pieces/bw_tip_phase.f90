@@ -1,11 +1,11 @@
 module bw_tip_phase
-  !! How far modes are from a frequency, as phases at the tip tell.
+  !! The distance of modes from a frequency, from phases at the tip.
   !!
-  !! What is inside of the tip allows two motions there, deflections D with forces F. Scaled and turned together with what the
-  !! tip carries, they span a plane in which two directions have F = D tan φ, and φ is 0 at a mode. Both φ fall steadily with
-  !! frequency, the faster the more such a motion weighs: dφ/dβ² = −∫ρAv² + ρIψ² dx − what the tip carries, of a motion with
-  !! F² + D² = 1. In a beam that carries one wave from end to end they fall almost linearly, and one step finds the mode; where
-  !! a mode hardly reaches the tip they tell nothing of it, and the search begins without.
+  !! The beam inwards of the tip admits two motions there, deflections D with forces F. Scaled, and rotated together
+  !! with the load of the tip's attachments, they have two directions with F = D tan φ, and φ = 0 at a mode. Both φ
+  !! decrease monotonically with frequency: dφ/dβ² = −∫ρAv² + ρIψ² dx − the part of attachments, for a motion with F² +
+  !! D² = 1. In a beam with one wave from end to end they are almost linear, and one step finds the mode; a mode that
+  !! hardly reaches the tip is not visible there, and the search starts without them.
   use bw_constants, only: pi
   use bw_joint_elimination, only: joint_loads, solve
   use bw_kinds, only: dp
@@ -18,11 +18,11 @@ module bw_tip_phase
 contains
 
   pure subroutine foresee(system, probe, more, step)
-    !! About how much further in β² a mode is, from a frequency that was set up without drive. Its motion, as far as it shows
-    !! there, becomes the drive.
+    !! Estimate the distance of a mode in β² from a frequency set up without drive. Its motion, as far as visible at the
+    !! tip, becomes the drive.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
-    integer, intent(in) :: more                    !! number of the mode less that of those below
+    integer, intent(in) :: more                    !! number of the mode less the number of modes below
     real(dp), intent(out) :: step
     real(dp) :: phase(2), share(2, 2), turned(2, 2), fall(2), carried(2)
     integer :: j, n, which
@@ -30,10 +30,10 @@ contains
     associate (tip => system%beam%joint(n))
       call tip_phases(probe%factors%state(:, :, n), probe%loads(n), probe%unit(:, n), phase, share, turned)
       carried = [tip%mass%hi, tip%inertia%hi]
-      do j = 2, 1, -1                              ! most often the first is the nearer
+      do j = 2, 1, -1                              ! most often the first is nearer
         call move_freely(system, share(:, j), probe)
         fall(j) = probe%mass + sum(carried*(turned(:, j) - probe%motion(:, n)**2))
-        fall(j) = max(fall(j), epsilon(1.0_dp)*probe%mass)     ! of an immense body nothing else may be left
+        fall(j) = max(fall(j), epsilon(1.0_dp)*probe%mass)     ! with an immense body nothing else may remain
       end do
     end associate
     call mode_steps(phase, fall, more, step, which)
@@ -42,9 +42,9 @@ contains
   end subroutine foresee
 
   pure subroutine move_freely(system, share, probe)
-    !! A motion that meets all conditions but those at the tip.
+    !! Find a motion that satisfies all conditions except those at the tip.
     type(piece_system), intent(in) :: system
-    real(dp), intent(in) :: share(2)               !! of the two that there are
+    real(dp), intent(in) :: share(2)               !! of the two possible ones
     type(mode_probe), intent(inout) :: probe
     real(dp) :: tip(4)
     integer :: n
@@ -60,13 +60,13 @@ contains
   end subroutine move_freely
 
   pure subroutine tip_phases(state, load, unit, phase, share, turned)
-    !! Both φ at one frequency, and the motions that have them, scaled to F² + D² = 1.
+    !! Find both φ at one frequency, and their motions, scaled to F² + D² = 1.
     real(dp), intent(in) :: state(4, 2)          !! v, ψ, M and N of two motions
-    type(joint_loads), intent(in) :: load        !! of what the tip carries
-    real(dp), intent(in) :: unit(4)              !! sizes of v, ψ, M and N
+    type(joint_loads), intent(in) :: load        !! of the tip's attachments
+    real(dp), intent(in) :: unit(4)              !! scales of v, ψ, M and N
     real(dp), intent(out) :: phase(2)            !! φ, from 0 to π
-    real(dp), intent(out) :: share(2, 2)         !! of the two motions in that of each φ, (motion, φ)
-    real(dp), intent(out) :: turned(2, 2)        !! by how much φ falls with the mass and with the inertia at the tip, (2, φ)
+    real(dp), intent(out) :: share(2, 2)         !! of the two motions for each φ, (motion, φ)
+    real(dp), intent(out) :: turned(2, 2)        !! decrease of φ per mass and inertia at the tip, (2, φ)
     real(dp) :: plane(4, 2), sine(2, 2), cosine(2, 2), mixed(2, 2), axis(2, 2), size_of, along, angle
     integer :: j
     plane([1, 3], :) = turned_rows(state(1, :), state(4, :), unit(4)/unit(1), load%deflection)
@@ -82,7 +82,7 @@ contains
     cosine = matmul(transpose(plane(1:2, :)), plane(1:2, :)) - matmul(transpose(plane(3:4, :)), plane(3:4, :))
     sine = matmul(transpose(plane(1:2, :)), plane(3:4, :))
     sine = sine + transpose(sine)
-    mixed = 0.6_dp*cosine + 0.8_dp*sine          ! both have the same axes: so has any mixture
+    mixed = 0.6_dp*cosine + 0.8_dp*sine          ! both have the same axes, and so has any combination
     angle = 0.5_dp*atan2(2.0_dp*mixed(1, 2), mixed(1, 1) - mixed(2, 2))
     axis = reshape([cos(angle), sin(angle), -sin(angle), cos(angle)], [2, 2])
     do j = 1, 2
@@ -96,9 +96,9 @@ contains
   end subroutine tip_phases
 
   pure function turned_rows(motion, force, stiffness, load) result(rows)
-    !! D and F of one direction, turned so that F = 0 where the force is that of the load.
+    !! Return D and F of one direction, rotated so that F = 0 where the force equals that of the load.
     real(dp), intent(in) :: motion(2), force(2)
-    real(dp), intent(in) :: stiffness            !! size of force by size of motion
+    real(dp), intent(in) :: stiffness            !! scale of force over scale of motion
     real(dp), intent(in) :: load
     real(dp) :: rows(2, 2)
     real(dp) :: d(2), f(2), c, s
@@ -111,10 +111,10 @@ contains
   end function turned_rows
 
   pure subroutine mode_steps(phase, fall, more, step, which)
-    !! About how much further in β² a mode is, and which of the phases is then 0.
+    !! Estimate the distance of a mode in β², and which phase is 0 there.
     real(dp), intent(in) :: phase(2)
     real(dp), intent(in) :: fall(2)              !! −dφ/dβ²
-    integer, intent(in) :: more                  !! number of the mode less that of those below
+    integer, intent(in) :: more                  !! number of the mode less the number of modes below
     real(dp), intent(out) :: step
     integer, intent(out) :: which
     real(dp) :: way(2)

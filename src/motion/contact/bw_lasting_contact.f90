@@ -49,7 +49,7 @@ module bw_lasting_contact
     real(dp) :: largest_indentation = 0.0_dp      !! V l²/h
     real(dp) :: known_until = huge(1.0_dp)        !! the motion is unknown from then on
     logical :: out_of_range = .false.             !! because it overflows
-    logical :: cut = .false.                      !! because the most contacts are exceeded
+    logical :: cut = .false.                      !! because there are more contacts than requested
     logical :: lasting = .false.                  !! the last contact outlasts the record
     logical :: failed = .false.                   !! no force obeys the contact law
     logical :: captured = .false.                 !! the mass stayed at the end of the last contact
@@ -64,7 +64,7 @@ contains
     type(contact_law), intent(in) :: law
     type(dd), intent(in) :: omega
     type(demand_type), intent(in) :: demand
-    integer, intent(in) :: configurations         !! most of them
+    integer, intent(in) :: configurations         !! upper limit
     type(contact_run), intent(out) :: run
     type(lasting_contacts), intent(out) :: contacts
     type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest

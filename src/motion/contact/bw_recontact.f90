@@ -30,7 +30,7 @@ module bw_recontact
     type(contact_set), allocatable :: modes          !! unallocated: no lasting contact
     real(dp) :: known_until = huge(1.0_dp)        !! the motion is unknown from then on
     logical :: out_of_range = .false.             !! because it overflows
-    logical :: cut = .false.                      !! because the most contacts are exceeded
+    logical :: cut = .false.                      !! because there are more contacts than requested
     logical :: lasting = .false.                  !! the last contact outlasts the record
     real(dp) :: amplification = 1.0_dp            !! of relative input errors, by the contacts
     real(dp), private :: sway = 0.0_dp            !! largest displacement of the tip so far
@@ -54,7 +54,7 @@ contains
     real(dp), intent(in) :: restitution           !! e
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     real(dp), intent(in) :: longest               !! the record
-    integer, intent(in) :: most                   !! most contacts
+    integer, intent(in) :: most                   !! limit of contacts
     type(contacts_type), intent(out) :: contacts
     class(monitor_type), intent(inout), optional :: monitor   !! results are invalid if it requests a stop
     type(bundle_type) :: bundle
@@ -78,7 +78,7 @@ contains
     if (contacts%known_until == huge(longest) .and. bundle%last < longest) then
       contacts%out_of_range = .true.
       contacts%known_until = bundle%last
-      if (contacts%lasting) contacts%events = contacts%events(:size(contacts%events) - 1)     ! which ends later
+      if (contacts%lasting) contacts%events = contacts%events(:size(contacts%events) - 1)     ! drop the last, which ends later
       contacts%lasting = .false.
     end if
   end subroutine follow_contacts
@@ -165,7 +165,7 @@ contains
     real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
     type(bundle_type), intent(inout) :: bundle
     type(event_type), intent(in) :: event         !! listed if it is a contact
-    integer, intent(in) :: most                   !! most contacts
+    integer, intent(in) :: most                   !! limit of contacts
     type(contacts_type), intent(inout) :: contacts
     class(monitor_type), intent(inout), optional :: monitor
     type(segment_type) :: segment
