@@ -18,7 +18,7 @@ paths_in() {
   grep -o ']([^)#:]*[)#]' "$1" | sed 's/^](//; s/.$//'
   grep -o '`[^` <>*…$]*`' "$1" | tr -d '`' | grep -E "^((${folders%|})/.*|[^ ]*/[^/]+\.(f90|c|pf|py|sh|cmake)|bw_[a-z_0-9]+\.(f90|c))$"
 }
-for document in README.md docs/*.md tests/README.md tests/reference/README.md bench/README.md postproc/README.md; do
+for document in README.md docs/*.md docs/method/*.md tests/README.md tests/reference/README.md bench/README.md postproc/README.md; do
   while read -r path; do
     [ -e "$(dirname "$document")/$path" ] || [ -e "$path" ] || [ -e "src/$path" ] ||
       wrong "$document: $path is not there"

@@ -77,10 +77,10 @@ def test_the_arm(reports):
     stiffness, moving, ball = 3 * EI / LENGTH**3, 33 / 140 * MASS, 0.515
     reach = 2 * ball / (ball + moving) * math.sqrt((ball + moving) / stiffness)
     says(stiffness / 1e3, 1, "3EI/l³ = {} kN/m")
-    says(moving, 3, "tip, {} kg")
+    says(moving, 3, "its mass, {} kg")
     says(1e3 * reach, 1, "would deflect by {} mm")
     moment = stiffness * reach * LENGTH
-    says(moment, 0, "carry {} N m")
+    says(moment, 0, "root would be {} N m")
     says(moment * 0.01 / (EI / 70e9) / 1e6, 0, "a stress of {} MPa")
     arm, stop = results["arm"], results["arm_stop"]
     says(1e3 * float(np.abs(arm["displacement"]).max()), 1, "moves by {} mm")
@@ -101,15 +101,15 @@ def test_the_blade(reports):
     south = (frequency[-1] ** 2 - frequency[0] ** 2) / (speed[-1] / (2 * math.pi)) ** 2
     says(south, 2, "with S = {}")
     fit = np.sqrt(frequency[0] ** 2 + south * (speed / (2 * math.pi)) ** 2)
-    says(100 * np.max(1 - fit / frequency), 1, "is {} % low")
+    says(100 * np.max(1 - fit / frequency), 1, "up to {} % low")
     assert 1.0 < south < 2.0  # 1: a rigid blade that flaps about its root on the axis; the hub's radius and bending add to it
-    for mode, order, words in ((0, 3, "Mode 1 meets 3P at {} rpm"), (1, 3, "mode 2 at {} rpm")):
+    for mode, order, words in ((0, 3, "Mode 1 crosses 3P at {} rpm"), (1, 3, "mode 2 at {} rpm")):
         gap = blade["angular_frequency"].values[:, mode] - order * speed
         i = int(np.argmax(gap < 0))
         met = speed[i - 1] + (speed[i] - speed[i - 1]) * gap[i - 1] / (gap[i - 1] - gap[i])
         stated = float(re.search(words.replace("{}", r"(\d+)"), TEXT)[1])
         assert met * 30 / math.pi == pytest.approx(stated, abs=1.5), words  # straight between speeds 19 rpm apart, rounded
-    assert (blade["angular_frequency"].values[1:, 0] > speed[1:]).all()  # no mode meets 1P
+    assert (blade["angular_frequency"].values[1:, 0] > speed[1:]).all()  # no mode crosses 1P
 
 
 def test_the_clamp_is_the_one_that_the_records_were_made_with(reports):
@@ -127,7 +127,7 @@ def test_the_clamp_is_the_one_that_the_records_were_made_with(reports):
     modelled = rigid["modelled_angular_frequency"].values[0]
     off = 100 * (1 - rigid["measured_angular_frequency"].values[0] / modelled)
     order = np.argsort(modelled)
-    says(off[order[0]], 1, "{} % lower")
+    says(off[order[0]], 1, "is {} % below")
     says(off[order[4]], 1, "fifth only {} %")
 
 
