@@ -14,10 +14,10 @@ from benchmarks.problems import Problem, Row, digits, problems
 PROJECT = Path(__file__).parents[2]
 OPENING = """# Benchmarks
 
-Problems with published answers, beside those of beamwave. Each scene is in [input/benchmarks/](../input/benchmarks);
-`PYTHONPATH=bench .venv/bin/python -m benchmarks` runs them and writes this page, and a test (`tests/scenes/test_benchmarks.py`) holds the
-numbers to it. A difference below half a unit of the last published digit is called *rounding*. How accurate the program is beyond published
-digits is in [numbers.md](numbers.md).
+Problems with published answers, compared with those of beamwave. The scenes are in [input/benchmarks/](../input/benchmarks);
+`PYTHONPATH=bench .venv/bin/python -m benchmarks` runs them and writes this page; a test (`tests/scenes/test_benchmarks.py`) checks the
+numbers. A difference below half a unit of the last published digit is called *rounding*. [numbers.md](numbers.md) shows the accuracy of the program
+beyond published digits.
 """
 
 

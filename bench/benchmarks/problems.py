@@ -102,7 +102,7 @@ def chordwise() -> Problem:
     return Problem(
         "Rotating cantilever, in plane",
         "The same beam in the plane of rotation, at the slenderness √(Al²/I) = 70. The published values (H. H. Yoo and S. H. Shin, *J. Sound Vib.*\n"
-        "212 (1998) 807–828) include the Coriolis coupling of bending with axial motion, **which beamwave does not model**: it is up to 1.6 % high.\n"
+        "212 (1998) 807–828) include the Coriolis coupling of bending with axial motion, **which beamwave does not model**: its values are up to 1.6 % higher.\n"
         "The report of a run estimates this difference in its line `left out`.",
         ["chordwise"], rows)
 
@@ -119,9 +119,9 @@ def tapering() -> Problem:
         rows += modes_of(f"taper_vpcs_{ratio}", f"height 4:1, width {ratio}:1, ", [table], 5e-4)
     return Problem(
         "Tapering cantilevers",
-        "A rectangle whose width and height shrink linearly to the part shown, in √(EI/ρAl⁴) of the root; the values with many digits are those\n"
-        "of Frobenius's method. Then SDLL09 of the French guide VPCS, in √(Eh²/12ρl⁴) with the height h of the tip: H. H. Mabie and C. B. Rogers,\n"
-        "*J. Acoust. Soc. Am.* 51 (1972) 1771–1774. Its digits are those of 1972; the tests compare beamwave with Ritz's method in 200 digits.",
+        "First a rectangle whose width and height decrease linearly to the fraction shown, in √(EI/ρAl⁴) of the root; values with many digits are from\n"
+        "Frobenius's method. Then SDLL09 of the French guide VPCS, in √(Eh²/12ρl⁴) with the height h of the tip: H. H. Mabie and C. B. Rogers,\n"
+        "*J. Acoust. Soc. Am.* 51 (1972) 1771–1774. Its digits are those of 1972; the tests compare beamwave with the Ritz method in 200 digits.",
         [*published, "taper_vpcs_4", "taper_vpcs_5"], rows)
 
 
@@ -133,7 +133,7 @@ def spring_stop() -> Problem:
     return Problem(
         "A hinged beam meets a spring",
         "SDNL32 of VPCS, also V5.02.032 of code_aster, which states deviations of up to 0.8 % from the guide: a beam turns at 3.8 rad/s about\n"
-        "its hinged root, and from t = 0 its tip pushes a spring of 18 kN/m. Reference: the sum of 400 modes in 30 digits, Euler–Bernoulli without damping.",
+        "its hinged root, and at t = 0 its tip meets a spring of 18 kN/m. Reference: the sum of 400 modes in 30 digits, Euler–Bernoulli without damping.",
         ["spring_stop"], rows)
 
 
@@ -148,8 +148,8 @@ def deep_beam() -> Problem:
             Row("harmonic: steady, m", "13.45e-3", value("deep_beam_tone", late), 0.01)]
     return Problem(
         "A deep beam between pins",
-        "Test 5 of NAFEMS, *Selected Benchmarks for Forced Vibration* (R0016): a beam of 2 m × 2 m × 10 m with shear, 2 % damping and 1 MN/m, as a\n"
-        "step and as a harmonic load at 42.65 Hz. A uniform load is an acceleration of the base.",
+        "Test 5 of NAFEMS, *Selected Benchmarks for Forced Vibration* (R0016): a beam of 2 m × 2 m × 10 m with shear, 2 % damping and a uniform load of 1 MN/m,\n"
+        "applied as a step and harmonically at 42.65 Hz. The load is represented by an acceleration of the base.",
         ["deep_beam_step", "deep_beam_tone"], rows)
 
 
@@ -162,7 +162,7 @@ def timoshenko() -> Problem:
                 value("timoshenko", lambda ds: 1 - ds["event_impulse"][0] / (ds["impact_mass"] * ds["impact_approach_velocity"])), 1e-3)]
     return Problem(
         "A ball strikes a beam between pins",
-        "A steel ball of 1 cm radius strikes the middle of a beam of 1 cm × 1 cm × 15.35 cm with 1 cm/s: S. Timoshenko, *Z. Math. Phys.* 62 (1913)\n"
+        "A steel ball of 1 cm radius strikes the middle of a beam of 1 cm × 1 cm × 15.35 cm at 1 cm/s: S. Timoshenko, *Z. Math. Phys.* 62 (1913)\n"
         "198–209.",
         ["timoshenko"], rows)
 
@@ -180,9 +180,9 @@ def infinite_beam() -> Problem:
             rows.append(Row(f"Λ = {number:g}: {what}", text, value("infinite_beam", pick), 1.2 * half_digit(text)))
     return Problem(
         "Hertzian impact on an infinite beam",
-        "A sphere strikes an infinite beam. With T = (m/(K√V))^⅖ all depends on Λ = m/(ρA√(2πhT)) alone: the indentation obeys\n"
+        "A sphere strikes an infinite beam. With T = (m/(K√V))^⅖ the problem depends only on Λ = m/(ρA√(2πhT)): the indentation obeys\n"
         "x'' = −x^(3/2) − Λ d²/dτ² ∫x^(3/2)√(τ − s)ds (C. Zener, *Phys. Rev.* 59 (1941) 669–673, for plates; E. H. Lee, *J. Appl. Mech.* 7 (1940)\n"
-        "A129–A138, for beams), which was solved numerically. Duration in T, speed of the rebounding sphere in V (−: it goes on), force in K(VT)^(3/2).",
+        "A129–A138, for beams), which was solved numerically. Duration in T, rebound velocity of the sphere in V (negative: it moves on), force in K(VT)^(3/2).",
         ["infinite_beam"], rows)
 
 

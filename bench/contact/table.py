@@ -14,11 +14,11 @@ FIRST = "<!-- contact: bench/contact.sh writes from here -->"
 LEVELS = (1e-3, 1e-4, 1e-5, 1e-9)
 
 WORDS = """\
-## A contact that lasts, beside OpenSees and Exudyn
+## Contact of finite duration: OpenSees and Exudyn
 
-Made by `bench/contact.sh` ([bench/](../bench/README.md#a-contact-that-lasts) says how). All compute the same: a mass of 1 kg strikes the
-tip of the paper's beam at 1 m/s through a linear stop of 1e6 N/m, leaves it after 2.6 ms and meets it again; the displacement of midpoint and
-tip at {samples} times in {duration:g} s. Errors and times are counted as [above](#against-what-else-one-could-pick); the reference is
+Made by `bench/contact.sh` ([bench/](../bench/README.md#a-contact-that-lasts) describes it). All compute the same problem: a mass of 1 kg strikes the
+tip of the paper's beam at 1 m/s through a linear stop of 1e6 N/m, leaves it after 2.6 ms and meets it again. Compared are the displacements of midpoint and
+tip at {samples} times in {duration:g} s, with errors and times as [above](#comparison-with-other-methods). The reference is
 {reference}.{ratio}
 
 ![Error against seconds]({picture})
@@ -29,7 +29,7 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rows = measured["rows"]
     words = WORDS.format(**measured["problem"], reference=measured["reference"], ratio=ratio(rows), picture=picture)
-    return "\n\n".join([words.strip(), measured_with(measured["machine"]), summary(rows, PEERS, LEVELS), "Every size that was run:", details(rows)])
+    return "\n\n".join([words.strip(), measured_with(measured["machine"]), summary(rows, PEERS, LEVELS), "All sizes:", details(rows)])
 
 
 def ratio(rows: list[dict[str, Any]]) -> str:
@@ -43,7 +43,7 @@ def ratio(rows: list[dict[str, Any]]) -> str:
     if not found:
         return ""
     return (
-        " In the time of its whole process, with files, beamwave's error is smaller than the best of the others by a factor of "
+        " In the time of its whole process, including files, beamwave's error is smaller than the best of the others by a factor of "
         f"{min(found):.0e} to {max(found):.0e}.".replace("e+0", "e")
     )
 

@@ -13,11 +13,11 @@ FIRST = "<!-- effects: bench/effects.sh writes from here -->"
 WORDS = """\
 ## What each effect costs
 
-Made by `bench/effects.sh` ([bench/](../bench/README.md#effects) says how). The paper's scene (γ = 0.2, ω = 50 rad/s, {modes} modes
-before and after the capture, {samples} samples at midpoint and tip) is run alone and with one effect more. Valgrind counts the
-instructions of the whole run; those of `beamwave --version` are taken off. Times are those of all stages but writing, medians of
-{runs} runs in turns. The procedures of an effect that a scene does not name are not entered;
-`tests/scenes/test_absent_effects.py` looks for them one by one.
+Made by `bench/effects.sh` ([bench/](../bench/README.md#effects) describes it). The paper's scene (γ = 0.2, ω = 50 rad/s, {modes} modes
+before and after the capture, {samples} samples at midpoint and tip) is run alone and with one additional effect. Valgrind counts the
+instructions of the whole run; those of `beamwave --version` are subtracted. Times are those of all stages except writing, medians of
+{runs} interleaved runs. The procedures of an absent effect are never called;
+`tests/scenes/test_absent_effects.py` checks each of them.
 
 ![Instructions and seconds with each effect]({picture})
 """

@@ -14,10 +14,10 @@ FIRST = "<!-- growth: bench/growth.sh writes from here -->"
 WORDS = """\
 ## How time and memory grow
 
-Made by `bench/growth.sh` ([bench/](../bench/README.md#growth) says how). Each size is a run of `beamwave run` as a process of
-its own. The tables give its CPU seconds, medians of up to {rounds} runs in turns, and the peak of its memory. A cost grows as
-the size to the power that the first table gives; it is that of the largest {largest} sizes, start-up taken off. Memory should
-stay below twice the result plus 200 MB: this is its bound.
+Made by `bench/growth.sh` ([bench/](../bench/README.md#growth) describes it). Each size is a run of `beamwave run` as a process of
+its own. The tables give its CPU seconds, medians of up to {rounds} interleaved runs, and its peak memory. The first table gives
+the power of the size to which a cost grows, from the largest {largest} sizes without start-up. The bound of the memory is
+twice the result plus 200 MB.
 
 ![Time and memory against modes, samples and points]({picture})
 """
@@ -28,12 +28,12 @@ def section(measured: dict[str, Any], picture: str) -> str:
     rounds = max(row["runs"] for row in measured["rows"])
     words = WORDS.format(rounds=rounds, largest=LARGEST, picture=picture)
     about, rows = measured_with(measured["machine"]), measured["rows"]
-    return "\n\n".join([words.strip(), about, slopes(rows), "Every size:", details(rows)])
+    return "\n\n".join([words.strip(), about, slopes(rows), "All sizes:", details(rows)])
 
 
 def slopes(rows: list[dict[str, Any]]) -> str:
     """One row for each axis."""
-    body = [["grows", "besides", "to", "time as size to the", "memory as size to the", "memory over its bound at most"]]
+    body = [["varied", "fixed", "up to", "power of time", "power of memory", "largest memory over its bound"]]
     for axis in AXES:
         own = [row for row in rows if row["axis"] == axis.name]
         powers = [f"{slope(own, name):.2f}" for name in ("cpu_seconds", "memory_bytes")]

@@ -14,10 +14,10 @@ FIRST = "<!-- large records: bench/large_records.sh writes from here -->"
 WORDS = """\
 ## Large records
 
-Made by `bench/large_records.sh` ([bench/](../bench/README.md#large-records) says how). Each size is a run of `beamwave run` as a
-process of its own, on a record with {lines} lines in white noise. The tables give its CPU seconds, reading included, and the peak of
-its memory beside the record's samples in double precision. Where its wall seconds are many more, other work shared the cores, and
-the CPU seconds are more than those of an idle machine too.
+Made by `bench/large_records.sh` ([bench/](../bench/README.md#large-records) describes it). Each size is a run of `beamwave run` as a
+process of its own, on a record with {lines} lines in white noise. The tables give its CPU seconds, including reading, its peak memory,
+and the size of the samples in double precision. If wall seconds are much larger, other work shared the cores, and
+the CPU seconds are larger than on an idle machine, too.
 
 ![Time and memory against samples and sensors]({picture})
 """
@@ -34,12 +34,12 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rows = measured["rows"]
     words = WORDS.format(lines=LINES, picture=picture)
-    return "\n\n".join([words.strip(), measured_with(measured["machine"]), powers(rows), "Every size:", details(rows)])
+    return "\n\n".join([words.strip(), measured_with(measured["machine"]), powers(rows), "All sizes:", details(rows)])
 
 
 def powers(rows: list[dict[str, Any]]) -> str:
     """How time and memory grow along each axis."""
-    body = [["grows", "besides", "to", "time as size to the", "memory as size to the"]]
+    body = [["varied", "fixed", "up to", "power of time", "power of memory"]]
     for axis in AXES:
         own = [row for row in rows if row["axis"] == axis.name]
         slopes = [f"{slope(own, name):.2f}" for name in ("cpu_seconds", "memory_bytes")]

@@ -10,7 +10,7 @@ from peers.summary import seconds_to_reach
 HEAD = """\
 ## What matters
 
-Times are those of one core of the machine [below](#where-it-was-measured). The sections say how each number was measured."""
+All times are for one core of the machine [below](#where-it-was-measured). The sections say how each number was measured."""
 
 
 def what_matters(measured: dict[str, Any], document: str) -> str:
@@ -29,7 +29,7 @@ def hard_cases(document: str) -> str:
     if not (root and shape and motion):
         return ""
     return (
-        f"- **Digits.** [{len(worst)} hard cases](#hard-cases) are compared with references of 50 digits or more, and each keeps its bound. "
+        f"- **Digits.** [{len(worst)} hard cases](#hard-cases) are compared with references of 50 digits or more, and all errors are within their bounds. "
         f"Roots of modes 1 to 10⁸ are off by at most {root} units in the last place, shapes by {shape}, and the displacement "
         f"up to 10⁹ s by {motion} of its peak."
     )
@@ -53,11 +53,11 @@ def speed(data: dict[str, Any]) -> str:
     elements = min((row for name in peers(data) if "Hermite" in name for row in curve(name)), key=lambda row: row["error"])
     ours, best = "beamwave", "numpy + FINUFFT"
     return (
-        f"- **Time to an answer.** [The paper's beam after the capture](#against-what-else-one-could-pick), two points, "
-        f"{grouped(data['problem']['samples'])} times: beamwave takes {milliseconds(ours, 1e-6)} to an error of 1e-6 and {milliseconds(ours, 1e-9)} to 1e-9; "
-        f"the whole process, with its file, takes {milliseconds('beamwave, whole process', 1e-9)}. A careful program in {best} takes "
-        f"{milliseconds(best, 1e-6)} and {milliseconds(best, 1e-9)}. Finite elements get no closer than {short(elements['error'])}, "
-        f"which takes {1e3 * elements['cpu_seconds']:.3g} ms."
+        f"- **Time to an answer.** [The paper's beam after the capture](#comparison-with-other-methods), two points, "
+        f"{grouped(data['problem']['samples'])} times: beamwave takes {milliseconds(ours, 1e-6)} for an error of 1e-6 and {milliseconds(ours, 1e-9)} for 1e-9; "
+        f"the whole process, including its file, takes {milliseconds('beamwave, whole process', 1e-9)}. A careful program in {best} takes "
+        f"{milliseconds(best, 1e-6)} and {milliseconds(best, 1e-9)}. Finite elements reach {short(elements['error'])} at best, "
+        f"in {1e3 * elements['cpu_seconds']:.3g} ms."
     )
 
 
@@ -67,9 +67,9 @@ def contact(data: dict[str, Any]) -> str:
     own = min((row for row in known if row["peer"] == "beamwave, whole process"), key=lambda row: row["error"])
     other = min((row for row in known if not row["peer"].startswith("beamwave")), key=lambda row: row["error"])
     return (
-        f"- **A contact that lasts.** [Through a linear stop](#a-contact-that-lasts-beside-opensees-and-exudyn) beamwave gets within {short(own['error'])} "
-        f"of the displacement's peak in {1e3 * own['cpu_seconds']:.3g} ms, files included; {other['peer'].split(',')[0]}, with elements and time steps, "
-        f"within {short(other['error'])} in {other['cpu_seconds']:.2g} s."
+        f"- **Contact of finite duration.** [With a linear stop](#contact-of-finite-duration-opensees-and-exudyn) beamwave reaches an error of {short(own['error'])} "
+        f"of the displacement's peak in {1e3 * own['cpu_seconds']:.3g} ms, files included; {other['peer'].split(',')[0]}, with finite elements and time steps, "
+        f"{short(other['error'])} in {other['cpu_seconds']:.2g} s."
     )
 
 
@@ -97,7 +97,7 @@ def digits(data: dict[str, Any]) -> str:
         if 1e-3 in seconds and 1e-11 in seconds:
             growth = (seconds[1e-11] / seconds[1e-3]) ** (1.0 / 8.0) - 1.0
             means.append(f"{100 * growth:.0f} % more time with {grouped(int(samples))} samples")
-    return "- **A further digit** costs on average, [from 1e-3 to 1e-11](#what-accuracy-costs), " + " and ".join(means) + "."
+    return "- **A further digit** [from 1e-3 to 1e-11](#what-accuracy-costs) costs on average " + " and ".join(means) + "."
 
 
 def sizes(data: dict[str, Any]) -> str:
@@ -108,7 +108,7 @@ def sizes(data: dict[str, Any]) -> str:
         last = own[-1]
         said.append(f"{grouped(last['size'])} {axis} take {last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB")
         powers.append(f"{slope(own, 'cpu_seconds'):.2f}")
-    growth = f"Time grows as their numbers to the powers {', '.join(powers)}"
+    growth = f"Time grows as these numbers to the powers {', '.join(powers)}"
     return "- **Size.** [Large scenes](#how-time-and-memory-grow): " + "; ".join(said) + f". {growth}."
 
 
@@ -119,9 +119,9 @@ def sweeps(data: dict[str, Any]) -> str:
     ranks = data["ranks"]["rows"]
     shares = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
     return (
-        "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), and so many times those of a loop in numpy: "
+        "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), in brackets over those of a loop in numpy: "
         + ", ".join(said)
-        + f". Two processes of MPI take {', '.join(shares[::2])} of the time of one, two parts without MPI {', '.join(shares[1::2])}."
+        + f". Two MPI processes take {', '.join(shares[::2])} of the time of one, two parts without MPI {', '.join(shares[1::2])}."
     )
 
 
@@ -131,8 +131,8 @@ def effects(data: dict[str, Any]) -> str:
     said = [f"{name.removeprefix('with ')} {row['seconds'] / known[row['beside']]['seconds']:.2g}"
             for name, row in known.items() if name in ("with damping", "with stiffening", "with shear")]  # fmt: skip
     return (
-        "- **Effects.** With one more [the paper's scene](#what-each-effect-costs) takes so many times as long: " + ", ".join(said) + ". "
-        "One that a scene does not name costs nothing."
+        "- **Effects.** Run time of [the paper's scene](#what-each-effect-costs) with one more effect, over that without: " + ", ".join(said) + ". "
+        "An absent effect costs nothing."
     )
 
 
@@ -146,8 +146,8 @@ def lines(data: dict[str, Any]) -> str:
     return (
         f"- **Lines of records.** In {len(found)} of [{len(own)} kinds of noisy records](#lines-in-noise) the mean square errors of "
         f"frequency and decay are at most {worst:.3g} times the Cramér–Rao bound, and {100 * min(inside):.3g} to "
-        f"{100 * max(inside):.3g} % of the intervals of 95 % hold the truth. "
-        + ("Lines are missed: " + ", ".join(missed) + "." if missed else "No more than a hundredth of the lines is missed in any.")
+        f"{100 * max(inside):.3g} % of the 95 % intervals contain the true value. "
+        + ("Missed lines: " + ", ".join(missed) + "." if missed else "Nowhere are more than 1 % of the lines missed.")
     )
 
 

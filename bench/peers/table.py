@@ -14,15 +14,15 @@ FIRST = "<!-- peers: bench/peers.sh writes from here -->"
 LEVELS = (2e-3, 1e-6, 1e-9, 1e-10)
 
 WORDS = """\
-## Against what else one could pick
+## Comparison with other methods
 
-Made by `bench/peers.sh` ([bench/](../bench/README.md#the-peers) says how). All compute the same: the displacement of the paper's
+Made by `bench/peers.sh` ([bench/](../bench/README.md#the-peers) describes it). All compute the same quantity: the displacement of the paper's
 beam after the capture (γ = 0.2, ω = 50 rad/s) at midpoint and tip, at {samples} times in {duration:g} s, from the scene's
-numbers to the histories. Times are CPU seconds of one thread, medians of up to {rounds} runs in turns. The row `beamwave` counts
-its stages without start-up and files, since the others have none; the whole process has a row of its own.
+numbers to the histories. Times are CPU seconds of one thread, medians of up to {rounds} interleaved runs. The row `beamwave` counts
+its stages without start-up and files, which the others do not have; the whole process has a row of its own.
 
-The error is the largest of either history over its own peak. (A tolerance is over the larger peak, that of the tip, which is
-2.5 times the midpoint's.) It is measured against {reference}.
+The error is the largest of either history over its own peak. (A tolerance refers to the larger peak, that of the tip, which is
+2.5 times that of the midpoint.) The reference is {reference}.
 
 ![Error against seconds]({picture})
 """
@@ -33,7 +33,7 @@ def section(measured: dict[str, Any], picture: str) -> str:
     rounds = max(row.get("runs", 1) for row in measured["rows"])
     words = WORDS.format(**measured["problem"], reference=measured["reference"], rounds=rounds, picture=picture)
     about, rows = measured_with(measured["machine"]), measured["rows"]
-    return "\n\n".join([words.strip(), about, summary(rows, PEERS, LEVELS), "Every size that was run:", details(rows)])
+    return "\n\n".join([words.strip(), about, summary(rows, PEERS, LEVELS), "All sizes:", details(rows)])
 
 
 def summary(rows: list[dict[str, Any]], peers: tuple[Peer, ...], levels: tuple[float, ...]) -> str:

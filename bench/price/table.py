@@ -13,14 +13,13 @@ COARSE, FINE = 1e-3, 1e-11  # between which the aim is meant
 WORDS = """\
 ## What accuracy costs
 
-Made by `bench/price.sh` ([bench/](../bench/README.md#the-price-of-accuracy) says how): `beamwave accuracy` on `input/spectrum.nml`,
+Made by `bench/price.sh` ([bench/](../bench/README.md#the-price-of-accuracy) describes it): `beamwave accuracy` on `input/spectrum.nml`,
 and on the same scene with a short record. Errors are the largest of the displacement at midpoint and tip over the peak, against a
-converged run; the estimate is the run's own. Times are those of the stages up to the histories, medians of repeats in turns; +/- is
-half of the span of their middle half.
+converged run; the estimate is the run's own. Times are those of the stages up to the histories, medians of interleaved repeats; +/- is
+half their interquartile range.
 
-The aim is that from 1e-3 to 1e-11 each further digit costs at most a quarter more time. Down to 1e-5 few modes are summed, term by
-term, at a cost that grows with their number. That is far less than any transform costs, and so the step from there to the transform
-is large.
+The aim is that from 1e-3 to 1e-11 each further digit costs at most 25 % more time. Down to 1e-5 few modes are summed directly, at a
+cost proportional to their number. This is far cheaper than any transform, so that the step to the transform is large.
 
 ![Error against seconds]({picture})
 """
@@ -61,7 +60,7 @@ def trust(against: dict[str, float]) -> str:
 
 def details(rows: list[dict[str, Any]], resolved: float) -> str:
     """Every rung that was timed."""
-    body = [["asked for", "modes", "true error", "estimate", "ratio", "ms", "+/-", "modes %", "events %", "response %", "next digit"]]
+    body = [["requested", "modes", "true error", "estimate", "ratio", "ms", "+/-", "modes %", "events %", "response %", "next digit"]]
     for row in rows:
         if "seconds" in row:
             body.append(rung(row, resolved))

@@ -14,10 +14,10 @@ SURE = 3.0  # standard deviations of a difference that is more than noise
 WORDS = """\
 ## Lines in noise
 
-Made by `bench/records.sh` ([bench/](../bench/README.md#records) says how). Each tool is given the same seeded records of lines in
+Made by `bench/records.sh` ([bench/](../bench/README.md#records) describes it). All tools analyse the same seeded records of lines in
 noise, 512 samples each. The error is the mean square error of the frequencies, and of the decays, over the Cramér–Rao bound of the
-record; no unbiased estimate has less than 1, and {draws} draws scatter by about {scatter:.0f} %. Lines further away than a bin, or than
-five bounds, are missed, and are not in the error. What each is told beyond the record: {told}.
+record. No unbiased estimate has less than 1; {draws} draws scatter by about {scatter:.0f} %. A line found further away than a bin, or than
+five bounds, counts as missed and not in the error. Information given in addition to the record: {told}.
 
 ![Errors over the bound, and time]({picture})
 """
@@ -44,7 +44,7 @@ def errors(rows: list[dict[str, Any]]) -> str:
 def false_lines(rows: list[dict[str, Any]]) -> str:
     """Records of noise alone in which the program finds any line."""
     body = [[row["cell"], str(row["tried"]), percent(row["false"])] for row in rows if "false" in row]
-    return "Noise alone, with `false_alarm` = 0.01:\n\n" + table([["record", "draws", "with any line"], *body])
+    return "Noise alone, with `false_alarm` = 0.01:\n\n" + table([["record", "draws", "with false lines"], *body])
 
 
 def find(rows: list[dict[str, Any]], peer: str, cell: str) -> dict[str, Any]:
@@ -84,7 +84,7 @@ def verdict(rows: list[dict[str, Any]]) -> str:
 
 def details(rows: list[dict[str, Any]]) -> str:
     """Every row."""
-    body = [["record", "tool", "draws", "frequency", "decay", "missed", "too many a record", "inside 95 % intervals", "ms a record"]]
+    body = [["record", "tool", "draws", "frequency", "decay", "missed", "false lines a record", "inside 95 % intervals", "ms a record"]]
     for row in rows:
         if "draws" not in row:
             continue

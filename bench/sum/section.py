@@ -8,11 +8,11 @@ from common.document import measured_with, table
 
 FIRST = "<!-- sums: bench/sum.sh writes from here -->"
 
-HEAD = """## Modes and their sum beside numpy + FINUFFT
+HEAD = """## Modes and their sum: numpy + FINUFFT
 
-Made by `bench/sum.sh` ([bench/](../bench/README.md#modes-and-their-sum) says how), in one process on one core. Times are CPU time,
-medians of {repeats} runs in turns. The whole job is roots, shapes at midpoint and tip, and both histories. Errors are those of the
-sum at some samples, over the largest displacement, against the same sum term by term in extended precision. *Its way* is the
+Made by `bench/sum.sh` ([bench/](../bench/README.md#modes-and-their-sum) describes it), in one process on one core. Times are CPU time,
+medians of {repeats} interleaved runs. The whole job is roots, shapes at midpoint and tip, and both histories. Errors are those of the
+sum at some samples, over the largest displacement, against direct summation in extended precision. *Its way* is the
 faster of two ways to use FINUFFT: a transform for each of the two points (`pair`), or one for both points over times of either
 sign (`both sides`)."""
 

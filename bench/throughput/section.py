@@ -11,9 +11,9 @@ WAYS = ["beamwave", "numpy loop", "by products", "pool of 2"]
 
 HEAD = """## Throughput of sweeps
 
-Made by `bench/throughput.sh` ([bench/](../bench/README.md#throughput) says how). Rates are cases per CPU second of a core. Start-up
-and writing the result are included; numpy writes by netCDF4. The rate of the pool is that of each of its processes. beamwave has
-every case on the disk within two seconds, so that no kill loses it."""
+Made by `bench/throughput.sh` ([bench/](../bench/README.md#throughput) describes it). Rates are cases per CPU second of a core, including
+start-up and writing the result; numpy writes by netCDF4. The rate of the pool is that of each of its processes. beamwave saves
+every case to the disk within two seconds."""
 
 
 def section(measured: dict[str, Any]) -> str:
@@ -35,18 +35,18 @@ def rates(rows: list[dict[str, Any]]) -> str:
         factors = ", ".join(f"{speed[0] / other:.1f}" for other in speed[1:])
         lines.append([row["what"], *(f"{value:.0f}" for value in speed), factors])
     return (
-        "The loop computes a sine for every mode at every time, and so does the pool. *By products* is the loop with the addition "
+        "Loop and pool compute a sine for every mode at every time. *By products* is the loop with the addition "
         "theorem, so that BLAS sums the histories.\n\n" + table(lines)
     )
 
 
 def ranks(rows: list[dict[str, Any]]) -> str:
-    lines = [["sweep", "shared by", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
+    lines = [["sweep", "shared by", "cases", "start-up, s", "wall, s", "CPU, s", "wall over that of one process"]]
     for i, row in enumerate(rows):
         numbers = [row[name] for name in ("what", "by", "cases", "start_wall", "wall", "cpu")]
         lines.append([*map(str, numbers), f"{row['wall'] / rows[i - i % 2]['wall']:.2f}"])
     return (
-        "Start-up, of `mpirun` above all, is what 20 cases take, and is taken off. All processes put their cases into one "
+        "Start-up, mainly of `mpirun`, is the time of 20 cases, and is subtracted. All processes write into one "
         "file. Parts are commands with `--part`, which need no MPI.\n\n" + table(lines)
     )
 
@@ -54,30 +54,30 @@ def ranks(rows: list[dict[str, Any]]) -> str:
 def designs(rows: list[dict[str, Any]]) -> str:
     lines = [["cases of a sweep", "cases", "as a sweep, CPU s", "as rows of a table, CPU s", "more"]]
     lines += [[row["what"], str(row["cases"]), f"{row['sweep']:g}", f"{row['design']:g}", f"{row['ratio']:.2f}"] for row in rows]
-    return "A `&design` reads its table and finds quantiles; its cases are those of a sweep.\n\n" + table(lines)
+    return "A `&design` also reads its table and computes quantiles; the cases are those of a sweep.\n\n" + table(lines)
 
 
 def memory(rows: list[dict[str, Any]]) -> str:
     lines = [["cases", "CPU, s", "peak, MB"], *([str(row["cases"]), f"{row['cpu']:g}", f"{row['peak_mb']:g}"] for row in rows)]
-    return "Memory of a sweep of very small cases (one mode), against their number.\n\n" + table(lines)
+    return "Memory of a sweep of very small cases (one mode) against their number.\n\n" + table(lines)
 
 
 def predictions(rows: list[dict[str, Any]]) -> str:
-    lines = [["scene", "check says, s", "run took, s", "CPU, s", "says over CPU", "memory", "file"]]
+    lines = [["scene", "estimate, s", "wall, s", "CPU, s", "estimate over CPU", "memory", "file"]]
     for row in rows:
         numbers = [row["expected"], row["wall"], row["cpu"], float(f"{row['expected'] / row['cpu']:.2g}")]
         ratios = [row["memory_ratio"], row["size_ratio"]]
         lines.append([row["scene"], *(f"{number:g}" for number in numbers), *(f"{ratio:.2g}" for ratio in ratios)])
     return (
-        "What `beamwave check` expects, over what the run then takes: time (on an idle core, with start-up), memory and size of the "
-        "file. On busy cores only the CPU seconds mean something.\n\n"
+        "Estimates of `beamwave check` over the actual run: time (on an idle core, with start-up), memory and size of the "
+        "file. On busy cores only the CPU seconds are meaningful.\n\n"
         + table(lines)
     )
 
 
 def small_scenes(rows: list[dict[str, Any]]) -> str:
     lines = [["a small scene (20 modes, no history)", "CPU, ms"], *([row["what"], f"{row['ms']:g}"] for row in rows)]
-    return "What one of 200 small scenes costs, and what it costs to start the program alone.\n\n" + table(lines)
+    return "Cost of one of 200 small scenes, and of starting the program alone.\n\n" + table(lines)
 
 
 DRAWN = {"rows": rates, "designs": designs, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": small_scenes}

@@ -22,8 +22,8 @@ $first
 
 Made by \`cmake --build --preset default --target numbers_document\`, after \`cmake --preset default\`. Errors are against references of
 50 digits or more, computed from the same binary64 inputs ([tests/reference](../tests/reference/README.md)). The last column says how
-many numbers were compared. \`./test.sh\` prints the table anew, optimised and with floating-point traps, and fails where a bound is
-missed.
+many numbers were compared. \`./test.sh\` prints the table anew, optimised and with floating-point traps, and fails if a bound is
+exceeded.
 
 Measured on $(processor), $(uname -s), with $compiler, $libraries and the flags of the preset \`default\`.
 

@@ -99,7 +99,7 @@ def test_a_small_throughput_measures_every_part(program):
     words = [sys.executable, "-m", "throughput", "--small", "--beamwave", program]
     ended = subprocess.run(words, cwd=PROJECT / "bench", capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
-    for part in ["numpy loop", "very small cases", "`beamwave check` expects"]:
+    for part in ["numpy loop", "very small cases", "Estimates of `beamwave check`"]:
         assert part in ended.stdout
 
 
