@@ -25,7 +25,7 @@ module bw_scene_pieces
     integer :: struck = 1                          !! joint at which the mass strikes, with and without it
     real(dp) :: position = 1.0_dp                  !! ξ₀ of it
     type(beam_joint) :: captured                   !! what the captured mass adds to the joint
-    real(dp) :: lightness = 1.0_dp                 !! mass of the beam, if it replaces one on a free hub, over its own
+    real(dp) :: lightness = 1.0_dp                 !! factor on all masses, below 1 if the beam bounds one on a free hub
     type(piece_law), allocatable :: section(:)     !! variation of sections along tapering pieces; unallocated: uniform
   contains
     procedure, private :: same_struck

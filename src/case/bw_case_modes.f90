@@ -1,5 +1,5 @@
 module bw_case_modes
-  !! The modes of a case. Only this module knows by which method they are found.
+  !! The modes of a case, found by the method that its beam needs (bw_some_modes does the same for studies of many beams).
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_coupling, note_empty_bodies, note_growth, note_no_effect, note_unresolved
   use bw_case_result, only: case_modes

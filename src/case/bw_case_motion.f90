@@ -97,13 +97,13 @@ contains
           cycle
         end if
       end associate
-      call take_change(scene, changes(i), motion, monitor, modes_cache)
+      call apply_change(scene, changes(i), motion, monitor, modes_cache)
       if (monitor%stop_requested()) return
     end do
-    if (allocated(scene%recontact)) call meet_again(scene, motion, monitor)
+    if (allocated(scene%recontact)) call find_recontacts(scene, motion, monitor)
   end subroutine follow_motion
 
-  subroutine take_change(scene, change, motion, monitor, modes_cache)
+  subroutine apply_change(scene, change, motion, monitor, modes_cache)
     !! Apply a change and append the segment after it.
     type(scene_type), intent(in) :: scene
     type(change_type), intent(in) :: change
@@ -145,7 +145,7 @@ contains
     motion%timeline%events = [motion%timeline%events, release%event]
     call note_release(scene, release, motion)
     call note_rounding(motion)
-  end subroutine take_change
+  end subroutine apply_change
 
   type(energy_type) function energy_at(configuration, segment, elapsed) result(energy)
     !! Return the energy of the summed modes at a time after a segment's start.
@@ -160,7 +160,7 @@ contains
     call move_with_energy(configuration%set, elapsed, q, rate, energy)
   end function energy_at
 
-  subroutine meet_again(scene, motion, monitor)
+  subroutine find_recontacts(scene, motion, monitor)
     !! Find the contacts of a mass that rebounded.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
@@ -187,7 +187,7 @@ contains
     if (.not. allocated(contacts%modes)) return
     call move_alloc(contacts%modes, pressed%set)
     motion%modes%configuration = [motion%modes%configuration, pressed]
-  end subroutine meet_again
+  end subroutine find_recontacts
 
   pure subroutine in_seconds(scene, motion, contacts)
     !! Convert times of contacts and their errors to seconds. A contact that lasts to the end of the record ends exactly there.

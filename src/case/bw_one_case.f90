@@ -48,7 +48,7 @@ module bw_one_case
 
 contains
 
-  subroutine run_case(scene, layout, watch, monitor, cache, result, whole, planned)
+  subroutine run_case(scene, layout, watch, monitor, cache, result, completed, planned)
     !! Run a case, measured or simulated. A default tolerance that is out of reach is relaxed.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -56,46 +56,46 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     type(case_cache), intent(inout), target :: cache !! filled by other cases
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
+    logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
     type(case_motion), allocatable, intent(inout), optional :: planned
       !! its motion up to the histories (bw_case_tolerance), used up; unallocated: not planned yet
     type(scene_type) :: relaxed
     if (allocated(scene%record)) then
-      call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
+      call run_record_case(scene, layout, watch, monitor, cache%record, result, completed)
     else if (allocated(scene%contact)) then
       call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
-                            result, whole)
+                            result, completed)
     else if (changes_in_time(scene)) then
       call run_changing_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
-                             result, whole)
+                             result, completed)
     else
       if (is_loaded(scene)) then
-        call simulate_case(without_tolerance(scene), layout, watch, monitor, cache, result, whole, planned, scene)
+        call simulate_case(without_tolerance(scene), layout, watch, monitor, cache, result, completed, planned, scene)
       else
-        call simulate_case(scene, layout, watch, monitor, cache, result, whole, planned)
+        call simulate_case(scene, layout, watch, monitor, cache, result, completed, planned)
       end if
       if (allocated(result%error)) return
       relaxed = scene
-      do while (whole .and. .not. (scene%modes%asked .or. result%within))
+      do while (completed .and. .not. (scene%modes%asked .or. result%within))
         relaxed%modes%tolerance = relaxed_tolerance(max(relaxed%modes%tolerance, result%reached))
         if (is_missing(relaxed%modes%tolerance)) exit
         if (is_loaded(scene)) then
-          call simulate_case(relaxed, layout, watch, monitor, cache, result, whole, loaded=relaxed)
+          call simulate_case(relaxed, layout, watch, monitor, cache, result, completed, loaded=relaxed)
         else
-          call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
+          call simulate_case(relaxed, layout, watch, monitor, cache, result, completed)
         end if
       end do
     end if
-    if (whole .and. allocated(scene%frequency_response)) call answer_force(scene, layout, watch, monitor, cache, result, &
-                                                                            whole)
-    if (whole .and. scene%modes%modal_model .and. .not. allocated(result%error)) then
+    if (completed .and. allocated(scene%frequency_response)) call answer_force(scene, layout, watch, monitor, cache, result, &
+                                                                            completed)
+    if (completed .and. scene%modes%modal_model .and. .not. allocated(result%error)) then
       call find_modal_model(scene, merge(layout%modes, 0, result%mode_count > 0), monitor, result)
-      whole = .not. monitor%stop_requested()
+      completed = .not. monitor%stop_requested()
       call watch%lap(stage_modes)
     end if
   end subroutine run_case
 
-  subroutine answer_force(scene, layout, watch, monitor, cache, result, whole)
+  subroutine answer_force(scene, layout, watch, monitor, cache, result, completed)
     !! Add the frequency response to a result.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -103,16 +103,16 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_cache), intent(inout), target :: cache
     type(case_result), intent(inout) :: result
-    logical, intent(out) :: whole
+    logical, intent(out) :: completed
     type(part_monitor) :: part
     part = stage_part(monitor, case_shares(scene), answer_share)
     call find_frequency_response(scene, result%units, layout%junctions, layout%cases == 0, part, cache%motion%modes, &
                                  result%answer, result%notes, result%status)
-    whole = .not. monitor%stop_requested()
+    completed = .not. monitor%stop_requested()
     call watch%lap(stage_response)
   end subroutine answer_force
 
-  subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole, planned, loaded)
+  subroutine simulate_case(scene, layout, watch, monitor, cache, result, completed, planned, loaded)
     !! Simulate a case without lasting contacts or changes in time.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -120,7 +120,7 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     type(case_cache), intent(inout), target :: cache !! filled by other cases
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
+    logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
     type(case_motion), allocatable, intent(inout), optional :: planned   !! see `run_case`
     type(scene_type), intent(in), optional :: loaded   !! the scene with its loads and their tolerance; absent: no loads
     type(case_motion), allocatable :: motion
@@ -128,14 +128,14 @@ contains
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
     type(load_result), allocatable :: loads
-    type(string), allocatable :: foremost(:), validity(:)
+    type(string), allocatable :: leading_notes(:), validity(:)
     type(part_monitor) :: part
     type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
     logical :: planning
     call watch%start()
     share = case_shares(scene)
-    whole = .false.
+    completed = .false.
 
     planning = .false.
     if (present(planned)) then
@@ -169,15 +169,15 @@ contains
       call drop_errors(motion, errors)
       if (present(loaded)) then
         call add_loads(loaded, motion, part, cache%motion%modes, histories, errors, loads, result%error)
-        whole = allocated(result%error)
-        if (whole) return
+        completed = allocated(result%error)
+        if (completed) return
         if (monitor%stop_requested()) return
       end if
     end if
 
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
-      call note_history_errors(scene, histories%response, errors, foremost, validity)
+      call note_history_errors(scene, histories%response, errors, leading_notes, validity)
       call drop_undecided(scene, motion, histories, errors)
       call watch%lap(stage_response)
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
@@ -190,24 +190,24 @@ contains
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
     end if
-    whole = .true.
+    completed = .true.
     result%profile_points = layout%profile
-    call compose(scene, foremost, motion, histories, errors, spectrum, result)
+    call compose(scene, leading_notes, motion, histories, errors, spectrum, result)
     if (allocated(loads) .and. .not. allocated(scene%impact)) result%mode_count = loads%count
     call move_alloc(loads, result%loads)
   end subroutine simulate_case
 
-  subroutine compose(scene, foremost, motion, histories, errors, spectrum, result)
+  subroutine compose(scene, leading_notes, motion, histories, errors, spectrum, result)
     !! Collect the values of all stages. Large arrays are moved, not copied.
     type(scene_type), intent(in) :: scene
-    type(string), allocatable, intent(in) :: foremost(:)     !! notes that come first
+    type(string), allocatable, intent(in) :: leading_notes(:)     !! notes that come first
     type(case_motion), intent(inout) :: motion
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
     type(case_spectrum), intent(inout) :: spectrum
     type(case_result), intent(inout) :: result
     allocate (result%notes(0))
-    call add_notes(result%notes, foremost)
+    call add_notes(result%notes, leading_notes)
     call note_relaxed(scene, result%notes)
     call add_notes(result%notes, motion%modes%notes)
     call add_notes(result%notes, motion%notes)

@@ -135,15 +135,15 @@ contains
       part = piece%length%hi/size(x)
       tension(k) = tension(k) + part*sum((pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :)**2)
       taken(k) = taken(k) + part*sum(piece%compliance%hi*state(4, :)**2/elastic(k) + piece%rotary%hi*state(2, :)**2)
-      if (piece%rotary%hi > 0.0_dp) stretch(k) = stretch(k) + part/stretching(piece)*sum(((state(4, :) + held)/elastic(k))**2)
+      if (piece%rotary%hi > 0.0_dp) stretch(k) = stretch(k) + part/axial_stiffness(piece)*sum(((state(4, :) + held)/elastic(k))**2)
     end subroutine add_points
   end subroutine add_integrals
 
-  pure real(dp) function stretching(piece) result(stiffness)
+  pure real(dp) function axial_stiffness(piece) result(stiffness)
     !! Return EA = B ρA/(ρI).
     type(uniform_piece), intent(in) :: piece               !! with rotary inertia
     stiffness = piece%stiffness%hi*piece%mass%hi/piece%rotary%hi
-  end function stretching
+  end function axial_stiffness
 
   pure function midpoints(number) result(x)
     !! Return the midpoints of equal parts of [0, 1].

@@ -1,8 +1,8 @@
 module bw_change_of_bodies
   !! Changes of the bodies on a moving beam. The motion is projected onto the modes of the beam with the bodies that it
-  !! carries afterwards, weighted by the mass that is there before and after: M̄_kq̄_k = ∫ρAΦ̄_kv dx + Σ mΦ̄_kv_b +
-  !! JΨ̄_kψ_b, and likewise for velocities. An arriving body takes the motion of the beam, or brings a velocity u and no
-  !! rotation: this adds m(u − v̇_b)Φ̄_k − Jψ̇_bΨ̄_k to the modal momenta. A leaving body keeps its motion.
+  !! carries afterwards, weighted by all mass that is there afterwards: M̄_kq̄_k = ∫ρAΦ̄_kv dx + Σ mΦ̄_kv_b + JΨ̄_kψ_b,
+  !! and likewise for velocities. An arriving body takes the motion of the beam, or brings a velocity u and no rotation:
+  !! this adds m(u − v̇_b)Φ̄_k − Jψ̇_bΨ̄_k to the modal momenta. A leaving body keeps its motion.
   !!
   !! Arriving springs are unstressed at the current deflection and slope. They pull towards these with a constant force
   !! f_k = Σ k_vv_bΦ̄_k + k_θψ_bΨ̄_k, so the beam moves freely about an equilibrium. Its modal displacements
@@ -81,13 +81,13 @@ contains
       moved = moved + beyond(:, :, 1)
       moving = moving + beyond(:, :, 2)
     end if
-    push = blows(bodies, is .and. .not. was, moving)
+    push = relative_momenta(bodies, is .and. .not. was, moving)
     associate (before => configuration(from)%set, after => configuration(onto)%set)
       bent = state%q(:state%count)                  ! all of the displacement in these modes
       if (size(state%shape) > 0 .and. any(bodies%pull > 0.0_dp)) &
-        bent = seen_by(before, was, bodies, configuration, whole, monitor)/before%modal_mass
-      coming = brought(before, bent, bodies, is .and. .not. was, moved, moving, spin_squared)
-      leaving = brought(before, bent, bodies, was .and. .not. is, moved, moving, spin_squared, stretch)
+        bent = overlaps_with(before, was, bodies, configuration, whole, monitor)/before%modal_mass
+      coming = energy_of_bodies(before, bent, bodies, is .and. .not. was, moved, moving, spin_squared)
+      leaving = energy_of_bodies(before, bent, bodies, was .and. .not. is, moved, moving, spin_squared, stretch)
       potential = part_of_energy(before, state, .false.)
       potential%value = potential%value + state%level + coming(2)%value - leaving(2)%value
       event%energy_before = known_energy(energy_of(before, state) + coming(1) + coming(2))
@@ -96,14 +96,14 @@ contains
       end do
 
       later%count = count
-      later%q = seen_by(after, is, bodies, configuration, whole, monitor)
+      later%q = overlaps_with(after, is, bodies, configuration, whole, monitor)
       if (stops(monitor)) return
-      later%rate = seen_by(after, is, bodies, configuration, motion, monitor) + pushed_by(after, bodies, push)
+      later%rate = overlaps_with(after, is, bodies, configuration, motion, monitor) + modal_loads(after, bodies, push)
       if (stops(monitor)) return
       if (present(beyond)) then
-        associate (gain => max(0.0_dp, gains(bodies, was, is)))
-          later%q = later%q + pushed_by(after, bodies, gain*beyond(:, :, 1))
-          later%rate = later%rate + pushed_by(after, bodies, gain*beyond(:, :, 2))
+        associate (gain => max(0.0_dp, mass_gains(bodies, was, is)))
+          later%q = later%q + modal_loads(after, bodies, gain*beyond(:, :, 1))
+          later%rate = later%rate + modal_loads(after, bodies, gain*beyond(:, :, 2))
         end associate
       end if
       if (present(unsummed)) then
@@ -114,7 +114,7 @@ contains
       later%shape = state%shape(:0)
       later%q(count + 1:) = 0.0_dp
       later%rate(count + 1:) = 0.0_dp
-      if (any(is_bent(bodies) .and. is)) then
+      if (any(is_strained(bodies) .and. is)) then
         later%q(:count) = later%q(:count) - equilibrium_of(after, count, bodies, spring_forces(bodies, is))
         later%shape = [whole, shape_term(onto, is, -later%q(:count))]
       end if
@@ -125,7 +125,7 @@ contains
         later%level = -0.5_dp*(sum(after%modal_mass(:count)*after%beta_squared(:count)%hi*rest**2) &
                                + spin_squared*sum(bodies%mass*bodies%beside**2, mask=is))
       end if
-      if (any(is_bent(bodies) .and. is)) then       ! its shape is included
+      if (any(is_strained(bodies) .and. is)) then       ! its shape is included
         left = part_of_energy(after, later, .false.)
         later%level = potential%value - left%value
       end if
@@ -143,8 +143,8 @@ contains
     end associate
   end subroutine hand_over
 
-  function seen_by(modes, is, bodies, configuration, terms, monitor) result(sums)
-    !! Return ∫ρAΦ_kv dx + Σ mΦ_kv_b + JΨ_kψ_b of a motion, with the bodies before and after, (modes).
+  function overlaps_with(modes, is, bodies, configuration, terms, monitor) result(sums)
+    !! Return ∫ρAΦ_kv dx + Σ mΦ_kv_b + JΨ_kψ_b of a motion, with all bodies after the change, (modes).
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: is(:)
     type(body_type), intent(in) :: bodies(:)
@@ -156,23 +156,24 @@ contains
     sums = 0.0_dp
     do i = 1, size(terms)
       associate (term => terms(i), set => configuration(terms(i)%configuration)%set)
-        seen = set_seen(modes, set, term%amplitude)
+        seen = beam_overlaps(modes, set, term%amplitude)
         if (stops(monitor)) return
         sums = sums + seen &
-          + pushed_by(modes, bodies, max(0.0_dp, gains(bodies, term%there, is))*motions_at(bodies, configuration, terms(i:i)))
+          + modal_loads(modes, bodies, max(0.0_dp, mass_gains(bodies, term%there, is)) &
+                        *motions_at(bodies, configuration, terms(i:i)))
       end associate
     end do
   contains
-    function set_seen(onto, set, amplitude) result(seen)
+    function beam_overlaps(onto, set, amplitude) result(seen)
       !! Return the part of the beam.
       class(mode_set), intent(in) :: onto, set
       real(dp), intent(in) :: amplitude(:)
       real(dp) :: seen(onto%count)
       seen = onto%overlap_of_beam(set, amplitude, monitor)
-    end function set_seen
-  end function seen_by
+    end function beam_overlaps
+  end function overlaps_with
 
-  pure function pushed_by(modes, bodies, push) result(sums)
+  pure function modal_loads(modes, bodies, push) result(sums)
     !! Return the modal loads of forces and moments, or impulses, at the bodies, (modes).
     class(mode_set), intent(in) :: modes
     type(body_type), intent(in) :: bodies(:)
@@ -183,7 +184,7 @@ contains
     do b = 1, size(bodies)
       if (any(push(b, :) /= 0.0_dp)) sums = sums + matmul(modes%motion_at(bodies(b)%position), push(b, :))
     end do
-  end function pushed_by
+  end function modal_loads
 
   subroutine find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
     !! Find the generalised momenta of the first struck mode after the change, times its displacement there: of what it
@@ -199,7 +200,7 @@ contains
     k = size(amplitude)
     amplitude = 0.0_dp
     amplitude(k) = 1.0_dp
-    gain = gains(bodies, was, is)
+    gain = mass_gains(bodies, was, is)
     associate (seen => before%overlap_of_beam(after, amplitude), n => state%count)
       momenta = [accurate_sum(seen(:n)*state%rate(:n)), 0.0_dp]
     end associate
@@ -235,7 +236,7 @@ contains
     end do
   end function motions_at
 
-  pure function gains(bodies, was, is) result(gain)
+  pure function mass_gains(bodies, was, is) result(gain)
     !! Return the increase of mass and inertia at a place, stored with the first body there, (bodies, 2). If a body
     !! replaces another, only the difference counts.
     type(body_type), intent(in) :: bodies(:)
@@ -250,9 +251,9 @@ contains
       gain(a, 1) = gain(a, 1) + merge(bodies(b)%mass, 0.0_dp, is(b)) - merge(bodies(b)%mass, 0.0_dp, was(b))
       gain(a, 2) = gain(a, 2) + merge(bodies(b)%inertia, 0.0_dp, is(b)) - merge(bodies(b)%inertia, 0.0_dp, was(b))
     end do
-  end function gains
+  end function mass_gains
 
-  pure function blows(bodies, comes, moving) result(push)
+  pure function relative_momenta(bodies, comes, moving) result(push)
     !! Return the momentum, linear and angular, of bodies that arrive with a velocity, relative to the beam, (bodies, 2).
     type(body_type), intent(in) :: bodies(:)
     logical, intent(in) :: comes(:)
@@ -264,9 +265,9 @@ contains
       if (.not. comes(b) .or. is_missing(bodies(b)%velocity)) cycle
       push(b, :) = [bodies(b)%mass*(bodies(b)%velocity - moving(b, 1)), -bodies(b)%inertia*moving(b, 2)]
     end do
-  end function blows
+  end function relative_momenta
 
-  function brought(modes, bent, bodies, these, moved, moving, spin_squared, stretch) result(energy)
+  function energy_of_bodies(modes, bent, bodies, these, moved, moving, spin_squared, stretch) result(energy)
     !! Return kinetic and potential energy of some bodies, which arrive with unstressed springs, or leave.
     class(mode_set), intent(in) :: modes            !! before the change
     real(dp), intent(in) :: bent(:)                 !! modal displacements then
@@ -293,7 +294,7 @@ contains
                            energy_type(sum(part(3:)), projection_rounding*sum(abs(part(3:))))]
       end associate
     end do
-  end function brought
+  end function energy_of_bodies
 
   pure function energy_at(modes, bent, body, moved, spin_squared) result(energy)
     !! Return a body's centrifugal potential: across the beam, and along it, as bending and rotation move it inwards.
@@ -330,11 +331,11 @@ contains
     energy = energy_type(accurate_sum(parts), projection_rounding*sum(abs(parts)))
   end function part_of_energy
 
-  elemental logical function is_bent(body)
+  elemental logical function is_strained(body)
     !! Tell whether a body's springs are strained in a straight beam.
     type(body_type), intent(in) :: body
-    is_bent = any([body%stiffness, body%turning_stiffness]*body%unstressed /= 0.0_dp)
-  end function is_bent
+    is_strained = any([body%stiffness, body%turning_stiffness]*body%unstressed /= 0.0_dp)
+  end function is_strained
 
   pure function spring_forces(bodies, there) result(forces)
     !! Return the spring forces on a straight beam, and their moments, (bodies, 2).
@@ -363,7 +364,7 @@ contains
     real(dp), intent(in) :: forces(:, :)            !! and moments, (bodies, 2)
     real(dp) :: rest(count)
     real(dp) :: pushed(modes%count)
-    pushed = pushed_by(modes, bodies, forces)
+    pushed = modal_loads(modes, bodies, forces)
     rest = pushed(:count)
     where (modes%beta_squared(:count)%hi /= 0.0_dp)
       rest = rest/(modes%modal_mass(:count)*modes%beta_squared(:count)%hi)

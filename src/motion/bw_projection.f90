@@ -114,7 +114,7 @@ contains
       p%place%missing_energy = max(0.0_dp, p%place%missing_energy)*p%place%left**2
       p%place%mobility = max(0.0_dp, p%place%mobility)
       if (allocated(p%before%damping)) p%place%energy = p%place%energy + p%place%missing_energy
-      call find_doubt(source, after, p%place, p%lack)
+      call bound_errors(source, after, p%place, p%lack)
     end associate
   end subroutine project
 
@@ -321,7 +321,7 @@ contains
     of(:, rate_moved) = mass*drive*rate
   end subroutine find_far
 
-  pure subroutine find_doubt(source, after, place, lack)
+  pure subroutine bound_errors(source, after, place, lack)
     !! Bound the errors of the projected state due to modes beyond the last; unknown if none of the modes oscillates.
     class(mode_source), intent(in) :: source
     class(mode_set), intent(in) :: after
@@ -344,6 +344,6 @@ contains
     lack%q_doubt = blow/sqrt(place%square)
     lack%likely = min(1.0_dp, likely*place%part)
     lack%energy = place%missing_energy + 0.5_dp*source%gamma*spin(source)*size_of(1)**2/place%square
-  end subroutine find_doubt
+  end subroutine bound_errors
 
 end module bw_projection

@@ -84,7 +84,7 @@ contains
     associate (place => projection%place, gamma => projection%before%gamma)
       call take_body(projection, [place%displacement, place%velocity], speed, leaving, release)
       doubt(2) = sqrt(2.0_dp*place%missing_energy*place%mobility)
-      doubt(1) = 0.0_dp                          ! if unknown, see find_doubt
+      doubt(1) = 0.0_dp                          ! if unknown, see bound_errors of bw_projection
       if (place%square > 0.0_dp) doubt(1) = doubt(2)/sqrt(place%square)
       rounding = state_energy(after, projection%q_after, projection%rate_after, projection_rounding)
       energy = place%energy - leaving%value + leaving%rounding + rounding%rounding + gamma*(abs(place%velocity)*doubt(2) &

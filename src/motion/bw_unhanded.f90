@@ -42,17 +42,17 @@ contains
         shape = abs(after%motion_at(bodies(b)%position))
         do c = 1, 2
           blow = (inert(c) + elastic(c)/square)*abs(seen(:size(q), c))*reach
-          if (.not. brings) doubt(:, 2) = doubt(:, 2) + shape(:, c)*beyond(blow)
-          doubt(:, 1) = doubt(:, 1) + shape(:, c)*beyond(blow/sqrt(square))
+          if (.not. brings) doubt(:, 2) = doubt(:, 2) + shape(:, c)*rms_of_omitted(blow)
+          doubt(:, 1) = doubt(:, 1) + shape(:, c)*rms_of_omitted(blow/sqrt(square))
           if (is(b)) doubt(:, 1) = doubt(:, 1) + shape(:, c)*elastic(c)/square_after &
-            *beyond(abs(seen(:size(q), c))*reach/sqrt(square))
+            *rms_of_omitted(abs(seen(:size(q), c))*reach/sqrt(square))
         end do
       end do
     end associate
     doubt = doubt/spread(after%modal_mass, 2, 2)
   end function unhanded_motion
 
-  pure real(dp) function beyond(amplitude) result(sum_of_others)
+  pure real(dp) function rms_of_omitted(amplitude) result(sum_of_others)
     !! Return twice the rms of the sum of all terms beyond the given ones, with random phases.
     real(dp), intent(in) :: amplitude(:)
     real(dp), parameter :: least = 0.01_dp, most = 0.7_dp      ! tuned: ratio of squares per octave
@@ -65,6 +65,6 @@ contains
       if (earlier > 0.0_dp) ratio = min(most, max(least, last/earlier))
     end associate
     sum_of_others = sqrt(2.0_dp*last*ratio/(1.0_dp - ratio))
-  end function beyond
+  end function rms_of_omitted
 
 end module bw_unhanded

@@ -44,7 +44,7 @@ module bw_changing_case
 
 contains
 
-  subroutine run_changing_case(scene, layout, watch, monitor, cache, workspace, plan, result, whole)
+  subroutine run_changing_case(scene, layout, watch, monitor, cache, workspace, plan, result, completed)
     !! Run a case with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -54,7 +54,7 @@ contains
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
+    logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
     type(scene_type) :: counted
     type(case_motion) :: motion
     type(case_histories) :: histories
@@ -63,16 +63,16 @@ contains
     type(search_failure), target :: failure
     type(load_result), allocatable :: loads
     type(beam_state), allocatable :: before_event(:)   ! of the motion under loads
-    type(string), allocatable :: foremost(:), validity(:)
+    type(string), allocatable :: leading_notes(:), validity(:)
     integer :: handing
-    whole = .false.
+    completed = .false.
     call watch%start()
     call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
     if (monitor%stop_requested()) return
     if (is_loaded(scene) .and. motion%modes%resolved .and. allocated(histories%response)) then
       call add_loads(scene, motion, monitor, cache, histories, errors, loads, result%error, before_event)
-      whole = allocated(result%error)
-      if (whole) return
+      completed = allocated(result%error)
+      if (completed) return
       if (monitor%stop_requested()) return
       call follow_changes(times_as_many(counted, handing), 8, handing, by_tolerance(scene%modes), motion, monitor, before_event)
       if (monitor%stop_requested()) return
@@ -80,7 +80,7 @@ contains
     if (motion%modes%resolved) then
       call note_validity(counted, motion, histories%response, validity)
       call note_losses(motion)
-      if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, foremost, validity)
+      if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, leading_notes, validity)
       if (by_tolerance(scene%modes) .and. errors%status == case_done) then
         motion%plan%within = motion%plan%reached <= scene%modes%tolerance
         call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', &
@@ -96,7 +96,7 @@ contains
       call watch%lap(stage_spectrum)
     end if
     allocate (result%notes(0))
-    call add_notes(result%notes, foremost)
+    call add_notes(result%notes, leading_notes)
     call add_notes(result%notes, motion%modes%notes)
     call add_notes(result%notes, validity)
     call add_notes(result%notes, motion%notes)
@@ -107,7 +107,7 @@ contains
     if (allocated(loads)) result%mode_count = max(result%mode_count, loads%count)
     call move_alloc(loads, result%loads)
     result%profile_points = layout%profile
-    whole = .true.
+    completed = .true.
   end subroutine run_changing_case
 
   subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
@@ -189,7 +189,7 @@ contains
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
     type(case_histories) :: half, other, quarter
-    type(case_motion) :: whole
+    type(case_motion) :: reduced
     type(history_errors) :: before, early            ! differences of half and a quarter, and of a quarter and an eighth
     integer :: eighths
     if (allocated(scene%response)) then
@@ -200,10 +200,10 @@ contains
     if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
     errors = history_errors(status=histories%status)
     call add_difference(histories%response, half%response, errors)
-    whole = motion
+    reduced = motion
     do eighths = 7, 3, -1
       if (eighths == 4 .or. size(motion%timeline%events) == 0) cycle
-      call run_eighths(scene, eighths, handing, limit, whole, watch, monitor, workspace, other)
+      call run_eighths(scene, eighths, handing, limit, reduced, watch, monitor, workspace, other)
       if (monitor%stop_requested()) return
       if (eighths > 4) then
         call add_difference(histories%response, other%response, errors)
@@ -211,10 +211,10 @@ contains
         call add_difference(half%response, other%response, before)
       end if
     end do
-    call run_eighths(scene, 2, handing, limit, whole, watch, monitor, workspace, quarter)
+    call run_eighths(scene, 2, handing, limit, reduced, watch, monitor, workspace, quarter)
     if (monitor%stop_requested()) return
     call add_difference(half%response, quarter%response, before)
-    call run_eighths(scene, 1, handing, limit, whole, watch, monitor, workspace, other)
+    call run_eighths(scene, 1, handing, limit, reduced, watch, monitor, workspace, other)
     if (monitor%stop_requested()) return
     call add_difference(quarter%response, other%response, early)
     call watch%lap(stage_response)

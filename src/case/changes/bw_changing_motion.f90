@@ -57,7 +57,7 @@ contains
     call begin(scene, motion, eighths, steps(1)%carried, now)
     do first = 2, size(steps)
       if (steps(first)%seconds > 0.0_dp) exit
-      call take_step(scene, steps(first), eighths, limit, motion, now, monitor)
+      call apply_event(scene, steps(first), eighths, limit, motion, now, monitor)
       if (monitor%stop_requested()) return
     end do
     if (present(loaded)) then
@@ -76,7 +76,7 @@ contains
         if (i - first + 1 > size(loaded)) exit       ! a mode under loads has overflowed
         call add_loaded(loaded(i - first + 1), now)
       end if
-      call take_step(scene, steps(i), eighths, limit, motion, now, monitor, present(loaded))
+      call apply_event(scene, steps(i), eighths, limit, motion, now, monitor, present(loaded))
       if (monitor%stop_requested()) return
       call add_segment(time, handing, motion, now)
     end do
@@ -181,7 +181,7 @@ contains
     end associate
   end subroutine add_loaded
 
-  subroutine take_step(scene, step, eighths, limit, motion, now, monitor, with_loads)
+  subroutine apply_event(scene, step, eighths, limit, motion, now, monitor, with_loads)
     !! Apply one event: an impact, or bodies that come and leave.
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
@@ -199,7 +199,7 @@ contains
     event%time = step%seconds
     event%end_time = step%seconds
     if (step%is_impact) then
-      call take_blow(scene, limit, motion, now, event, monitor)
+      call apply_impact(scene, limit, motion, now, event, monitor)
       motion%timeline%events = [motion%timeline%events, event]
       return
     end if
@@ -226,7 +226,7 @@ contains
     now%state = later
     now%configuration = next
     now%there = is
-  end subroutine take_step
+  end subroutine apply_event
 
   pure integer function kind_of_change(step, was, is) result(kind)
     !! Return the kind of an event at which bodies come or leave.
@@ -239,7 +239,7 @@ contains
     if (step%is_capture) kind = capture_event
   end function kind_of_change
 
-  subroutine take_blow(scene, limit, motion, now, event, monitor)
+  subroutine apply_impact(scene, limit, motion, now, event, monitor)
     !! Apply the impact. In the limit of infinitely many modes only the struck place changes its velocity, which takes no impulse.
     type(scene_type), intent(in) :: scene
     logical, intent(in) :: limit
@@ -280,6 +280,6 @@ contains
       impact%event = event
       call find_jump(modes, impact%modal_velocity, given%profile_points, monitor, motion%initial%velocity_jump)
     end associate
-  end subroutine take_blow
+  end subroutine apply_impact
 
 end module bw_changing_motion

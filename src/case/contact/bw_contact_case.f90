@@ -46,7 +46,7 @@ module bw_contact_case
 
 contains
 
-  subroutine run_contact_case(scene, layout, watch, monitor, cache, workspace, plan, result, whole)
+  subroutine run_contact_case(scene, layout, watch, monitor, cache, workspace, plan, result, completed)
     !! Run a case with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -56,24 +56,24 @@ contains
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                    !! false if the monitor requested a stop before the end
+    logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
     type(scene_type) :: counted
     type(case_motion) :: motion
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
     type(run_type), allocatable :: run
     type(search_failure), target :: failure
-    type(string), allocatable :: foremost(:), validity(:)
+    type(string), allocatable :: leading_notes(:), validity(:)
     type(placed_loads), allocatable :: loads
     type(load_result), allocatable :: acted
-    whole = .false.
+    completed = .false.
     call watch%start()
     if (is_loaded(scene)) then
       allocate (loads)
       associate (units => units_of(scene%beam))
         call courses_of(scene, units, loads%course, result%error)
-        whole = allocated(result%error)
-        if (whole) return
+        completed = allocated(result%error)
+        if (completed) return
         acted = applied(scene, loads%course, units)
       end associate
       call place_loads(scene, loads)
@@ -83,7 +83,7 @@ contains
     if (motion%modes%resolved) then
       call note_validity(counted, motion, run%response, validity)
       call note_contact(counted, motion%units, run%result, motion%timeline%events, validity)
-      call note_history_errors(counted, run%response, errors, foremost, validity)
+      call note_history_errors(counted, run%response, errors, leading_notes, validity)
       call note_lasting_contacts(scene, motion, run%result, run%cut, run%out_of_range, run%failed)
       if (by_tolerance(scene%modes) .and. errors%status == case_done) then
         motion%plan%within = motion%plan%reached <= scene%modes%tolerance
@@ -98,7 +98,7 @@ contains
       call watch%lap(stage_spectrum)
     end if
     allocate (result%notes(0))
-    call add_notes(result%notes, foremost)
+    call add_notes(result%notes, leading_notes)
     call add_notes(result%notes, motion%modes%notes)
     call add_notes(result%notes, validity)
     call add_notes(result%notes, motion%notes)
@@ -109,7 +109,7 @@ contains
     if (allocated(acted)) acted%count = result%mode_count
     call move_alloc(acted, result%loads)
     result%profile_points = layout%profile
-    whole = .true.
+    completed = .true.
   end subroutine run_contact_case
 
   subroutine follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
@@ -147,7 +147,7 @@ contains
       motion = case_motion(units=units_of(scene%beam))
       call find_modes(counted, motion%units, monitor, motion%modes, cache)
       if (monitor%stop_requested()) return
-      if (motion%modes%resolved) call see_beyond(motion%modes%configuration(alone))
+      if (motion%modes%resolved) call extend_modes(motion%modes%configuration(alone))
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
@@ -170,7 +170,7 @@ contains
       if (motion%plan%reached <= scene%modes%tolerance) exit
       if (resolves_contacts(motion, run)) then
         fall = fall_of_force(run, half)
-        if (is_hopeless(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most, octaves, fall)) exit
+        if (is_unreachable(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most, octaves, fall)) exit
         octaves = octaves_to(scene%modes%tolerance, motion%plan%reached, fall)
       end if
       before = motion%plan%reached
@@ -187,7 +187,7 @@ contains
     call add_rounding(counted, motion, run%response, errors, run%rounding)
     motion%plan%reached = part_of_peak(run%response, errors)
   contains
-    subroutine see_beyond(configuration)
+    subroutine extend_modes(configuration)
       !! Extend a source to twice the summed modes, and take these from the extended basis.
       type(configuration_type), intent(inout) :: configuration
       logical :: extended
@@ -197,7 +197,7 @@ contains
       call configuration%source%find(first_numbers(counted%modes%before), configuration%set, monitor=monitor)
       if (monitor%stop_requested()) return
       call configuration%set%forget_rigid_waves()
-    end subroutine see_beyond
+    end subroutine extend_modes
 
     subroutine follow_part(divisor, followed)
       !! Follow the motion with 1/`divisor` of the modes.
@@ -242,7 +242,7 @@ contains
     if (fall > 0.0_dp .and. fall < 1.0_dp) octaves = max(1, ceiling(min(real(most, dp), log(reached/tolerance)/(-log(fall)))))
   end function octaves_to
 
-  pure logical function is_hopeless(reached, before, tolerance, count, most, octaves, fall)
+  pure logical function is_unreachable(reached, before, tolerance, count, most, octaves, fall)
     !! Tell whether the tolerance would need far more modes than the limit, at the observed rate of convergence or that of forces.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
@@ -250,14 +250,14 @@ contains
     real(dp), intent(in) :: fall                     !! ratio of force errors per octave; 1: unknown
     integer, parameter :: far = 3                    ! octaves
     real(dp) :: by_octave
-    is_hopeless = .false.
+    is_unreachable = .false.
     if (before >= huge(before) .or. count <= 4*first_count) return
-    is_hopeless = reached >= 0.999_dp*before
+    is_unreachable = reached >= 0.999_dp*before
     if (fall >= 1.0_dp) return
     by_octave = -log(max(fall, tiny(fall)))
-    if (.not. is_hopeless) by_octave = max(by_octave, log(before/reached)/octaves)
-    is_hopeless = log(reached/tolerance)/by_octave > log(real(most, dp)/count)/log(2.0_dp) + far
-  end function is_hopeless
+    if (.not. is_unreachable) by_octave = max(by_octave, log(before/reached)/octaves)
+    is_unreachable = log(reached/tolerance)/by_octave > log(real(most, dp)/count)/log(2.0_dp) + far
+  end function is_unreachable
 
   subroutine compose(scene, motion, run, errors, spectrum, result)
     !! Collect the values of all stages. Large arrays are moved, not copied.

@@ -73,7 +73,7 @@ contains
     if (allocated(now%loads)) first%loads = now%loads
     now%run%captured = nothing_strikes(scene, first)
     if (now%run%captured) then
-      call begin_without(demand, first, now, contacts)
+      call start_without_mass(demand, first, now, contacts)
     else
       call begin_contacts(motion%modes%configuration(1)%set, scene%impact%mass_ratio, &
                           contact_law_of(scene%contact, motion%units, abs(unit_velocity(scene))), &
@@ -91,7 +91,7 @@ contains
         if (monitor%stop_requested()) return
         call show_residual(now%flexibility, contacts)
         if (now%run%failed .or. now%run%cut .or. now%run%in_range < time%hi) exit
-        if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor, loads)
+        if (now%run%captured) call capture_mass(scene, demand, motion, now, contacts, monitor, loads)
         if (monitor%stop_requested()) return
       end if
       if (i > size(steps)) exit
@@ -99,7 +99,7 @@ contains
         call note_late_change(steps(i)%seconds, motion)
         exit
       end if
-      call take_step(scene, demand, steps(i), time, motion, now, contacts, monitor, loads)
+      call apply_change(scene, demand, steps(i), time, motion, now, contacts, monitor, loads)
       if (monitor%stop_requested()) return
     end do
     call finish_contacts(now%run, demand, contacts)
@@ -115,7 +115,7 @@ contains
       nothing = first%speed == 0.0_dp .and. first%others == 0.0_dp .and. all(first%q == 0.0_dp) .and. all(first%rate == 0.0_dp)
   end function nothing_strikes
 
-  pure subroutine begin_without(demand, first, now, contacts)
+  pure subroutine start_without_mass(demand, first, now, contacts)
     !! Start the motion of a beam without a striking mass, at rest or not.
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(in) :: first
@@ -128,7 +128,7 @@ contains
     state%rate(demand%modes + 1:) = 0.0_dp
     allocate (state%shape(0))
     call add_segment(now, state, to_dd(0.0_dp), spread(0.0_dp*first%q, 2, 2), reshape([real(dp) ::], [0, 2]), contacts)
-  end subroutine begin_without
+  end subroutine start_without_mass
 
   subroutine find_flexibility(scene, motion, summed, now, monitor, loads)
     !! Find the residual flexibility of the current configuration under the contact force and under loads.
@@ -143,7 +143,7 @@ contains
                                           loads, monitor, now%loads, now%bodies%position, now%flexibility%of_loads)
   end subroutine find_flexibility
 
-  subroutine take_step(scene, demand, step, time, motion, now, contacts, monitor, loads)
+  subroutine apply_change(scene, demand, step, time, motion, now, contacts, monitor, loads)
     !! Apply one change: bodies that come or leave.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -172,7 +172,7 @@ contains
     end if
     event%kind = kind_of_change(step, now%there, presence(scene, carried))
     event%time = time%hi
-    call change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
+    call change_configuration(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
     if (monitor%stop_requested()) return
     contacts%events = [contacts%events, event]
     if (present(loads) .or. .not. now%run%captured) call find_flexibility(scene, motion, later%count, now, monitor, loads)
@@ -194,8 +194,8 @@ contains
                  bodies_after(set, later%count, scene%impact%mass_ratio, omega, later, held, &
                               moving_state(moved%u(mass:), moved%v(mass:), time), now%loads), now%flexibility%here, error, beyond)
     end associate
-    if (now%run%captured) call keep_mass(scene, demand, motion, now, contacts, monitor, loads)
-  end subroutine take_step
+    if (now%run%captured) call capture_mass(scene, demand, motion, now, contacts, monitor, loads)
+  end subroutine apply_change
 
   pure type(beam_state) function state_of(run, count) result(state)
     !! Return the state of the beam in a contact or a flight.
@@ -211,7 +211,7 @@ contains
     state%level = run%bodies%level
   end function state_of
 
-  subroutine change(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
+  subroutine change_configuration(scene, demand, carried, time, motion, now, contacts, later, event, error, beyond, monitor, loads)
     !! Project the motion onto the modes of the beam with the bodies that it carries from now on.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -260,11 +260,11 @@ contains
       call wide(next)%source%find(first_numbers(min(2*count, wide(next)%source%highest)), wide(next)%set, monitor=monitor)
       if (monitor%stop_requested()) return
       if (force(1) /= 0.0_dp .or. present(loads)) then
-        call find_unsummed(beam_of(scene, motion, now%configuration), configuration(now%configuration), now%state%count, force(1), &
-                           wide(next)%set, monitor, unsummed, load, loads)
+        call project_omitted(beam_of(scene, motion, now%configuration), configuration(now%configuration), now%state%count, &
+                             force(1), wide(next)%set, monitor, unsummed, load, loads)
         if (monitor%stop_requested()) return
       end if
-      call find_beyond(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
+      call project_octave(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
       if (monitor%stop_requested()) return
       if (allocated(unsummed)) unsummed = unsummed(:configuration(next)%set%count)
       call hand_over(configuration, now%configuration, now%state, now%there, next, count, is, now%bodies, spin_squared, later, &
@@ -279,9 +279,9 @@ contains
     now%configuration = next
     now%carried = carried
     now%there = is
-  end subroutine change
+  end subroutine change_configuration
 
-  subroutine find_beyond(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
+  subroutine project_octave(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
     !! Project the motion onto the next octave of modes after a change.
     type(configuration_type), intent(in) :: wide(:)  !! with that octave
     type(now_type), intent(in) :: now
@@ -301,9 +301,9 @@ contains
                    ignored, monitor, unsummed_at, unsummed)
     if (monitor%stop_requested()) return
     beyond = reshape([later%q(count + 1:), later%rate(count + 1:)], [size(later%q) - count, 2])
-  end subroutine find_beyond
+  end subroutine project_octave
 
-  subroutine find_unsummed(given, configuration, summed, force, after, monitor, unsummed, load, loads)
+  subroutine project_omitted(given, configuration, summed, force, after, monitor, unsummed, load, loads)
     !! Project the quasi-static deflection of the omitted modes onto the modes after a change.
     type(varying_beam), intent(in) :: given          !! before the change
     type(configuration_type), intent(in) :: configuration
@@ -330,7 +330,7 @@ contains
     pressed(:summed) = 0.0_dp
     pressed(summed + 1:) = pressed(summed + 1:)/(before%modal_mass(summed + 1:)*before%beta_squared(summed + 1:)%hi)
     unsummed = after%overlap_of_beam(before, pressed, monitor)
-  end subroutine find_unsummed
+  end subroutine project_omitted
 
   pure function last_force(contacts) result(force)
     !! Return the contact force and its rate at the end of the last segment; 0 in flight.
@@ -347,7 +347,7 @@ contains
     end associate
   end function last_force
 
-  subroutine keep_mass(scene, demand, motion, now, contacts, monitor, loads)
+  subroutine capture_mass(scene, demand, motion, now, contacts, monitor, loads)
     !! Capture the mass with its indentation. The energy stored in the contact and in omitted modes is lost.
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
@@ -369,8 +369,8 @@ contains
       end associate
       now%state = state_of(run, taking_part(motion, now%configuration, demand%modes))
       stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
-      call change(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, contacts, later, &
-                  event, error, beyond, monitor, loads)
+      call change_configuration(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, &
+                                contacts, later, event, error, beyond, monitor, loads)
       if (monitor%stop_requested()) return
       if (present(loads)) call find_flexibility(scene, motion, later%count, now, monitor, loads)
       if (monitor%stop_requested()) return
@@ -384,7 +384,7 @@ contains
       contacts%events = [contacts%events, event]
       call add_segment(now, later, run%bodies%state%time, error, beyond, contacts)
     end associate
-  end subroutine keep_mass
+  end subroutine capture_mass
 
   logical function advance(motion, time, contacts, now, monitor) result(happens)
     !! Move the state from the last segment to a time. Returns false if it has overflowed by then: no later event happens.

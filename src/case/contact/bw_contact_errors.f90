@@ -31,13 +31,13 @@ contains
     !! Estimate the errors of histories.
     type(run_type), intent(in) :: run, half
     type(history_errors), intent(inout) :: errors
-    real(dp) :: fall, octaves, told
+    real(dp) :: fall, octaves, share
     logical :: jumps
     jumps = any(run%timeline%events%kind == arrival_event .or. run%timeline%events%kind == departure_event &
                 .or. run%timeline%events%kind == exchange_event)
     octaves = octaves_between(run, half)
     fall = fall_of_force(run, half)**octaves
-    told = min(of_half, of_forces*fall)
+    share = min(of_half, of_forces*fall)
     associate (mine => run%response, beside => half%response, by => run%neglected, other => half%neglected)
       errors%displacement = error_of(mine%displacement, beside%displacement, by%displacement, other%displacement, 3)
       if (allocated(mine%velocity)) &
@@ -67,7 +67,7 @@ contains
         ratio = ratio**(1.0_dp/octaves)
         if (jumps) ratio = max(0.5_dp**power, ratio)
         ratio = min(most, ratio)
-        error = of_neglected*neglected/(1.0_dp - ratio) + told*max(hidden*error, error - by_half)
+        error = of_neglected*neglected/(1.0_dp - ratio) + share*max(hidden*error, error - by_half)
       else
         error = of_half*error
       end if
@@ -82,15 +82,16 @@ contains
     real(dp) :: growth
     growth = maxval([1.0_dp, growth_of_steps(run, half)])
     associate (response => run%response)
-      errors%displacement = errors%displacement + left_in(response%displacement, in_histories)
-      if (allocated(response%velocity)) errors%velocity = errors%velocity + left_in(response%velocity, in_histories)
+      errors%displacement = errors%displacement + step_error_in(response%displacement, in_histories)
+      if (allocated(response%velocity)) errors%velocity = errors%velocity + step_error_in(response%velocity, in_histories)
       if (allocated(response%bending_moment)) &
-        errors%bending_moment = errors%bending_moment + left_in(response%bending_moment, in_histories)
-      if (allocated(response%acceleration)) errors%acceleration = errors%acceleration + left_in(response%acceleration, in_forces)
-      if (allocated(response%shear_force)) errors%shear_force = errors%shear_force + left_in(response%shear_force, in_forces)
+        errors%bending_moment = errors%bending_moment + step_error_in(response%bending_moment, in_histories)
+      if (allocated(response%acceleration)) &
+        errors%acceleration = errors%acceleration + step_error_in(response%acceleration, in_forces)
+      if (allocated(response%shear_force)) errors%shear_force = errors%shear_force + step_error_in(response%shear_force, in_forces)
     end associate
   contains
-    pure function left_in(history, of_tolerance) result(error)
+    pure function step_error_in(history, of_tolerance) result(error)
       real(dp), intent(in) :: history(:, :)          !! (samples, points)
       real(dp), intent(in) :: of_tolerance
       real(dp) :: error(size(history, 2))
@@ -98,7 +99,7 @@ contains
       associate (known => history(:run%response%finite_samples, :))
         where (any(known /= 0.0_dp, dim=1)) error = growth*of_tolerance*run%step_tolerance*largest_magnitude(known)
       end associate
-    end function left_in
+    end function step_error_in
   end subroutine add_step_errors
 
   pure function growth_of_steps(run, half) result(growth)

@@ -59,13 +59,13 @@ contains
     neglected%struck = abs(unit_velocity(scene))*neglected%struck
     call find_loaded_segments(scene, beyond, monitor)
     if (monitor%stop_requested()) return
-    call look(deflections, neglected%displacement, neglected%velocity)
+    call find_largest(deflections, neglected%displacement, neglected%velocity)
     if (monitor%stop_requested()) return
     if (.not. scene%response%bending_moment) return
-    call look(curvatures, neglected%bending_moment)
+    call find_largest(curvatures, neglected%bending_moment)
     neglected%bending_moment = neglected%bending_moment*scale_of_moments(scene)
   contains
-    subroutine look(quantity, value, rate)
+    subroutine find_largest(quantity, value, rate)
       integer, intent(in) :: quantity
       real(dp), allocatable, intent(out) :: value(:)
       real(dp), allocatable, intent(out), optional :: rate(:)
@@ -78,7 +78,7 @@ contains
         if (present(rate) .and. scene%response%velocity) &
           rate = [(largest_magnitude(response%velocity(:n, p)), p=1, size(scene%response%points))]
       end associate
-    end subroutine look
+    end subroutine find_largest
   end subroutine find_neglected
 
   subroutine find_octaves(scene, motion, summed, configuration, first, monitor)
@@ -144,7 +144,7 @@ contains
           force = 0.0_dp
           if (allocated(given%load)) then
             own%load = load_type(given%load%length, given%load%level, given%load%force, set%count, -following)
-            call press(own%load)
+            call move_in_contact(own%load)
           else if (i < size(segments)) then
             call move(set, segments(i + 1)%start - given%start, q, rate)
           end if
@@ -181,7 +181,7 @@ contains
       end associate
     end subroutine begin
 
-    subroutine press(load)
+    subroutine move_in_contact(load)
       !! Move through a contact, whose last step may have any length.
       type(load_type), intent(in) :: load
       integer :: j
@@ -191,21 +191,21 @@ contains
             if (step%length <= 0.0_dp) call find_step_end(parts, set%struck, set%modal_mass, load%length(j), step)
             call step%advance(load%force(:, j), q, rate)
           end associate
-          call see(load%force(:, j), load%length(j))
+          call update_speed(load%force(:, j), load%length(j))
         end do
         if (last == 0) return
         call drive(parts, set%struck, set%modal_mass, load%length(last), 1.0_dp, load%force(:, last), q, rate)
-        call see(load%force(:, last), load%length(last))
+        call update_speed(load%force(:, last), load%length(last))
       end associate
-    end subroutine press
+    end subroutine move_in_contact
 
-    subroutine see(values, length)
+    subroutine update_speed(values, length)
       !! Update the largest speed of the struck place with that at the end of a step.
       real(dp), intent(in) :: values(0:), length
       call force_in_step(polynomial_of(values), 1.0_dp, force(1), force(2))
       force(2) = force(2)/length
       struck = max(struck, abs(dot_product(beyond%modes%configuration(now)%set%struck, rate - force(2)*soft)))
-    end subroutine see
+    end subroutine update_speed
   end subroutine drive_through
 
   pure integer function levels_in(segment) result(levels)

@@ -29,8 +29,8 @@ module bw_case_validity
   real(dp), parameter :: thickest = 0.1_dp                    !! largest D/l of a slender beam
   real(dp), parameter :: largest_deflection = 0.1_dp          !! over the length
   real(dp), parameter :: largest_strain = 0.005_dp
-  real(dp), parameter :: largest_told = 1.0e300_dp            !! largest strain in warnings: its per cent do not overflow
-  real(dp), parameter :: unnoticed = 0.01_dp
+  real(dp), parameter :: largest_reported = 1.0e300_dp            !! largest strain in warnings: its per cent do not overflow
+  real(dp), parameter :: negligible = 0.01_dp
     !! of a history's peak: errors or aliases below it need no warning
 
 contains
@@ -94,8 +94,8 @@ contains
   end subroutine find_strongest
 
   subroutine note_return(scene, motion, response, notes)
-    !! Note when a mass that rebounded, and is not followed, would strike again: the first sample at which the struck
-    !! place, if it is a point, is behind it.
+    !! Note when a mass that rebounded, and is not followed, would strike again: the first sample at which it has
+    !! passed the struck place, if that is one of the points.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
@@ -160,7 +160,7 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     if (found%strain <= largest_strain) return
     call append(notes, 'outside linear theory: the centrifugal force strains '//place_words(found)//' by about '// &
-                shortest(100.0_dp*min(found%strain, largest_told), 2)// &
+                shortest(100.0_dp*min(found%strain, largest_reported), 2)// &
                 ' %, more than 0.5 %. Is angular_velocity in rad/s, not in rpm?')
   end subroutine note_rotation
 
@@ -188,7 +188,8 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     character(*), parameter :: limit = '; linear theory holds up to about '
     character(:), allocatable :: strained, text
-    strained = 'bending strains '//place_words(bending)//' by about '//shortest(100.0_dp*min(bending%strain, largest_told), 2)//' %'
+    strained = 'bending strains '//place_words(bending)//' by about '// &
+      shortest(100.0_dp*min(bending%strain, largest_reported), 2)//' %'
     associate (length => scene%beam%length, strain => bending%strain)
       if (peak > largest_deflection*length) then
         text = 'large deflection: up to '//shortest(peak, 3)//' m of a beam of '//shortest(length, 6)//' m'
@@ -231,7 +232,7 @@ contains
         call note_size(scene, peak, bending, notes)
         above = sqrt(max(0.0_dp, square%hi))*step > pi
         fast = maxval(merge(amplitude, 0.0_dp, above))
-        if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
+        if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > negligible*peak) then
           call note_aliasing(scene, modes, amplitude, above, notes)
         end if
       end associate
@@ -254,7 +255,7 @@ contains
     end do
     if (maxval(moved) == 0.0_dp) return
     part = maxval(moved, mask=spread(above, 2, size(moved, 2)))/maxval(moved)
-    if (part <= unnoticed) return
+    if (part <= negligible) return
     k = findloc(above, .true., dim=1)
     call append(notes, 'aliasing: modes from '//text_of(k)//' on, with up to '//shortest(100.0_dp*part, 2)//' % of the largest '// &
                 'amplitude, swing faster than half the sampling rate, '// &
@@ -262,12 +263,12 @@ contains
                 'frequencies')
   end subroutine note_aliasing
 
-  subroutine note_history_errors(scene, response, errors, foremost, notes)
+  subroutine note_history_errors(scene, response, errors, leading_notes, notes)
     !! Note histories with large errors, and what would reduce them.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
     type(history_errors), intent(in) :: errors     !! unallocated component: no estimate
-    type(string), allocatable, intent(inout) :: foremost(:)    !! for errors that exceed the history
+    type(string), allocatable, intent(inout) :: leading_notes(:)    !! for errors that exceed the history
     type(string), allocatable, intent(inout) :: notes(:)       !! for others
     integer :: n
     n = response%finite_samples
@@ -291,13 +292,13 @@ contains
       peak = [(largest_magnitude(histories(:, p)), p=1, size(error))]
       part = 0.0_dp
       if (maxval(peak) == 0.0_dp) return             ! no motion yet
-      where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
+      where (error > negligible*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
       text = 'error of the '//quantity//': at xi = '//shortest(scene%response%points(p), 6)//' it may be off by '// &
         part_words(part(p))//others(count(part > 0.0_dp) - 1)//'; '//remedy(scene, quantity)
       if (part(p) > 1.0_dp) then
-        call append(foremost, text)
+        call append(leading_notes, text)
       else
         call append(notes, text)
       end if
@@ -323,7 +324,7 @@ contains
     if (allocated(response%velocity)) call add_words('velocity', response%velocity, errors%velocity)
     if (allocated(response%acceleration)) call add_words('acceleration', response%acceleration, errors%acceleration)
     if (words == '') return
-    times = 2**ceiling(0.5_dp*log(worst/unnoticed)/log(2.0_dp))
+    times = 2**ceiling(0.5_dp*log(worst/negligible)/log(2.0_dp))
     call append(notes, 'sampling: peaks may lie between samples, and be larger than the largest sample: '//words(3:)// &
                 '; try '//text_of(times)//' times as many samples')
   contains
@@ -342,7 +343,7 @@ contains
       where (is_missing(hidden) .or. .not. peak > nothing*maxval(peak)) hidden = 0.0_dp
       if (present(error)) where (error > hidden*peak) hidden = 0.0_dp
       p = maxloc(hidden, dim=1)
-      if (hidden(p) <= unnoticed) return
+      if (hidden(p) <= negligible) return
       worst = max(worst, hidden(p))
       words = words//', the '//quantity//' at xi = '//shortest(scene%response%points(p), 6)//' by about '// &
         shortest(100.0_dp*hidden(p), 2)//' %'

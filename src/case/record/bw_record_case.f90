@@ -35,7 +35,7 @@ module bw_record_case
 
 contains
 
-  subroutine run_record_case(scene, layout, watch, monitor, cache, result, whole)
+  subroutine run_record_case(scene, layout, watch, monitor, cache, result, completed)
     !! Analyse a record.
     type(scene_type), intent(in) :: scene              !! without sweeps
     type(result_layout), intent(in) :: layout          !! completed by `plan_record`
@@ -43,19 +43,19 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(record_cache), intent(inout) :: cache
     type(case_result), intent(out) :: result           !! with an error if the record cannot be read
-    logical, intent(out) :: whole                      !! false if the monitor requested a stop before the end
+    logical, intent(out) :: completed                      !! false if the monitor requested a stop before the end
     type(record_type) :: record
     type(samples_type) :: samples
     type(found_lines) :: found
     type(believed_line), allocatable :: believed(:)
     type(hammer_type), allocatable :: hammer
     call watch%start()
-    whole = .false.
+    completed = .false.
     allocate (result%notes(0))
     call take_record(scene, cache, record, result)
     if (monitor%stop_requested()) return
-    whole = allocated(result%error)
-    if (whole) return
+    completed = allocated(result%error)
+    if (completed) return
     call watch%lap(stage_response)
 
     allocate (result%record)
@@ -78,7 +78,7 @@ contains
     if (monitor%stop_requested()) return
     call note_lines(scene, layout, result)
     call watch%lap(stage_spectrum)
-    whole = .true.
+    completed = .true.
   end subroutine run_record_case
 
   subroutine take_record(scene, cache, record, result)

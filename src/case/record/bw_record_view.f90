@@ -34,23 +34,23 @@ contains
     !! even record become invalid samples.
     type(record_type), intent(in) :: record
     type(samples_type) :: samples
-    logical :: told(size(record%times))
+    logical :: is_valid(size(record%times))
     integer :: s
     samples%count = size(record%times)
     samples%step = step_of(record)
     if (.not. record%interval > 0) call find_rows(record%times, record%resolution, samples)
     if (.not. allocated(record%values)) return
-    told = .true.
+    is_valid = .true.
     do s = 1, size(record%values, 2)
-      call mark_flaws(record%values(:, s), told)
+      call mark_flaws(record%values(:, s), is_valid)
     end do
-    if (2*count(told) < size(told)) told = .true.    ! too many for flaws
+    if (2*count(is_valid) < size(is_valid)) is_valid = .true.    ! too many for flaws
     if (allocated(samples%row)) then
       allocate (samples%valid(samples%count), source=.false.)
-      samples%valid(samples%row) = told
+      samples%valid(samples%row) = is_valid
       if (all(samples%valid)) deallocate (samples%valid, samples%row)
-    else if (.not. (all(told) .or. allocated(samples%place))) then
-      samples%valid = told
+    else if (.not. (all(is_valid) .or. allocated(samples%place))) then
+      samples%valid = is_valid
     end if
   end function samples_of
 

@@ -175,7 +175,7 @@ contains
       associate (survey => motion%plan%survey(1))
         few = survey%bin_of(first_modes)
         enough = survey%bin_of(last)
-        over = [over_allowed(few), maxval(errors)/allowed]
+        over = [error_ratio(few), maxval(errors)/allowed]
         if (over(1) <= 1.0_dp) enough = few
         do while (enough - few > 1)
           associate (ends => real(survey%bin([few, enough])%last, dp))
@@ -184,7 +184,7 @@ contains
             try = int(ends(1)*min(over(1)**(1.0_dp/power), ends(2)/ends(1)))
           end associate
           try = max(few + 1, min(enough - 1, findloc(survey%bin(:enough)%last >= try, .true., dim=1)))
-          now = over_allowed(try)
+          now = error_ratio(try)
           if (now <= 1.0_dp) then
             enough = try
             over(2) = now
@@ -196,10 +196,10 @@ contains
         count = survey%bin(enough)%last
       end associate
     end function least_count
-    real(dp) function over_allowed(bin) result(over)
+    real(dp) function error_ratio(bin) result(over)
       integer, intent(in) :: bin                   !! modes to the end of this bin
       over = maxval(first_errors(motion, segment, motion%plan%survey(1)%bin(bin)%last, samples))/allowed
-    end function over_allowed
+    end function error_ratio
   end subroutine find_count
 
   pure integer function judged(last, most)

@@ -190,12 +190,12 @@ contains
       end if
       parent = (c + 1)/2
       do other = max(1, 2*parent - 3), min(size(weights, 2), 2*parent + 2)
-        if (abs(other - c) > 1) call see(chebyshev, width, other, weights(:, other), c, field(:, c))
+        if (abs(other - c) > 1) call interact(chebyshev, width, other, weights(:, other), c, field(:, c))
       end do
     end do
   end subroutine exchange
 
-  pure subroutine see(chebyshev, width, from, weights, onto, field)
+  pure subroutine interact(chebyshev, width, from, weights, onto, field)
     !! Add to the nodes of one cell the weights at those of another, times 1/(u⁴ − v⁴) in units of π⁻⁴.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: width
@@ -210,7 +210,7 @@ contains
       field = field + weights(j)/pi**4/((width*((onto - from) + 0.5_dp*(chebyshev%place - chebyshev%place(j)))) &
                                         *(u + v)*(u**2 + v**2))
     end do
-  end subroutine see
+  end subroutine interact
 
   subroutine scatter(chebyshev, onto, node, sums, monitor)
     !! Add sums at the nodes of cells to those of their modes.

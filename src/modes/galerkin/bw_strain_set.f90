@@ -353,7 +353,7 @@ contains
     real(dp) :: energy(2)
     energy(1) = 0.0_dp
     if (self%body_inertia > 0.0_dp) energy(1) = 0.5_dp*self%body_inertia*sum(turned(self%turnings(), rate))**2
-    energy(2) = self%body_pull*drawn_inwards(self, self%struck_joint, q)
+    energy(2) = self%body_pull*shortening(self, self%struck_joint, q)
   end function energy_of_body
 
   pure real(dp) function energy_of_pull(self, xi, q) result(energy)
@@ -369,10 +369,10 @@ contains
       joint = joint_position(self%given%beam, i)
       if (joint%hi > xi - same_place) exit
     end do
-    energy = drawn_inwards(self, min(i, size(self%piece)), q)
+    energy = shortening(self, min(i, size(self%piece)), q)
   end function energy_of_pull
 
-  pure real(dp) function drawn_inwards(self, joint, q) result(way)
+  pure real(dp) function shortening(self, joint, q) result(way)
     !! Return ½∫v'² up to a joint, with the rotation of a free hub.
     class(strain_set), intent(in) :: self
     integer, intent(in) :: joint
@@ -388,7 +388,7 @@ contains
         *(sum(matmul(self%piece(i)%slope(:, :size(q)), q)**2) + turn*(2.0_dp*first + turn))
     end do
     way = way + turn*(dot_product(self%deflection(0, :size(q)), q) + 0.5_dp*self%given%beam%root%hub_radius%hi*turn)
-  end function drawn_inwards
+  end function shortening
 
   pure function turned(turning, rate) result(parts)
     real(dp), intent(in) :: turning(:), rate(:)            !! of all modes; of the first ones

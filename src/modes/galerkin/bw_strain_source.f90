@@ -1,5 +1,5 @@
 module bw_strain_source
-  !! Modes by strains, by their numbers, as many as were solved for; and the uniform beam for amplitudes beyond them.
+  !! Modes by strains, by their numbers, as many as were solved for; and a beam of uniform pieces that bounds those beyond.
   use bw_double_double, only: operator(*), operator(==)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
@@ -71,8 +71,8 @@ contains
   end subroutine strain_source_of
 
   pure subroutine lighten(given, pieces)
-    !! Set `lightness`: relative to its line, a beam on a free hub has at least the part J/(J + I) of the kinetic energy
-    !! of a clamped beam, with the inertias J of the hub and I of the beam.
+    !! Scale the masses to bound a beam on a free hub: relative to the hub's line it has at least the part J/(J + I) of
+    !! the kinetic energy of a clamped beam, with the inertias J of the hub and I of the beam.
     type(varying_beam), intent(in) :: given
     type(struck_beam), intent(inout) :: pieces
     associate (hub => given%beam%root%hub_inertia%hi, beam => pieces%beam)

@@ -142,7 +142,7 @@ contains
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it strayed to another mode
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
       else if (final) then
-        call enclose(search, k, lambda, alone)
+        call verify_mode(search, k, lambda, alone)
         found = alone .or. width(search%bracket) < 3.0_dp*rounding*mode_distance(k, x)
         if (found) return
         call start_bodies(i, search%probe)
@@ -176,7 +176,7 @@ contains
     x = first_guess(search, k)
     search%probe%drive = search%any_drive
     if (.not. x%hi > 0.0_dp) return
-    call look(search, k, x, n)
+    call count_with_scout(search, k, x, n)
     if (abs(k - n) > far) return
     call foresee(search%system, search%scout, k - n, step)
     if (.not. inside(search%bracket, x + step, 0.0_dp) .or. abs(step) > x%hi) return
@@ -184,7 +184,7 @@ contains
     if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
   end subroutine begin
 
-  subroutine enclose(search, k, x, found)
+  subroutine verify_mode(search, k, x, found)
     !! Count on both sides of a mode, to check that it is mode k, alone.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
@@ -198,7 +198,7 @@ contains
     if (.not. found .or. closed_to(search%bracket, k - 1, x + (-margin))) return
     found = counted_at(search, k, x + (-merged*mode_distance(k, x)), k - 1)
     if (.not. found) found = counted_at(search, k, x + (-margin), k - 1)
-  end subroutine enclose
+  end subroutine verify_mode
 
   logical function is_apart(search, k, x)
     !! Tell whether all other modes are far enough from mode k for binary64.
@@ -266,9 +266,9 @@ contains
     real(dp), intent(in) :: step                   !! width of the gap, negative towards lower frequencies
     integer, parameter :: most = 40
     integer :: i, next
-    call look(search, k, guess + step, below)
+    call count_with_scout(search, k, guess + step, below)
     do i = 2, most
-      call look(search, k, guess + i*step, next)
+      call count_with_scout(search, k, guess + i*step, next)
       if (next == below) return
       below = next
     end do
@@ -281,11 +281,11 @@ contains
     integer, intent(in) :: k, below
     type(dd), intent(in) :: x
     integer :: n
-    call look(search, k, x, n)
+    call count_with_scout(search, k, x, n)
     counted_at = n == below
   end function counted_at
 
-  pure subroutine look(search, k, x, n)
+  pure subroutine count_with_scout(search, k, x, n)
     !! Count the modes below a frequency with the scout, and narrow the bracket.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
@@ -295,7 +295,7 @@ contains
     call probe_at(search%system, x, search%scout, rough=.true.)
     search%evaluations = search%evaluations + 1
     call count_at(search, k, search%scout, n)
-  end subroutine look
+  end subroutine count_with_scout
 
   pure subroutine count_at(search, k, probe, n)
     !! Count the modes below the frequency of a probe, and narrow the bracket.

@@ -165,14 +165,14 @@ contains
     do
       until = last
       if (allocated(self%loads)) until = min(last, self%loads%calm_until(self%state%time%hi))
-      call fly_calmly(self, damping, until, found, monitor)
+      call fly_smoothly(self, damping, until, found, monitor)
       if (stops(monitor)) return
       if (found .or. until >= last) return
       self%state%time = to_dd(until)
     end do
   end subroutine fly
 
-  subroutine fly_calmly(self, damping, last, found, monitor)
+  subroutine fly_smoothly(self, damping, last, found, monitor)
     !! Move over an interval with smooth loads. If damping made the contact force 0 while the bodies still overlap, the
     !! force returns once 1 + cδ̇ > 0.
     type(contact_bodies), intent(inout) :: self
@@ -221,7 +221,7 @@ contains
     signal = signal_of(self%parts, weighted_sum(self%weight, 0.0_dp*self%weight), free, order, polynomial)
     call signal%first_zero((last - self%state%time%hi) - self%state%time%lo, found, time, monitor)
     call move(self, time)
-  end subroutine fly_calmly
+  end subroutine fly_smoothly
 
   subroutine take_out_loads(self, free, polynomial)
     !! Split the gap into free motions and a polynomial due to loads, valid for a short interval.

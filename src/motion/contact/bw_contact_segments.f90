@@ -66,11 +66,11 @@ contains
     real(dp) :: separation
     separation = motion%separation()
     stays = motion%restitution == 0.0_dp .or. separation <= slow
-    if (.not. stays) stays = separation*settling(motion) <= unseen*longest
+    if (.not. stays) stays = separation*rebound_time(motion) <= unseen*longest
     if (stays) stays = motion%is_pressed()
   end function mass_stays
 
-  pure real(dp) function settling(motion) result(time)
+  pure real(dp) function rebound_time(motion) result(time)
     !! Return the time in which all further rebounds end. With the relative acceleration a it is R = 2s/a/(1−e), where s
     !! is the speed of separation; their height is at most s²/2a. `never` unless a is nearly constant in that time.
     type(contact_motion), intent(in) :: motion
@@ -81,7 +81,7 @@ contains
     jerk = motion%parts(alone)%derivative(motion%gap, motion%state, 3)
     time = 2.0_dp*motion%separation()/pull/(1.0_dp - motion%restitution)
     if (abs(jerk)*time > 0.5_dp*pull) time = never
-  end function settling
+  end function rebound_time
 
   subroutine follow_contact(motion, modes, last, from, to, impulse, found, monitor)
     !! Move beam and mass together until the force between them vanishes, or to the end.
@@ -116,7 +116,7 @@ contains
     separation = max(0.0_dp, motion%separation())
     change = motion%share()*separation
     if (any(motion%parts(alone)%c > 0.0_dp)) change = 0.0_dp
-    time = settling(motion)
+    time = rebound_time(motion)
     if (time == never) return
     associate (square => motion%parts(alone)%beta_squared%hi, e => motion%restitution)
       change = 0.5_dp*(change*sum(motion%gap%a*motion%share()*square) - change*square) &

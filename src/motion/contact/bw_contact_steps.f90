@@ -69,7 +69,7 @@ contains
       by_loads = spread([0.0_dp, 0.0_dp], 1, force_degree)
     end if
     if (allocated(load) .or. run%changed .or. run%goes_on) &
-      force(0) = force_now(run, merge(run%last_force, 0.0_dp, run%goes_on))
+      force(0) = force_after_jump(run, merge(run%last_force, 0.0_dp, run%goes_on))
     run%changed = .false.
     closing(0) = -run%bodies%separation()
     level = 0                                        ! a force starting with zero closing speed is smooth: t^3
@@ -100,9 +100,9 @@ contains
             cycle
           end if
           if (is_last) then
-            call see_loads(odd)
+            call find_load_approach(odd)
           else
-            call see_loads(run%ladder(level))
+            call find_load_approach(run%ladder(level))
           end if
         end if
         force(1:) = expected_force(merge(left, run%unit*0.5_dp**level, is_last))
@@ -127,13 +127,13 @@ contains
           call find_step(left, odd)
           if (allocated(load)) then
             call run%bodies%loads%in_step(state%time%hi, left, load, slope, lack)
-            call see_loads(odd)
+            call find_load_approach(odd)
           end if
           call solve_contact(run%law, odd, state%u, state%v, force, indentation, rate, converged, by_loads)
           run%captured = .true.
           ends = .false.
         end if
-        call keep(run, steps, merge(left, run%unit*0.5_dp**level, is_last), level, force, indentation)
+        call append_step(run, steps, merge(left, run%unit*0.5_dp**level, is_last), level, force, indentation)
         if (ends) run%end_time = state%time + end_in_step(steps%length(run%steps), indentation, force)
         if (is_last) then
           call odd%advance(force, state%u, state%v)
@@ -150,7 +150,7 @@ contains
         force(0) = force(force_degree)
         if (is_last) then                            ! a load has a kink here
           state%time = to_dd(until)
-          force(0) = force_now(run, force(0))
+          force(0) = force_after_jump(run, force(0))
         end if
         closing(0) = rate(force_degree)
         if (run%captures .and. is_last) then         ! omitted modes may jump with the rate of a load
@@ -178,12 +178,12 @@ contains
       expected = last + slope*node_places(1:)*(length/steps%length(run%steps))
     end function expected_force
 
-    subroutine see_loads(step)
+    subroutine find_load_approach(step)
       !! Find the contribution of loads and of the equilibrium deflection to the approach.
       type(force_step), intent(in) :: step
       by_loads(:, :) = run%bodies%loads%see(step, load, slope)
       by_loads(:, 1) = by_loads(:, 1) - run%bodies%held
-    end subroutine see_loads
+    end subroutine find_load_approach
 
     subroutine find_step(length, step)
       real(dp), intent(in) :: length
@@ -193,15 +193,15 @@ contains
     end subroutine find_step
   end subroutine press
 
-  pure real(dp) function force_now(run, before) result(force)
+  pure real(dp) function force_after_jump(run, before) result(force)
     !! Return the force where loads, and omitted modes with them, may have jumped. With damping it is kept, and short steps follow.
     type(contact_run), intent(in) :: run
     real(dp), intent(in) :: before
     force = before
     if (run%law%damping == 0.0_dp) force = held_force(run%law, -run%bodies%gap())
-  end function force_now
+  end function force_after_jump
 
-  pure subroutine keep(run, load, length, level, force, indentation)
+  pure subroutine append_step(run, load, length, level, force, indentation)
     !! Append a step to a load.
     type(contact_run), intent(inout) :: run
     type(load_type), intent(inout) :: load
@@ -223,6 +223,6 @@ contains
     load%force(:, run%steps) = force
     run%deepest = max(run%deepest, maxval(indentation))
     run%impulse = run%impulse + length*mean_force(force)
-  end subroutine keep
+  end subroutine append_step
 
 end module bw_contact_steps

@@ -82,7 +82,7 @@ contains
     run%in_range = range_of(free, omega)
     allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0), contacts%ladder(0:levels, configurations))
     run%ended = .true.
-    call meet(run)
+    call check_closing(run)
   end subroutine begin_contacts
 
   pure real(dp) function range_of(modes, omega) result(time)
@@ -93,12 +93,12 @@ contains
     if (omega%hi > 0.0_dp) time = min(time, largest_exponent/omega%hi)
   end function range_of
 
-  pure subroutine meet(run)
+  pure subroutine check_closing(run)
     !! Tell whether a mass that touches the beam is pressed into it at once.
     type(contact_run), intent(inout) :: run
     run%found = run%bodies%separation() < 0.0_dp
     if (allocated(run%bodies%loads)) run%found = run%found .and. run%bodies%loads%gap(0.0_dp, 0) <= 0.0_dp
-  end subroutine meet
+  end subroutine check_closing
 
   subroutine follow_until(run, until, contacts, monitor)
     !! Follow contacts and flights up to a time.
@@ -162,7 +162,7 @@ contains
       run%gained = run%gained + (balance_of(run) - before)
       run%captured = run%captures .and. run%bodies%separation() >= 0.0_dp   ! past its largest indentation
     else if (bodies%state%time%hi <= 0.0_dp) then
-      call meet(run)
+      call check_closing(run)
     else
       run%found = bodies%gap() < 0.0_dp
     end if

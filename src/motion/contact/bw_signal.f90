@@ -19,11 +19,11 @@ module bw_signal
     real(dp), allocatable :: polynomial(:)         !! added to the sum, in the time since the start; unallocated: none, (0:degree)
   contains
     procedure :: first_zero
-    procedure, private :: open_signal
+    procedure, private :: leave_zero
     procedure, private :: bound
     procedure, private :: quarter
     procedure, private :: safe_step
-    procedure, private :: largest_bend
+    procedure, private :: polynomial_bound
   end type signal_type
 
   real(dp), parameter :: growth = exp(0.5_dp)      !! of a part without amplitude, in a quarter of 1/rate
@@ -74,9 +74,9 @@ contains
     if (self%order == 0) start = accurate_sum(self%u)
     if (allocated(self%polynomial)) then
       if (self%order == 0) start = accurate_sum([self%u, self%polynomial(0)])
-      bend = self%largest_bend(longest, 2)
+      bend = self%polynomial_bound(longest, 2)
     end if
-    if (self%order > 0) call self%open_signal(longest, time, lower)
+    if (self%order > 0) call self%leave_zero(longest, time, lower)
     found = .false.
     do i = 1, most_steps
       if (time >= longest) exit
@@ -100,7 +100,7 @@ contains
     time = longest
   end subroutine first_zero
 
-  pure subroutine open_signal(self, longest, time, lower)
+  pure subroutine leave_zero(self, longest, time, lower)
     !! Take the first step from a zero: half of what the first nonzero derivative and a bound of the next allow.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: longest
@@ -113,7 +113,7 @@ contains
     most = sum(self%bound(self%u, self%u_dot, self%order + 1))
     if (allocated(self%polynomial)) then
       rise = rise + gamma(self%order + 1.0_dp)*self%polynomial(self%order)
-      most = most + self%largest_bend(longest, self%order + 1)
+      most = most + self%polynomial_bound(longest, self%order + 1)
     end if
     time = longest
     if (most > 0.5_dp*(self%order + 1)*rise/longest) time = max(0.0_dp, 0.5_dp*(self%order + 1)*rise/most)
@@ -122,7 +122,7 @@ contains
     do i = 1, self%order
       lower = lower*time/i
     end do
-  end subroutine open_signal
+  end subroutine leave_zero
 
   pure function bound(self, u, u_dot, order)
     !! Bound a derivative of each term from a state on: for all times if β² > 0, by the energy, which never grows, or by
@@ -148,7 +148,7 @@ contains
     end do
   end function bound
 
-  pure real(dp) function largest_bend(self, time, order) result(bend)
+  pure real(dp) function polynomial_bound(self, time, order) result(bend)
     !! Bound a derivative of the polynomial within a time.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: time
@@ -158,7 +158,7 @@ contains
     do m = order, ubound(self%polynomial, 1)
       bend = bend + abs(self%polynomial(m))*gamma(m + 1.0_dp)/gamma(m - order + 1.0_dp)*time**(m - order)
     end do
-  end function largest_bend
+  end function polynomial_bound
 
   pure subroutine move_polynomial(polynomial, time, change, slope)
     !! Find the change of a polynomial since time 0, and its slope.

@@ -33,7 +33,7 @@ module bw_truncation_error
   real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums may be so many times what blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same for velocities, in root mean squares
   real(dp), parameter :: least_fall = 0.5_dp       !! largest asymptotic ratio of amplitude sums per octave, with shear
-  real(dp), parameter :: steady = 1.5_dp           !! tuned: the same if octaves continue to fall as the last two
+  real(dp), parameter :: steady = 1.5_dp           !! tuned: safety factor if octaves continue to fall as the last two
   integer, parameter :: counted = 5                !! octaves of these sums: velocities may have no bound, and no sum is larger
   real(dp), parameter :: schwarz = 1.35_dp         !! of the sum of amplitudes for similar modes: √(4/3)·π/√8, rounded up
   integer, parameter :: shifts(2) = [-2, 2]        !! j for s² = 4ʲ near β²; the last is for beams with tension, which is neglected

@@ -169,7 +169,7 @@ contains
         associate (w => view%course(l)%frequency)
           load(l, held, :) = [power(0, l) + real(tone(l)), power(1, l) - w*aimag(tone(l)), -w**2*real(tone(l))]
         end associate
-        if (ubound(power, 1) > 1) load(l, held, 2) = load(l, held, 2) + mean_bend(view%course(l))
+        if (ubound(power, 1) > 1) load(l, held, 2) = load(l, held, 2) + mean_second_derivative(view%course(l))
       end do
       state(:, held, 0) = q
       state(:, held, 1) = v
@@ -177,7 +177,7 @@ contains
       if (held == at_once) call flush()
     end subroutine keep_sample
 
-    real(dp) function mean_bend(course) result(bend)
+    real(dp) function mean_second_derivative(course) result(bend)
       !! Return the second derivative of a load, averaged over a radian of the last summed mode: a contact force starts
       !! as t^(3/2), and no mode follows it faster.
       type(load_course), intent(in) :: course
@@ -191,7 +191,7 @@ contains
         end associate
       end do
       bend = (beside(1, 2) - beside(1, 1))/radian
-    end function mean_bend
+    end function mean_second_derivative
 
     subroutine flush()
       !! Put the buffered samples into the histories, and their last octaves into the tail.
@@ -245,14 +245,14 @@ contains
     integer, intent(in) :: summed, count
     integer :: ends(3)
     ends = [summed/2, summed, count]
-    if (.not. sees_beyond(summed, count)) ends = [summed/4, summed/2, summed]
+    if (.not. knows_omitted(summed, count)) ends = [summed/4, summed/2, summed]
   end function octave_ends
 
-  pure logical function sees_beyond(summed, count)
+  pure logical function knows_omitted(summed, count)
     !! Tell whether half as many modes again are known as are summed.
     integer, intent(in) :: summed, count
-    sees_beyond = 2*count >= 3*summed
-  end function sees_beyond
+    knows_omitted = 2*count >= 3*summed
+  end function knows_omitted
 
   pure function tail_errors(view, tail, columns) result(errors)
     !! Estimate the truncation error in columns of one quantity, and its part due to unknown modes, (columns, 2). It is
@@ -280,7 +280,7 @@ contains
     end associate
     part = maxval(tail%largest(columns, :)/max(scale, tiny(1.0_dp)))
     error = margin/(1.0_dp - ratio)*part*max(scale(:, 2), ratio*scale(:, 1))
-    if (.not. sees_beyond(view%summed, size(view%drive, 1))) error = 2.0_dp*max(ratio, 0.1_dp)*error
+    if (.not. knows_omitted(view%summed, size(view%drive, 1))) error = 2.0_dp*max(ratio, 0.1_dp)*error
     errors = reshape([error, ratio*error], shape(errors))
   end function tail_errors
 
