@@ -151,12 +151,12 @@ def check_name(name: str) -> None:
     except OSError:
         return
     if told.returncode:
-        raise Refusal(f"{name!r} is no known name: {told.stderr.strip().removeprefix('beamwave: ')}")
+        raise Refusal(f"{name!r} is not a known name: {told.stderr.strip().removeprefix('beamwave: ')}")
     known = re.findall(r"^\| `(\w+)`", told.stdout, re.MULTILINE)
     if own.lower() not in known:
         like = difflib.get_close_matches(own, known, 1)
         hint = f" (did you mean {like[0]}?)" if like else ""
-        raise Refusal(f"{name!r} is no known name{hint}; accepted: {' '.join(known)}")
+        raise Refusal(f"{name!r} is not a known name{hint}; accepted: {' '.join(known)}")
 
 
 def _normal(share: np.ndarray) -> np.ndarray:

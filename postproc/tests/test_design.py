@@ -106,7 +106,7 @@ def test_a_path_may_be_a_text_and_whole_numbers_stay_whole(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("beam%lenth", "'beam%lenth' is no known name (did you mean length?); accepted: length density"), ("beem%length", "accepted: &scene &beam")],
+    [("beam%lenth", "'beam%lenth' is not a known name (did you mean length?); accepted: length density"), ("beem%length", "accepted: &scene &beam")],
 )
 def test_a_name_that_the_program_does_not_know_is_refused(tmp_path, capsys, beamwave, name, said):
     check_name("beam%length(2)")

@@ -17,8 +17,8 @@ module bw_scene_describe
   character(*), parameter :: opening(*) = [character(120) :: &
     '# The scene: every input name', &
     '', &
-    'A scene is a file of Fortran namelist groups, in SI units. A group that is absent is an effect that is not', &
-    'simulated. All errors of a file are reported at once, each with its line.', &
+    'A scene is a file of Fortran namelist groups, in SI units. An effect whose group is absent is not simulated. All', &
+    'errors of a file are reported at once, each with its line.', &
     '', &
     '```fortran', &
     '&beam', &
@@ -27,22 +27,22 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
-    'Each example is a complete scene once a `&beam` is added where it shows none.', &
+    'Add a `&beam` to the examples that have none: each is then a complete scene.', &
     '', &
-    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body`,', &
-    '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and', &
-    '  `$name` are not accepted.', &
-    '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
+    '- A group opens with `&name` and ends with `/`. Groups may have any order. Each may occur once; `&body`, `&force`,', &
+    '  `&base`, `&identify` and `&sweep` may be repeated. Between groups only comments and blanks are allowed. `&end`', &
+    '  and `$name` are not accepted.', &
+    '- Names and words are case-insensitive. Each name may occur once in its group. `group%name = ...` and', &
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
-    '  A value that is left out (`1,,2`, `2*`, `name =`), which Fortran reads as "keep what was there", is an error.', &
+    '  A missing value (`1,,2`, `2*`, `name =`), which in Fortran keeps the previous value, is an error.', &
     '- A real is written `7870`, `.5`, `2e11` or `2d11`; a whole number has only digits. `1/2`, `1.0-3`, NaN, Inf and', &
-    '  what does not fit into double precision are errors. -0 is read as 0.', &
+    '  numbers beyond double precision are errors. -0 is read as 0.', &
     '- Numbers out of proportion to the beam are errors: in units of its length l, its mass m and the time', &
-    '  sqrt(m l^3/(EI)) a number is 0 or between 1e-60 and 1e60. A stiffer spring is treated as rigid.', &
-    '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
-    '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
-    '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &
+    '  sqrt(m l^3/(EI)) a number must be 0 or between 1e-60 and 1e60. A stiffer spring is treated as rigid.', &
+    '- A logical is `.true.`, `true`, `.t.` or `t`, or the same with false or f.', &
+    '- A text is enclosed in `''` or `"` on one line; write a quote inside it twice. Trailing blanks are dropped.', &
+    '- The file is UTF-8 with LF or CR LF line ends. Non-ASCII characters may occur in texts and comments only.', &
     '- A file has at most 64 MB, 2^22 words and signs, and 1000 groups. If there are more than 1000 errors, the first', &
     '  1000 are listed.']
 
@@ -110,7 +110,7 @@ contains
     call put_needs(builder, group)
     if (size(rows) == 0) then
       call builder%append_line('')
-      call builder%append_line('It has no names: being there is all that it says.')
+      call builder%append_line('It has no names.')
     else
       call put_table(builder, rows)
     end if

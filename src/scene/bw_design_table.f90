@@ -154,11 +154,11 @@ contains
     if (field == '') then
       problem = 'the number is missing'
     else if (marks == ',' .or. marks == 'x') then
-      problem = shown(field)//' has a decimal comma, or parts thousands'
+      problem = shown(field)//' has a decimal comma or thousands separators'
     else if (marks == '' .and. (is_missing_word(field) .or. verify(field, '0123456789+-.eEdD') == 0)) then
-      problem = shown(field)//' is no finite number'
+      problem = shown(field)//' is not a finite number'
     else if (marks == '') then
-      problem = shown(field)//' is no number'
+      problem = shown(field)//' is not a number'
     end if
   end function cell_problem
 

@@ -35,17 +35,17 @@ module bw_effect_table
     character(56) :: beside = 'the scene without it'   !! what it is compared with
   end type effect_type
 
-  character(*), parameter :: both = 'rotation and stiffening, beside neither of them'
+  character(*), parameter :: both = 'rotation and stiffening, compared with neither'
 
   type(effect_type), parameter, public :: effect_table(*) = [ &
     effect_type('rotation', 'rotation', values='angular_velocity = @', tried=0.4_dp, measure=of_first_speed, alone=.true., &
-                remark_off='tried in plane at @ rad/s', remark_on='without tension', beside='no rotation; both without tension'), &
+                remark_off='tried in plane at @ rad/s', remark_on='without tension', beside='no rotation (both without tension)'), &
     effect_type('rotation_with_tension', 'rotation stiffening', values='angular_velocity = @', tried=0.4_dp, &
                 measure=of_first_speed, remark_off=both//'; the tension is that of a hub without radius', remark_on=both, &
                 beside='neither rotation nor tension'), &
     effect_type('out_of_plane', 'rotation', 'plane', "'out'", "'in'", needs='rotation', &
-                remark_off='the rotation, out of the plane of the motion beside in it', &
-                remark_on='the rotation, out of the plane of the motion beside in it', beside='the same rotation in plane'), &
+                remark_off='the rotation out of plane, compared with in plane', &
+                remark_on='the rotation out of plane, compared with in plane', beside='the same rotation in plane'), &
     effect_type('stiffening', 'stiffening', needs='rotation', remark_off='tried with hub_radius = 0'), &
     effect_type('shear', 'shear', values='shear_coefficient = @', tried=1.0_dp, measure=of_section, &
                 remark_off='tried with poisson_ratio = 0.3 and shear_coefficient = @'), &
@@ -54,14 +54,14 @@ module bw_effect_table
                 remark_off='tried with rotary_inertia = @ kg m2, a solid sphere of the beam''s density', &
                 beside='a point mass'), &
     effect_type('capture', 'capture', needs='impact', counted=.true., &
-                remark_on='beside a rebound of as many modes as before the capture', beside='a rebound'), &
+                remark_on='compared with a rebound with as many modes as before the capture', beside='a rebound'), &
     effect_type('release', 'release', values='time = @', tried=0.5_dp, measure=of_duration, needs='capture response', &
                 remark_off='tried at half of the duration'), &
     effect_type('recontact', 'recontact', needs='impact response', excludes='capture force base'), &
     effect_type('contact', 'contact', values='radius = @', tried=1.0_dp, measure=of_sphere_radius, &
                 needs='impact response', excludes='recontact', counted=.true., &
                 remark_off='tried with a sphere of @ m, the mass in the beam''s density', &
-                remark_on='beside an instantaneous blow', &
+                remark_on='compared with an instantaneous blow', &
                 beside='an instantaneous blow'), &
     effect_type('force', 'force', values='amplitude = @', tried=1.0e-3_dp, measure=own_unit, needs='impact response', &
                 excludes='recontact', &
@@ -74,14 +74,14 @@ module bw_effect_table
     effect_type('initial', 'initial', values='force = @', tried=0.01_dp, measure=own_unit, needs='impact response', &
                 excludes='recontact', counted=.true., &
                 remark_off='tried with force = @ N at the tip, EI/l^2/100', &
-                remark_on='beside a beam that is straight and at rest', &
+                remark_on='compared with a straight beam at rest', &
                 beside='a beam at rest'), &
     effect_type('pieces', 'beam', 'length', tried=0.9_dp, &
                 remark_off='tried with an outer half whose youngs_modulus is @ of that of the inner one', &
-                remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
+                remark_on='compared with a uniform beam of the same length, mass and mean E I', &
                 beside='a uniform beam of its mass and mean E I'), &
-    effect_type('taper', 'beam', 'taper', tried=0.9_dp, remark_off='tried with a tip of @ of the root''s', &
-                remark_on='beside a uniform beam of the same length and mass, and of the mean E I', &
+    effect_type('taper', 'beam', 'taper', tried=0.9_dp, remark_off='tried with a tip section of @ times that of the root', &
+                remark_on='compared with a uniform beam of the same length, mass and mean E I', &
                 beside='a uniform beam of its mass and mean E I'), &
     effect_type('support', 'support', values='rotational_stiffness = @', tried=100.0_dp, measure=own_unit, &
                 remark_off='tried with rotational_stiffness = @ N m/rad, 100 EI/l', beside='a clamped root'), &
@@ -94,7 +94,7 @@ module bw_effect_table
     effect_type('body', 'body', values='position = 0.5, mass_ratio = @', tried=0.01_dp, &
                 remark_off='tried with a mass of @ of the beam''s at the midpoint', beside='the scene without any body'), &
     effect_type('position', 'impact', 'position', '@', '1', tried=0.9_dp, needs='impact', &
-                remark_off='a blow at xi = @ beside one at the tip', remark_on='beside a blow at the tip', &
+                remark_off='a blow at xi = @, compared with one at the tip', remark_on='compared with a blow at the tip', &
                 beside='a blow at the tip')]
 
   integer, parameter, public :: added = 1, given = 2, toggled = 3
@@ -116,13 +116,13 @@ module bw_effect_table
     correction_type('shear and rotary inertia', 'shear'), &
     correction_type('a root that turns', 'support', unknown='rotational_stiffness', first=0.1_dp, last=1.0e5_dp, &
                     neutral_at_last=.true.), &
-    correction_type('a root that gives way', 'support', unknown='stiffness', first=1.0_dp, last=1.0e7_dp, &
+    correction_type('a root that deflects', 'support', unknown='stiffness', first=1.0_dp, last=1.0e7_dp, &
                     neutral_at_last=.true.), &
     correction_type('a mass at the tip', 'body', unknown='mass', last=1.0_dp, values='position = 1'), &
     correction_type('a mass on the beam', 'body', unknown='mass position', first=[0.0_dp, 0.02_dp], last=1.0_dp), &
     correction_type('tension by rotation', 'stiffening'), &
     correction_type('rotation in the other plane', 'out_of_plane', toggled), &
-    correction_type('another stiffness of the turning root', 'support', given, 'rotational_stiffness', factor=1.0e4_dp), &
+    correction_type('another rotational stiffness of the root', 'support', given, 'rotational_stiffness', factor=1.0e4_dp), &
     correction_type('another stiffness of the root', 'support', given, 'stiffness', factor=1.0e4_dp), &
     correction_type('another speed', 'rotation', given, 'angular_velocity', factor=3.0_dp), &
     correction_type('another mass of the first body', 'body', given, 'mass', factor=30.0_dp), &

@@ -118,7 +118,7 @@ contains
     !! Message for a group that is not in the table.
     character(*), intent(in) :: group
     character(:), allocatable :: text
-    text = 'is no known group'//suggestion(group, group_table%name, '&')//'; accepted: '//joined(group_table%name, '&')
+    text = 'is not a known group'//suggestion(group, group_table%name, '&')//'; accepted: '//joined(group_table%name, '&')
   end function unknown_group
 
   pure function unknown_name(group, name, to_sweep) result(text)
@@ -135,7 +135,7 @@ contains
     end associate
     if (index(name, '%') > 0) text = ' (write the group as &group and its names alone)'
     if (index(name, '(') > 0) text = ' (write the values of a list without an index, as length = 0.3, 0.7)'
-    text = 'is no known name'//text//'; accepted: '//joined(names)
+    text = 'is not a known name'//text//'; accepted: '//joined(names)
     if (size(names) == 0) text = text//'none'
   end function unknown_name
 

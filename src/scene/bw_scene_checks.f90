@@ -213,8 +213,8 @@ contains
       turns = allocated(scene%hub)
       if (allocated(scene%support)) turns = turns .or. allocated(scene%support%rotational_stiffness)
       if (initial%known('angular_velocity') .and. .not. turns) call messages%add(initial%line_of('angular_velocity'), &
-        'initial%angular_velocity', 'is that of a beam whose root is clamped; accepted: with a rotational_stiffness of '// &
-        '&support, 0 for a hinge, or with &hub')
+        'initial%angular_velocity', 'needs a beam that can turn, and the root is clamped; accepted: with a '// &
+        'rotational_stiffness of &support, 0 for a hinge, or with &hub')
     end associate
   end subroutine check_initial_motion
 
@@ -227,7 +227,7 @@ contains
     associate (modes => scene%groups(position_of(scene%groups, 'modes')))
       if (count <= most_galerkin_modes .or. .not. modes%given(name)) return
       call messages%add(modes%line_of(name), 'modes%'//name, 'is '//text_of(count)// &
-                        ', more than the basis of Galerkin''s method holds; accepted: 1 to '//text_of(most_galerkin_modes))
+                        ', more than the Galerkin basis can represent; accepted: 1 to '//text_of(most_galerkin_modes))
     end associate
   end subroutine check_count
 
@@ -244,7 +244,7 @@ contains
     if (allocated(scene%response)) points = size(scene%response%points)
     modes = max(scene%modes%before, scene%modes%after)
     if (allocated(scene%record)) then
-      what = 'is that of modes that are simulated, and excludes &record; accepted: .false.'
+      what = 'needs simulated modes, and excludes &record; accepted: .false.'
     else if (points == 0) then
       what = 'needs points at which forces act; accepted: with &response or &frequency_response, or .false.'
     else if (points > most_points) then

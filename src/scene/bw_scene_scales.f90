@@ -94,7 +94,7 @@ contains
     line = scene%groups(position_of(scene%groups, 'beam'))%line
     call check([own%length], unit_reach, 'the length of the beam in m', line, messages)
     call check([own%mass], unit_reach, 'the mass of the beam in kg', line, messages)
-    call check([own%time], unit_reach, 'sqrt(m l^3/(EI)) in s, by which the beam is slow,', line, messages)
+    call check([own%time], unit_reach, 'the characteristic time sqrt(m l^3/(EI)) in s', line, messages)
     call check([stiffness(1)/own%length], unit_reach, 'EI/l in N m', line, messages)
     call check(pieces%length/own%length, finest, 'the length of a piece over that of the beam', line, messages)
     call check(mass/(own%mass/own%length), told_apart, 'the mass per length of a piece over that of the beam', line, messages)

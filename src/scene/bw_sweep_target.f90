@@ -33,7 +33,7 @@ contains
     call split(parameter(:mark - 1), group, group_number)
     call split(parameter(mark + 1:), name, name_number)
     if (index(parameter, '&') == 1) then
-      problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
+      problem = "begins with &; accepted: '"//parameter(2:)//"'"
     else if (mark == 0 .or. scan(parameter, ' ') > 0) then
       problem = "names no input"//likely_target(by, parameter, groups)//"; accepted: 'group%name'"
     else if (group_row(group) == 0) then
@@ -119,7 +119,7 @@ contains
     target%element = max(1, name_number)
     associate (value => groups(target%group)%values(target%value))
       if (name_number /= 0 .and. .not. value%given) then
-        problem = "names one of several values, and none is given; accepted: '"//target%place//"'"
+        problem = "names one of several values, but none is given; accepted: '"//target%place//"'"
       else
         call choose('value', target%place, '', max(1, groups(target%group)%count_of(row%name)), name_number, problem)
       end if
@@ -128,7 +128,7 @@ contains
       if (.not. allocated(value%sweeps)) return
       if (value%sweeps(target%element) == 0) return
       problem = 'is swept twice; accepted: each name once'
-      if (by == 'identify') problem = 'is swept, too; accepted: a sweep or an unknown'
+      if (by == 'identify') problem = 'is also swept; accepted: a sweep or an unknown'
       if (by == 'design') problem = 'has two columns; accepted: each name once'
     end associate
   end subroutine resolve
@@ -147,7 +147,7 @@ contains
     else if (.not. is_sweepable(row)) then
       problem = 'sets an axis of the result; accepted: '//sweepable_names(by)
     else if (.not. is_taken(by, row)) then
-      problem = 'is no real number of the beam; accepted: '//sweepable_names(by)
+      problem = 'is not a real number of the beam; accepted: '//sweepable_names(by)
     else if (g == 0) then
       problem = 'belongs to a group that is absent; accepted: a scene with &'//trim(row%group)
     else if (groups(g)%line == 0) then

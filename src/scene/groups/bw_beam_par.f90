@@ -26,13 +26,13 @@ module bw_beam_par
     'with the distance of the fibre at which stresses are wanted.', &
     example='&beam length = 2, area = 6.4e-4, second_moment = 1.3e-7, density = 2700, youngs_modulus = 70e9, extreme_fibre '// &
     '= 0.02 /', &
-    rules='Give `diameter` for a solid circle, `width` and `height` for a solid rectangle, which bends along its height, or '// &
+    rules='Give `diameter` for a solid circle, `width` and `height` for a solid rectangle that bends along its height, or '// &
     '`area` and `second_moment` for any other section; or `mass_per_length` and `bending_stiffness` in place of material and '// &
     'section. `length` says how many uniform pieces the beam has, from the root outwards, as `length = 0.3, 0.7`; every other '// &
-    'name has one value for all pieces, or one for each. With `taper = ''linear''` it has one value, or one for each of the '// &
-    'n + 1 stations where pieces begin and end, from the root to the tip; between stations it is linear, so that areas and '// &
-    'second moments of circles and rectangles follow from their linear sides. Stresses are those at `extreme_fibre`, else at '// &
-    'half of `diameter` or `height`. A sweep varies one value of a list by its number, as `beam%length(2)`.')
+    'name has one value for all pieces, or one for each. With `taper = ''linear''` it has one value, or one for each of the n '// &
+    '+ 1 stations at the ends of pieces, from the root to the tip, and is linear between stations; areas and second moments of '// &
+    'circles and rectangles follow from their linear sides. Stresses refer to `extreme_fibre`, else to half of `diameter` or '// &
+    '`height`. A sweep varies one value of a list by its number, as `beam%length(2)`.')
 
   integer, parameter :: most_pieces = 1000, most_stations = most_pieces + 1
   character(*), parameter :: lumped = 'mass_per_length bending_stiffness'
@@ -113,7 +113,7 @@ contains
     each = repeat(', or one for each piece', merge(1, 0, pieces > 1))
     if (tapers(beam)) then
       most = pieces + 1
-      each = ', or one for each of the '//text_of(most)//' stations where pieces begin and end'
+      each = ', or one for each of the '//text_of(most)//' stations at the ends of pieces'
     else
       each = each//'; or '//text_of(pieces + 1)//', one for each station, with taper = ''linear'''
     end if
@@ -123,9 +123,9 @@ contains
         if (value%name == 'length' .or. pieces == 0 .or. n < 2 .or. n == most) cycle
         hint = ''
         if (all(value%numbers == value%numbers(1))) hint = ' (in a namelist '//text_of(n)//'*'//shortest(value%numbers(1), 15)// &
-          ' is the value '//text_of(n)//' times, and no product)'
+          ' is the value '//text_of(n)//' times, not a product)'
         call messages%add(value%line, 'beam%'//trim(value%name), 'has '//text_of(n)//' values'//hint//', and length has '// &
-                          text_of(pieces)//', which says how many pieces there are; accepted: one value'//each)
+                          text_of(pieces)//', which sets the number of pieces; accepted: one value'//each)
       end associate
     end do
   end subroutine check_counts

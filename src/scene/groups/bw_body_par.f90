@@ -30,13 +30,13 @@ module bw_body_par
     'acceleration of the section.', &
     example='&body position = 0.95, mass = 0.02 /          ! an accelerometer|&body position = 0.4, mass = 0, stiffness = '// &
     '1e5 /   ! and a spring', &
-    rules='One group for each body, in any number. Give `mass` or `mass_ratio`, 0 for springs alone. Springs are fixed to '// &
-    'the rotating frame. At the root, position 0, only springs are allowed, beside a `&support` that is not rigid. Several '// &
-    'bodies may share a place, also with the struck mass. A body comes at `from` and leaves at `until`. It takes on the '// &
-    'motion that the beam has there, or strikes the beam with `velocity` and stays. Its springs are unstressed in the '// &
-    'position that the beam has when it comes. Loads keep acting through these changes, and a contact (`&contact`) goes on. '// &
-    'A sample at exactly such a time shows the beam after the change. A sweep '// &
-    'names a body by its number in the scene, as `body(2)%mass`; a single body needs none.')
+    rules='Write one group for each body. Give `mass` or `mass_ratio`, 0 for springs alone. Springs are fixed to the rotating '// &
+    'frame. At the root, position 0, only springs are allowed, in addition to a `&support` that is not rigid. Several bodies '// &
+    'may share a place, also with the striking mass. A body comes at `from` and leaves at `until`. It takes on the motion of '// &
+    'the beam there, or strikes the beam with `velocity` and stays. Its springs are unstressed at the deflection of the beam '// &
+    'when it comes. Loads keep acting through these changes, and a contact (`&contact`) continues. A sample at exactly such a '// &
+    'time shows the beam after the change. A sweep names a body by its number in the scene, as `body(2)%mass`; a single body '// &
+    'needs no number.')
 
   type(input_name), parameter, public :: body_names(*) = [ &
     input_name('body', 'position', real_input, '1', unit_interval, required=.true., swept=.true., &
@@ -51,8 +51,9 @@ module bw_body_par
                meaning='stiffness of a spring against deflection'), &
     input_name('body', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, '0', swept=.true., &
                meaning='stiffness of a spring against rotation'), &
-    input_name('body', 'from', real_input, 's', not_negative, swept=.true., meaning='when it comes; absent: always there'), &
-    input_name('body', 'until', real_input, 's', positive, swept=.true., meaning='when it leaves; absent: it stays'), &
+    input_name('body', 'from', real_input, 's', not_negative, swept=.true., meaning='time at which it comes; absent: always '// &
+      'there'), &
+    input_name('body', 'until', real_input, 's', positive, swept=.true., meaning='time at which it leaves; absent: it stays'), &
     input_name('body', 'velocity', real_input, 'm s-1', any_number, swept=.true., &
                meaning='its velocity at `from`; absent: that of the beam there')]
 
@@ -66,7 +67,7 @@ contains
     type(message_list), intent(inout) :: messages
     call check_mass(body, body%line, ', 0 for springs alone', messages)
     if (body%given('velocity') .and. .not. body%given('from')) call messages%add(body%line_of('velocity'), 'body%velocity', &
-      'is what the body brings when it comes; accepted: with from, or without velocity')
+      'is that of a body that comes later; accepted: with from, or without velocity')
   end subroutine check_body
 
   pure logical function comes_or_leaves(groups)
@@ -99,7 +100,7 @@ contains
         if (held('stiffness')) call messages%add(body%line_of('stiffness'), 'body%stiffness', 'acts on a root that is rigidly '// &
           'held against deflection; accepted: 0, or a &support with a stiffness')
         if (held('rotational_stiffness')) call messages%add(body%line_of('rotational_stiffness'), 'body%rotational_stiffness', &
-          'acts on a root that is rigidly held against turning; accepted: 0, or a &support with a rotational_stiffness')
+          'acts on a root that is rigidly held against rotation; accepted: 0, or a &support with a rotational_stiffness')
       end associate
     end do
   contains

@@ -13,8 +13,8 @@ module bw_capture_par
 
   type(input_group), parameter, public :: capture_group = input_group( &
     'capture', needs='impact', is_event=.true., absent='the mass rebounds', &
-    physics='The mass stays on the beam: the modes change from those of the beam alone to those of beam and mass, and '// &
-    'displacement and velocity of the beam are projected from the first onto the second.', &
+    physics='The mass stays on the beam: the modes change from those of the beam alone to those of beam and mass, and the '// &
+    'displacement and velocity of the beam are projected onto the new modes.', &
     example='&impact mass_ratio = 0.2 /|&capture rotary_inertia = 1e-4 /')
 
   type(input_name), parameter, public :: capture_names(*) = [ &

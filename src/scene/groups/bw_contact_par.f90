@@ -27,11 +27,11 @@ module bw_contact_par
     'damping d''), where d is the indentation; the force never pulls. Hertz''s law for elastic bodies has p = 3/2.', &
     example='&impact mass = 0.515, approach_velocity = 1 /|&contact radius = 0.025 /                     ! a steel '// &
     'ball|&response duration = 0.02, samples = 4096, bending_moment = .true. /', &
-    rules='Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere. K is then Hertz''s, with '// &
-    'the moduli of sphere and beam, on a flat side (`surface_radius` = 0) or across the axis of a round beam. The mass '// &
-    'runs in a guide that turns with the hub, and every further contact is followed, also while bodies come and leave. '// &
-    'The rebound is a result: `restitution` of `&impact` is refused here. If there are more than `max_contacts`, the '// &
-    'histories are missing from the next one on.')
+    rules='Give `stiffness` K and `exponent` p (1: a linear stop), or the `radius` of a sphere. K then follows from Hertz''s '// &
+    'law with the moduli of sphere and beam, on a flat side (`surface_radius` = 0) or across the axis of a round beam. The '// &
+    'mass moves in a guide that turns with the hub. Every further contact is followed, also while bodies come and leave. The '// &
+    'rebound is a result: `restitution` of `&impact` is refused. If there are more than `max_contacts` contacts, the histories '// &
+    'are missing from the next one on.')
 
   type(input_name), parameter, public :: contact_names(*) = [ &
     input_name('contact', 'stiffness', real_input, 'N', positive, swept=.true., &
@@ -48,7 +48,7 @@ module bw_contact_par
     input_name('contact', 'beam_poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
                swept=.true., excludes='stiffness', meaning='Poisson''s ratio of the beam'), &
     input_name('contact', 'surface_radius', real_input, 'm', not_negative, swept=.true., excludes='stiffness', &
-               meaning='radius across, 0 flat; absent: diameter/2, else flat'), &
+               meaning='radius across, 0: flat; absent: diameter/2, else flat'), &
     input_name('contact', 'damping', real_input, 's m-1', not_negative, '0', swept=.true., &
                meaning='Hunt and Crossley''s constant in (1 + damping d'')'), &
     input_name('contact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '1000', swept=.true., &
@@ -74,14 +74,14 @@ contains
     beam = position_of(groups, 'beam')
     if (beam > 0 .and. groups(contact)%given('radius')) then
       if (groups(beam)%given('bending_stiffness')) call messages%add(groups(contact)%line_of('radius'), 'contact%radius', &
-        'needs the material of the beam, which mass_per_length and bending_stiffness do not tell; accepted: a beam by density, '// &
+        'needs the material of the beam, which mass_per_length and bending_stiffness do not give; accepted: a beam by density, '// &
         'youngs_modulus and a section, or stiffness and exponent in place of radius')
     end if
     impact = position_of(groups, 'impact')
     if (impact == 0) return
     if (groups(impact)%number('restitution') == 0.0_dp .and. .not. groups(impact)%is_swept('restitution')) return
     call messages%add(groups(impact)%line_of('restitution'), 'impact%restitution', &
-      'has no meaning with &contact, where the rebound comes out; accepted: &contact without it, or it without &contact')
+      'has no meaning with &contact, where the rebound is a result; accepted: without restitution, or without &contact')
   end subroutine check_contact_place
 
   pure subroutine complete_contact(groups)

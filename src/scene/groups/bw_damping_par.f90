@@ -22,9 +22,8 @@ module bw_damping_par
     physics='Viscous damping. With `ratio` every mode k has the damping force 2 zeta beta_k M_k q_k''; Rayleigh damping '// &
     'has the matrix a M + b K, hence the ratio a/(2 beta) + b beta/2.', &
     example='&damping mass_proportional = 0.5, stiffness_proportional = 1e-6 /', &
-    rules='Give `ratio`, or one or both constants of Rayleigh damping, whose matrix is a M + b K. M is the mass matrix and '// &
-    'K the elastic stiffness alone. `ratio` refers to the frequency that K and M give a mode: rotation and tension change '// &
-    'that frequency, but not the damping.')
+    rules='Give `ratio`, or one or both constants of Rayleigh damping. M is the mass matrix and K the elastic stiffness alone. '// &
+    '`ratio` refers to the frequency that follows from K and M: rotation and tension change the frequency, but not the damping.')
 
   type(input_name), parameter, public :: damping_names(*) = [ &
     input_name('damping', 'ratio', real_input, '1', not_negative, swept=.true., &

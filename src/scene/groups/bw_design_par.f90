@@ -14,16 +14,14 @@ module bw_design_par
 
   type(input_group), parameter, public :: design_group = input_group( &
     'design', absent='one case, or those of `&sweep`', &
-    physics='Runs the scene once for each row of a table: a sample of inputs that are known to within tolerances, or a '// &
-    'design of experiments.', &
+    physics='Runs the scene once for each row of a table: a random sample of uncertain inputs, or a design of experiments.', &
     example='&beam length = 1.2, density = 2700 /|&rotation /|&damping /|&impact /|&contact exponent = 1 /|&modes before = '// &
     '20 /|&response duration = 0.1, samples = 512, bending_moment = .true. /|&design file = ''input/designs/boom.csv'' /', &
-    rules='The table is a text: a line of names, then a line of numbers for each case, separated by commas, semicolons, '// &
+    rules='The table is a text file: a line of names, then a line of numbers for each case, separated by commas, semicolons, '// &
     'tabs or blanks. A name is `group%name`, with the rules of `sweep%parameter`: a number that `&sweep` may vary, of a group '// &
-    'that is present; a value given there is replaced. Empty lines and lines that begin with `#` are comments; names and '// &
-    'numbers may stand in quotes; the decimal mark is a point. All rows are checked before the first case is run. '// &
-    '`&design` excludes `&sweep` and `&identify`. Every column needs a name; that of an index, which '// &
-    'pandas writes, has none: `to_csv(index=False)`.')
+    'that is present; a value given there is replaced. Empty lines and lines that begin with `#` are ignored; names and '// &
+    'numbers may be quoted; the decimal mark is a point. All rows are checked before the first case is run. `&design` excludes '// &
+    '`&sweep` and `&identify`. Every column needs a name; with pandas write the table without its index: `to_csv(index=False)`.')
 
   type(input_name), parameter, public :: design_names(*) = [ &
     input_name('design', 'file', text_input, required=.true., &

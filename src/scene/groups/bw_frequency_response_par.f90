@@ -25,8 +25,7 @@ module bw_frequency_response_par
     example='&damping ratio = 0.005 /|&frequency_response first = 5, last = 2000, quantity = ''acceleration'', points = '// &
     '0.5, 1.0 /', &
     rules='The result holds the real and the imaginary part of the response at `points` to a harmonic force of 1 N at '// &
-    '`position`. The beam is that after t = 0, with a captured mass. Beside `&response` the `points` are those of that '// &
-    'group.')
+    '`position`. A captured mass is part of the beam. If the scene has a `&response`, the `points` are those of that group.')
 
   type(input_name), parameter, public :: frequency_response_names(*) = [ &
     input_name('frequency_response', 'position', real_input, '1', unit_interval, '1', swept=.true., &
@@ -60,7 +59,7 @@ contains
         if (.not. (points%known .and. points%given)) return
         do i = 2, size(points%numbers)
           if (any(points%numbers(:i - 1) == points%numbers(i))) call messages%add(points%lines(i), 'frequency_response%points', &
-            text_of(points%numbers(i))//' is there twice; accepted: each point once')
+            text_of(points%numbers(i))//' is given twice; accepted: each point once')
         end do
         r = position_of(groups, 'response')
         if (r == 0) return

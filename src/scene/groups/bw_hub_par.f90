@@ -17,15 +17,15 @@ module bw_hub_par
   type(input_group), parameter, public :: hub_group = input_group( &
     'hub', excludes='recontact', is_effect=.true., builds_up=.true., changes_shapes=.true., &
     absent='the hub''s motion is prescribed: it does not recoil', &
-    physics='A rigid hub of moment of inertia J that is free to turn recoils when the beam is struck: J times its angular '// &
+    physics='A rigid hub with the moment of inertia J, free to turn, recoils when the beam is struck: J times its angular '// &
     'acceleration is the moment of the root''s reactions about the axis.', &
     example='&rotation angular_velocity = 50 /|&stiffening hub_radius = 0.1 /|&hub rotary_inertia = 2 /', &
     rules='The root is clamped to the hub, or held on it by the springs of `&support`. Without loads angular momentum is '// &
-    'conserved; `&force` and `&base` act from outside, and turn beam and hub. Mode 1 is the rigid rotation, which has no '// &
-    'frequency and no waves. Displacements and shapes are measured from the undeformed axis of the beam, which turns with '// &
-    'the hub. A hub couples only with motion in the plane of rotation. A beam that rotates there needs `&stiffening`: '// &
-    'without tension the rigid rotation would be unstable. Springs of `&body` and `&tip_support`, which are fixed to a '// &
-    'frame that does not recoil, are refused.')
+    'conserved; `&force` and `&base` are external and turn beam and hub. Mode 1 is the rigid rotation, which has no frequency '// &
+    'and no waves. Displacements and shapes are measured from the undeformed axis of the beam, which turns with the hub. Only '// &
+    'motion in the plane of rotation couples with the hub. A beam that rotates in that plane needs `&stiffening`: without '// &
+    'tension the rigid rotation would be unstable. Springs of `&body` and `&tip_support` are refused, since they are fixed to '// &
+    'a frame that does not recoil.')
 
   type(input_name), parameter, public :: hub_names(*) = [ &
     input_name('hub', 'rotary_inertia', real_input, 'kg m2', positive, required=.true., swept=.true., &
@@ -62,11 +62,11 @@ contains
     other = position_of(groups, 'rotation')
     if (other > 0) then
       if (groups(other)%text('plane') == 'out') then
-        call messages%add(groups(hub)%line, '&hub', 'couples with motion in the plane of rotation alone, and plane is ''out'''// &
-                          '; accepted: plane = ''in'', or without &hub')
+        call messages%add(groups(hub)%line, '&hub', 'couples only with motion in the plane of rotation, and plane is ''out''; '// &
+                          'accepted: plane = ''in'', or without &hub')
       else if (position_of(groups, 'stiffening') == 0 .and. groups(other)%number('angular_velocity') /= 0.0_dp) then
-        call messages%add(groups(hub)%line, '&hub', 'needs &stiffening where the beam rotates: without tension its rigid turn '// &
-                          'would grow; accepted: with &stiffening, or angular_velocity = 0')
+        call messages%add(groups(hub)%line, '&hub', 'needs &stiffening if the beam rotates: without tension the rigid rotation '// &
+                          'would be unstable; accepted: with &stiffening, or angular_velocity = 0')
       end if
     end if
     other = position_of(groups, 'stiffening')

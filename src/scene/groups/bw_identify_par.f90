@@ -34,13 +34,11 @@ module bw_identify_par
     '''input/records/ring_down_1.csv'', quantity = ''acceleration'', points = 0.5, 1.0 /|&spectrum /|&identify parameter = '// &
     '''beam%youngs_modulus'', first = 50e9, last = 90e9 /', &
     rules='One group for each unknown. Its group must be present; a value given there that lies in the range is one of the '// &
-    'starting points of the search. One of several bodies or pieces is named by its '// &
-    'number, as `body(2)%mass`. An unknown whose range is '// &
-    'above 0 and spans a factor of 10 or more is searched by its logarithm. `&identify` '// &
-    'excludes `&sweep` and `&design`; several '// &
-    'files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of its '// &
-    'own and the same beam in another state (with a mass, or of another length); an unknown has one value in all scenes '// &
-    'that give a value to its name. `&identify` in a further scene is for what is unknown of that scene alone.')
+    'starting points of the search. One of several bodies or pieces is named by its number, as `body(2)%mass`. An unknown '// &
+    'whose range is above 0 and spans a factor of 10 or more is searched on a logarithmic scale. `&identify` excludes `&sweep` '// &
+    'and `&design`; several files of the record are fitted together. `with` names further scenes, each with a `&record` of its '// &
+    'own and the same beam in another state (with a mass, or of another length). An unknown has one value in all scenes that '// &
+    'give a value to its name. `&identify` in a further scene declares unknowns of that scene alone.')
 
   type(input_name), parameter, public :: identify_names(*) = [ &
     input_name('identify', 'parameter', text_input, required=.true., &

@@ -21,14 +21,14 @@ module bw_impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
     'impact', is_event=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
-    physics='A mass strikes the beam at t = 0. Unless there is a `&contact` the blow takes no time: the impulse H changes '// &
-    'the velocities of the modes by Phi_k(xi) H/M_k and that of the mass by -H/m, and velocities separate with the '// &
-    'coefficient of restitution.', &
+    physics='A mass strikes the beam at t = 0. Without `&contact` the blow is instantaneous: the impulse H changes the '// &
+    'velocities of the modes by Phi_k(xi) H/M_k and that of the mass by -H/m, and the coefficient of restitution gives the '// &
+    'velocity of separation.', &
     example='&impact mass = 0.5, position = 0.8, approach_velocity = 2, restitution = 0.3 /', &
     rules='Give `mass` or `mass_ratio`. A positive `approach_velocity` drives the beam towards positive displacement; the '// &
     'opposite sign reverses all motion. `restitution` is the velocity of separation over that of approach: 0 is perfectly '// &
-    'plastic, 1 loses no energy. With `&capture` a restitution above 0 adds energy, because the mass, which has rebounded, '// &
-    'is then given the velocity of the beam; the report of such a run says so.')
+    'plastic, 1 loses no energy. With `&capture` a restitution above 0 adds energy, because the rebounded mass is then given '// &
+    'the velocity of the beam; the report says so.')
 
   type(input_name), parameter, public :: impact_names(*) = [ &
     input_name('impact', 'mass', real_input, 'kg', not_negative, swept=.true., excludes='mass_ratio', &

@@ -17,16 +17,16 @@ module bw_initial_par
   type(input_group), parameter, public :: initial_group = input_group( &
     'initial', excludes='recontact record', is_event=.true., &
     absent='the beam is straight and at rest when the motion begins', &
-    physics='The beam does not start straight and at rest: it is let go from a static deflection, or it turns.', &
+    physics='The beam does not start straight and at rest: it is released from a static deflection, or it turns.', &
     example='&initial force = 100, position = 1 /          ! plucked at the tip|&response duration = 0.5, samples = 8192 '// &
     '/', &
-    rules='Give `force`, `angular_velocity` or both. The static deflection under a force is released at t = 0, like a '// &
-    'plucked string; every mode has to be stable. Accelerations and shear forces have no limit as modes are added beside this '// &
-    'group, and are refused. A `&hub` is held until then, and released together with the beam. The '// &
-    'angular velocity is that of a beam that can turn: its root turns on `&support`, or it turns with its `&hub`, both as one '// &
-    'rigid body. With `&impact` the mass arrives with `approach_velocity` in the rotating frame and '// &
-    'strikes a moving beam: the closing speed counts. With `&contact` it begins to move where it touches the deflected beam; '// &
-    'if the two do not close in, it flies beside the beam until they meet, also with `approach_velocity` 0.')
+    rules='Give `force`, `angular_velocity` or both. The static deflection under a force is released at t = 0, like a plucked '// &
+    'string; every mode must be stable. A `&hub` is held until then, and released together with the beam. An angular velocity '// &
+    'requires a beam that can turn: about its root (`&support`), or with its `&hub` as one rigid body. Accelerations and shear '// &
+    'forces do not converge with this group, and are refused. With `&impact` the mass arrives with `approach_velocity` in the '// &
+    'rotating frame and strikes a moving beam; the blow depends on their closing speed. With `&contact` the mass starts in '// &
+    'touch with the deflected beam; if the two do not approach each other, it flies beside the beam until they meet, also with '// &
+    '`approach_velocity` 0.')
 
   type(input_name), parameter, public :: initial_names(*) = [ &
     input_name('initial', 'force', real_input, 'N', any_number, swept=.true., &
@@ -34,7 +34,7 @@ module bw_initial_par
     input_name('initial', 'position', real_input, '1', off_the_root, '1', swept=.true., &
                meaning='place of the force: x/l, 1 at the tip'), &
     input_name('initial', 'angular_velocity', real_input, 'rad s-1', any_number, swept=.true., &
-               meaning='rigid turn about the root or the hub, beside the rotation')]
+               meaning='rigid rotation about root or hub, besides `&rotation`')]
 
 contains
 
@@ -45,7 +45,7 @@ contains
     if (.not. (values%given('force') .or. values%given('angular_velocity'))) call messages%add(values%line, '&initial', &
       'has neither force nor angular_velocity; accepted: one or both; without the group the beam is straight and at rest')
     if (values%given('position') .and. .not. values%given('force')) call messages%add(values%line_of('position'), &
-      'initial%position', 'is the place of a force, and there is none; accepted: with force, or without position')
+      'initial%position', 'is the place of a force, which is not given; accepted: with force, or without position')
   end subroutine check_initial
 
   pure type(initial_par) function build_initial(values) result(initial)
@@ -62,10 +62,10 @@ contains
     character(:), allocatable :: text
     text = ''
     if (values%known('force')) then
-      text = ', let go from under '//values%number_or_swept('force', ' N')//' at xi = '// &
+      text = ', released from under '//values%number_or_swept('force', ' N')//' at xi = '// &
         values%number_or_swept('position', '', digits=15)
     end if
-    if (values%known('angular_velocity')) text = text//', first turning at '// &
+    if (values%known('angular_velocity')) text = text//', initially turning at '// &
       values%number_or_swept('angular_velocity', ' rad/s')
     text = text(3:)
   end function initial_text

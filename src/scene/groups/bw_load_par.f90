@@ -38,13 +38,13 @@ module bw_load_par
   type(input_group), parameter, public :: force_group = input_group( &
     'force', repeatable=.true., along='force', is_event=.true., needs='response', excludes='record recontact', &
     absent='no force acts', &
-    physics='A force F(t) at a point, positive as displacement is. Its power is F(t) v_t.', &
+    physics='A force F(t) at a point, positive in the direction of positive displacement. Its power is F(t) v_t.', &
     example='&force position = 0.7, shape = ''half_sine'', amplitude = 200, duration = 4e-4 /   ! a tap of a '// &
     'hammer|&response duration = 0.5, samples = 8192, acceleration = .true. /', &
-    rules='One group for each force. The beam is at rest until a force acts, unless something else moves it. A half sine, a '// &
-    'haversine (1 - cos)/2 and a triangle begin and end at 0 and reach `amplitude` in the middle; a rectangle is '// &
-    '`amplitude` throughout; a sine begins at 0 and has the `frequency`. With shape = ''file'' the force is read as '// &
-    '`&record` reads histories; it is linear between samples, and 0 before and after them. Histories are exact in time and '// &
+    rules='Write one group for each force. The beam is at rest until a force acts, unless something else moves it. A half '// &
+    'sine, a haversine (1 - cos)/2 and a triangle begin and end at 0 and reach `amplitude` in the middle; a rectangle is '// &
+    '`amplitude` throughout; a sine begins at 0 and has the `frequency`. With shape = ''file'' the force is read like the '// &
+    'histories of a `&record`; it is linear between samples, and 0 before and after them. Histories are exact in time and '// &
     'include the static response of the modes that are not summed. A sweep names a force by its number in the scene, as '// &
     '`force(2)%amplitude`.')
 
@@ -52,7 +52,7 @@ module bw_load_par
     input_name('force', 'position', real_input, '1', unit_interval, '1', swept=.true., &
                meaning='place of the force: x/l'), &
     input_name('force', 'shape', text_input, default="'half_sine'", words=shape_words, &
-               meaning='course in time; file: as measured'), &
+               meaning='variation in time; file: as measured'), &
     input_name('force', 'amplitude', real_input, 'N', any_number, swept=.true., &
                meaning='largest value, positive as displacement'), &
     input_name('force', 'start', real_input, 's', any_number, '0', swept=.true., &
@@ -64,29 +64,29 @@ module bw_load_par
     input_name('force', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('force', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
-               meaning='unit of the times in seconds; else by the file'), &
+               meaning='unit of the times in seconds; absent: by the file'), &
     input_name('force', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
                meaning='sampling rate, the first sample at time 0'), &
     input_name('force', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
-               meaning='its column; absent: the only one but the time'), &
-    input_name('force', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to N; else by the file''s unit')]
+               meaning='its column; absent: the only one besides the time'), &
+    input_name('force', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to N; absent: by the file''s unit')]
 
   type(input_group), parameter, public :: base_group = input_group( &
     'base', repeatable=.true., along='base', is_event=.true., needs='response', excludes='record recontact', &
     absent='the frame does not accelerate', &
-    physics='What holds the beam moves transversely with the acceleration a(t), as a shaker table or a ground shock does. '// &
-    'Seen from the moving frame the beam and its bodies are loaded by -a times their mass.', &
+    physics='The frame that holds the beam has the transverse acceleration a(t), as on a shaker table or in a ground shock. In '// &
+    'the moving frame beam and bodies are loaded by -a times their mass.', &
     example='&base shape = ''haversine'', amplitude = 50, duration = 0.011 /   ! m/s2|&response duration = 0.2, samples = '// &
     '4096, points = 0.0, 1.0, bending_moment = .true. /', &
-    rules='One group for each acceleration of root, supports and springs; displacements, velocities and accelerations '// &
-    'are those seen from the moving frame: an accelerometer on the beam shows a(t) more. The axis of a `&hub` moves with '// &
-    'the frame: the inertia of the beam turns the hub, and its own does not, as its centre of mass lies on the axis. A '// &
-    'uniform load of q N/m along a uniform beam without bodies is equivalent to the acceleration -q over its mass per '// &
-    'length. Shapes and files are those of `&force`.')
+    rules='Write one group for each acceleration of root, supports and springs. Displacements, velocities and accelerations '// &
+    'are relative to the moving frame: an accelerometer on the beam measures a(t) in addition. The axis of a `&hub` moves with '// &
+    'the frame; only the inertia of the beam turns the hub, whose own centre of mass lies on the axis. A uniform load of q N/m '// &
+    'along a uniform beam without bodies is equivalent to the acceleration -q divided by its mass per length. Shapes and files '// &
+    'are those of `&force`.')
 
   type(input_name), parameter, public :: base_names(*) = [ &
     input_name('base', 'shape', text_input, default="'half_sine'", words=shape_words, &
-               meaning='course in time; file: as measured'), &
+               meaning='variation in time; file: as measured'), &
     input_name('base', 'amplitude', real_input, 'm s-2', any_number, swept=.true., &
                meaning='largest value of the acceleration'), &
     input_name('base', 'start', real_input, 's', any_number, '0', swept=.true., &
@@ -98,12 +98,12 @@ module bw_load_par
     input_name('base', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('base', 'time_scale', real_input, '1', positive, excludes='sample_rate', swept=.true., &
-               meaning='unit of the times in seconds; else by the file'), &
+               meaning='unit of the times in seconds; absent: by the file'), &
     input_name('base', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', swept=.true., &
                meaning='sampling rate, the first sample at time 0'), &
     input_name('base', 'column', columns_input, range=number_range(1.0_dp, 1e6_dp), &
-               meaning='its column; absent: the only one but the time'), &
-    input_name('base', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to m/s2; else by the file''s unit')]
+               meaning='its column; absent: the only one besides the time'), &
+    input_name('base', 'scale', real_input, '1', any_number, swept=.true., meaning='factor to m/s2; absent: by the file''s unit')]
 
 contains
 
@@ -163,7 +163,7 @@ contains
       if (.not. groups(g)%known('start') .or. groups(g)%text('shape') == 'file') cycle
       if (groups(g)%number('start') < groups(r)%number('duration')) cycle
       call messages%add(groups(g)%line_of('start'), trim(groups(g)%group)//'%start', 'is '// &
-                        text_of(groups(g)%number('start'))//' s, when the histories have ended; accepted: below the duration '// &
+                        text_of(groups(g)%number('start'))//' s, after the end of the histories; accepted: below the duration '// &
                         'of &response, '//text_of(groups(r)%number('duration'))//' s')
     end do
   end subroutine complete_loads

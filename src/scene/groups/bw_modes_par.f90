@@ -33,18 +33,18 @@ module bw_modes_par
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., &
     absent='20 modes; with `&response` as many as a tolerance of 1e-6 requires, or the finest that can be reached', &
-    physics='Histories are sums over modes, and this group says how many. A tolerance lets the program choose: it bounds '// &
-    'the estimated error of the displacement at any point, relative to the largest displacement; with `&contact`, '// &
-    '`&force`, `&base`, `&initial` and bodies that come or leave it bounds that of every history asked for. The result has '// &
-    'the estimated errors either way.', &
+    physics='Histories are sums over modes, and this group sets their number. With a tolerance the program chooses it: the '// &
+    'tolerance bounds the estimated error of the displacement at any point, relative to the largest displacement; with '// &
+    '`&contact`, `&force`, `&base`, `&initial` and bodies that come or leave, that of every requested history. The result '// &
+    'holds the estimated errors in either case.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 1, samples = 4096 /|&modes tolerance = 1e-9 /', &
-    rules='Give counts, or a tolerance. With `&capture` there are two sets of modes, and a count that is not given equals '// &
-    'the other one. With bodies that come or leave, `before` counts modes until the first change and `after` those of all '// &
-    'later sets. Otherwise there is one set, whose count is `before`; `after`, if given, has to equal it. With `&impact` '// &
-    'but without `&capture` or `&contact` a `&response` needs a count: the impulse of an instantaneous rebound tends to 0 '// &
-    'as modes are added, so that the motion depends on their number. A tolerance that is out of reach is '// &
-    'refused; the default is relaxed to one that can be reached. `modal_model` needs the points of `&response` or '// &
-    '`&frequency_response`, at most 200, and at most 4000 modes.')
+    rules='Give counts, or a tolerance. With `&capture` there are two sets of modes, and a count that is not given equals the '// &
+    'other one. With bodies that come or leave, `before` counts the modes until the first change and `after` those of all '// &
+    'later sets. Otherwise there is one set, whose count is `before`; `after`, if given, must equal it. With `&impact` but '// &
+    'without `&capture` or `&contact` a `&response` needs a count: the impulse of an instantaneous rebound tends to 0 as modes '// &
+    'are added, so that the motion depends on their number. An unreachable tolerance is refused; the default is relaxed to a '// &
+    'reachable one. `modal_model` needs the points of `&response` or `&frequency_response`, at most 200, and at most 4000 '// &
+    'modes.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -54,7 +54,7 @@ module bw_modes_par
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
                excludes='before after', meaning='largest error of histories over their peaks; sets counts'), &
     input_name('modes', 'modal_model', logical_input, default='.false.', &
-               meaning='the modal model too, for `beamwave-export`')]
+               meaning='whether to add the modal model, for `beamwave-export`')]
 
 contains
 
@@ -70,9 +70,8 @@ contains
     if (modes%given('tolerance')) then
       if (rebound .or. .not. ((captured .or. lasting) .and. response)) call messages%add(modes%line_of('tolerance'), &
         'modes%tolerance', &
-        'needs &response with &capture, &contact, &force, &base, &initial or a &body that comes: it '// &
-        'is an error of their history; '// &
-        'accepted: counts, as before and after')
+        'needs &response with &capture, &contact, &force, &base, &initial or a &body that comes, whose histories have such an '// &
+        'error; accepted: counts, as before and after')
       return
     end if
     if (.not. (modes%given('before') .or. modes%given('after'))) then
@@ -81,7 +80,8 @@ contains
         return
       else if (response .and. rebound) then
         call messages%add(0, 'modes%before', 'is missing: &response with &impact and without &capture needs a count of modes, '// &
-          'since the motion after a rebound depends on their number (its impulse goes to 0 as modes are added); accepted: 1 to '// &
+          'since the motion after a rebound depends on their number (its impulse tends to 0 as modes are added); accepted: 1 '// &
+          'to '// &
           text_of(counts%high))
         return
       end if

@@ -15,9 +15,9 @@ module bw_recontact_par
     'further contact is an instantaneous blow with the same restitution.', &
     example='&impact mass_ratio = 0.2, restitution = 0.5 /|&recontact max_contacts = 20 /|&modes before = 10 /|&response '// &
     'duration = 0.05, samples = 4096 /', &
-    rules='After the rebound the mass slides without friction in a straight guide that turns with the hub, and can meet '// &
-    'the beam again where it struck. Contacts that follow each other ever faster are merged into one that lasts until the '// &
-    'mass is no longer pressed against the beam. If there are more than `max_contacts`, the histories are missing from the '// &
+    rules='After the rebound the mass slides without friction in a straight guide that turns with the hub, and can meet the '// &
+    'beam again where it struck. Contacts that follow each other ever faster are merged into one that lasts until the mass is '// &
+    'no longer pressed against the beam. If there are more than `max_contacts` contacts, the histories are missing from the '// &
     'next one on.')
 
   type(input_name), parameter, public :: recontact_names(*) = [ &

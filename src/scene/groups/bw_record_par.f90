@@ -38,32 +38,31 @@ module bw_record_par
 
   type(input_group), parameter, public :: record_group = input_group( &
     'record', needs='spectrum', excludes='impact response', absent='histories are simulated, not read', &
-    physics='Measured histories take the place of simulated ones. They are read as a free decay after one or several '// &
-    'blows, a sum of damped sinusoids and noise.', &
+    physics='Measured histories take the place of simulated ones. They are analysed as a free decay after one or several '// &
+    'blows: a sum of damped sinusoids and noise.', &
     example='&record file = ''input/records/ring_down_1.csv'', quantity = ''acceleration'', points = 0.5, 1.0 /|&spectrum '// &
     '/', &
-    rules='A file is looked for beside the scene. Its content tells whether it is text (columns separated by commas, '// &
-    'semicolons, tabs or blanks; header lines; comments behind # or %) or NetCDF, such as a result of beamwave. Several '// &
-    'files are repeats of one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column '// &
-    'or variable named time or t, or as loggers call it (X_Value, Zeit, elapsed time). Times are taken as they are, evenly '// &
-    'spaced or not, and have to increase. Without `columns` every column but the time is a sensor. Without `points` there '// &
-    'are only frequencies and decay rates. With `force` the amplitudes are divided by the hammer''s blow and become modal '// &
-    'constants and frequency responses. `&beam` may be absent.')
+    rules='Paths are relative to the scene. A file is text (columns separated by commas, semicolons, tabs or blanks; header '// &
+    'lines; comments behind # or %) or NetCDF, such as a result of beamwave; its content decides. Several files are repeats of '// &
+    'one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column or variable named time or '// &
+    't, or a usual name of loggers (X_Value, Zeit, elapsed time). Times may be uneven but must increase. Without `columns` '// &
+    'every column except the time is a sensor. Without `points` there are only frequencies and decay rates. With `force` the '// &
+    'amplitudes are divided by the hammer''s blow and become modal constants and frequency responses. `&beam` may be absent.')
 
   type(input_name), parameter, public :: record_names(*) = [ &
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('record', 'time_scale', real_input, '1', positive, excludes='sample_rate', &
-               meaning='unit of the times in seconds; else by the file'), &
+               meaning='unit of the times in seconds; absent: by the file'), &
     input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', &
                meaning='sampling rate, the first sample at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
                meaning='columns of the sensors'), &
     input_name('record', 'quantity', texts_input, words='displacement velocity acceleration strain', most=most_columns, &
-               meaning='measured quantity; else as the file says'), &
+               meaning='measured quantity; absent: by the file'), &
     input_name('record', 'scale', reals_input, '1', any_number, most=most_columns, &
-               meaning='factor to SI, of all or each; else by the file''s unit'), &
+               meaning='factor to SI, of all or each; absent: by the file'), &
     input_name('record', 'points', reals_input, '1', unit_interval, most=most_columns, &
                meaning='place of each sensor: x/l, 0 at the root, 1 at the tip'), &
     input_name('record', 'force', columns_input, range=number_range(1.0_dp, 1e6_dp), meaning='column of the hammer''s force'), &
@@ -89,10 +88,10 @@ contains
         if (any(scale%numbers == 0.0_dp)) call messages%add(scale%line, 'record%scale', 'is 0; accepted: any other number')
       end if
       if (record%known('force_point') .and. .not. record%known('force')) call messages%add(record%line_of('force_point'), &
-        'record%force_point', 'is there without force; accepted: both, or neither')
+        'record%force_point', 'is given without force; accepted: both, or neither')
       if (.not. (columns%known .and. time%known)) return
       if (place_in(columns, 1, size(columns%texts), time, 1) > 0) call messages%add(columns%line, 'record%columns', &
-        'holds the column of the times; accepted: those of sensors')
+        'contains the column of the times; accepted: columns of sensors')
     end associate
   end subroutine check_record
 
@@ -106,7 +105,7 @@ contains
       if (.not. value%known) return
       do i = 2, size(value%texts)
         if (place_in(value, 1, i - 1, value, i) == 0) cycle
-        call messages%add(value%lines(i), 'record%'//name, what(value, i)//' is there twice; accepted: each once')
+        call messages%add(value%lines(i), 'record%'//name, what(value, i)//' is given twice; accepted: each once')
       end do
     end associate
   end subroutine check_repeats

@@ -13,8 +13,8 @@ module bw_release_par
 
   type(input_group), parameter, public :: release_group = input_group( &
     'release', needs='capture', is_event=.true., absent='a captured mass stays', &
-    physics='A captured mass leaves at a given time with the velocity that the beam has there, and the beam rings on in '// &
-    'its own modes.', &
+    physics='A captured mass leaves at a given time with the velocity of the beam at its place, and the beam continues to '// &
+    'vibrate in its own modes.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&release time = 0.1 /|&response duration = 0.5, samples = 4096 /', &
     rules='A sample at exactly that time shows the beam without the mass. A time after the end of the histories '// &
     'changes nothing.')

@@ -24,15 +24,14 @@ module bw_response_par
   type(input_group), parameter, public :: response_group = input_group( &
     'response', needs='impact|force|base|initial|body', absent='no time history', &
     physics='Histories at points of the beam. Every sample is exact for the modes that are summed, however few samples there '// &
-    'are; but a peak may lie between them, and a spectrum shows only frequencies below the Nyquist frequency '// &
-    'samples/(2 duration). Reports and files name the largest sample; the report estimates how much larger the peak may be, '// &
-    'and warns where that matters.', &
+    'are. But a peak may lie between samples, and a spectrum shows only frequencies below the Nyquist frequency samples/(2 '// &
+    'duration). Reports and results give the largest sample; the report estimates how much larger the peak may be, and warns '// &
+    'if that matters.', &
     example='&impact mass_ratio = 0.2 /|&capture /|&response duration = 0.5, samples = 8192, points = 0.25, 0.5, 1, '// &
     'velocity = .true. /', &
-    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. Under '// &
-    'forces, motions of the base and contacts accelerations and shear forces converge as modes are added; after an '// &
-    'instantaneous blow or a capture, beside `&initial` and where bodies come or leave they do not, and are refused, as are '// &
-    'accelerations where a force begins or ends at once.')
+    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1. Accelerations and shear forces '// &
+    'converge under forces, motions of the base and contacts. They do not converge, and are refused, after an instantaneous '// &
+    'blow or a capture, with `&initial`, and if bodies come or leave; accelerations also if a force begins or ends abruptly.')
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
@@ -59,7 +58,7 @@ contains
       do i = 2, size(points%numbers)
         if (any(points%numbers(:i - 1) == points%numbers(i))) then
           call messages%add(points%lines(i), 'response%points', text_of(points%numbers(i))// &
-                            ' is there twice; accepted: each point once')
+                            ' is given twice; accepted: each point once')
         end if
       end do
     end associate
@@ -76,14 +75,12 @@ contains
     if (r == 0) return
     why = ''
     if (changes()) then
-      why = 'has no limit as modes are added where bodies come or leave, or a deflection is let go; accepted: .false.'
+      why = 'does not converge if bodies come or leave, or a deflection is released; accepted: .false.'
     else if (position_of(groups, 'impact') > 0) then
       if (position_of(groups, 'contact') == 0) then
-        why = 'has no limit as modes are added after an ideal blow, which takes no time; accepted: .false.; &contact makes the '// &
-              'blow last'
+        why = 'does not converge after an instantaneous blow; accepted: .false., or &contact'
       else if (position_of(groups, 'capture') > 0) then
-        why = 'has no limit as modes are added after a capture, when the force of the contact ends at once; accepted: .false., '// &
-              'or no &capture'
+        why = 'does not converge after a capture, where the contact force ends abruptly; accepted: .false., or no &capture'
       end if
     end if
     if (why /= '') then
@@ -95,8 +92,8 @@ contains
     do g = 1, size(groups)
       if (groups(g)%group /= 'force') cycle
       if (begins_or_ends_at_once(groups(g))) call messages%add(groups(r)%line_of('acceleration'), 'response%acceleration', &
-        'has no limit as modes are added where a force begins or ends at once, as that of line '//text_of(groups(g)%line)// &
-        '; accepted: another shape, a sine of whole half turns, or no acceleration')
+        'does not converge if a force begins or ends abruptly, as that of line '//text_of(groups(g)%line)// &
+        '; accepted: another shape, a sine of whole half periods, or no acceleration')
     end do
   contains
     pure logical function changes()

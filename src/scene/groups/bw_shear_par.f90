@@ -16,13 +16,13 @@ module bw_shear_par
   type(input_group), parameter, public :: shear_group = input_group( &
     'shear', is_effect=.true., changes_shapes=.true., &
     absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
-    physics='Timoshenko''s beam: sections shear and have rotary inertia, which matters where waves are not much longer '// &
+    physics='Timoshenko''s beam: sections have shear deformation and rotary inertia, which matter if waves are not much longer '// &
     'than the section is high.', &
     example='&shear poisson_ratio = 0.3 /', &
-    rules='This is Timoshenko''s beam: the shear force is kappa G A times the angle of shear, and the shear modulus is '// &
-    'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. Unless it is given, kappa is '// &
-    '6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter`, and 10 (1 + nu)/(12 + 11 nu) for the rectangle of `width` '// &
-    'and `height` (Cowper 1966). Any other section needs its own. Both numbers are those of every piece.')
+    rules='The shear force is kappa G A times the angle of shear, and the shear modulus is G = E/(2 (1 + nu)), with nu = '// &
+    '`poisson_ratio` and kappa = `shear_coefficient`. By default kappa is 6 (1 + nu)/(7 + 6 nu) for the solid circle of a '// &
+    '`diameter`, and 10 (1 + nu)/(12 + 11 nu) for the rectangle of `width` and `height` (Cowper 1966). For any other section '// &
+    'it must be given. Both numbers apply to every piece.')
 
   type(input_name), parameter, public :: shear_names(*) = [ &
     input_name('shear', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
@@ -42,15 +42,15 @@ contains
     if (shear == 0 .or. beam == 0) return
     if (groups(beam)%given('mass_per_length') .or. groups(beam)%given('bending_stiffness')) then
       call messages%add(groups(shear)%line, '&shear', 'needs material and section of the beam: mass_per_length and '// &
-                        'bending_stiffness tell neither its shear stiffness nor its rotary inertia; accepted: a beam by '// &
+                        'bending_stiffness give neither its shear stiffness nor its rotary inertia; accepted: a beam by '// &
                         'density, youngs_modulus and a section, or without &shear')
       return
     end if
     if (groups(shear)%given('shear_coefficient') .or. groups(beam)%given('diameter')) return
     if (groups(beam)%given('width') .or. groups(beam)%given('height')) return
     if (.not. (groups(beam)%given('area') .or. groups(beam)%given('second_moment'))) return
-    call messages%add(0, 'shear%shear_coefficient', 'is missing: the section is given by area and second_moment, '// &
-                      'which do not tell its shape; accepted: a real, > 0')
+    call messages%add(0, 'shear%shear_coefficient', 'is missing: the section is given by area and second_moment, which do not '// &
+                      'determine its shape; accepted: a real, > 0')
   end subroutine check_shear
 
   pure subroutine complete_shear(groups)

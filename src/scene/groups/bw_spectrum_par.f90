@@ -46,7 +46,7 @@ module bw_spectrum_par
     input_name('spectrum', 'false_alarm', real_input, '1', number_range(1e-12_dp, 0.5_dp), '0.01', swept=.true., &
                meaning='probability of a line in a record of noise alone'), &
     input_name('spectrum', 'ends', text_input, default="'tip'", words='model tip clamped any', &
-               meaning='what is known of the ends when waves are fitted')]
+               meaning='boundary conditions assumed when waves are fitted')]
 
 contains
 

@@ -14,8 +14,8 @@ module bw_stiffening_par
   type(input_group), parameter, public :: stiffening_group = input_group( &
     'stiffening', needs='rotation', is_effect=.true., changes_shapes=.true., &
     absent='no tension: rotation leaves the stiffness of the beam as it is', &
-    physics='Rotation pulls the beam, its bodies and a captured mass outwards with the tension T(x), the centrifugal force '// &
-    'of all that lies beyond x. It adds -(T v_x)_x to the equation of motion and raises the frequencies.', &
+    physics='Rotation causes the tension T(x), the centrifugal force of all mass beyond x: of the beam, its bodies and a '// &
+    'captured mass. It adds -(T v_x)_x to the equation of motion and raises the frequencies.', &
     example='&rotation angular_velocity = 50, plane = ''out'' /|&stiffening hub_radius = 0.3 /')
 
   type(input_name), parameter, public :: stiffening_names(*) = [ &

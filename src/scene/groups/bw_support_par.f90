@@ -17,12 +17,12 @@ module bw_support_par
   type(input_group), parameter, public :: support_group = input_group( &
     'support', is_effect=.true., builds_up=.true., changes_shapes=.true., absent='the root is clamped', &
     physics='Springs at the root: the shear force there is `stiffness` times the deflection, the bending moment '// &
-    '`rotational_stiffness` times the slope. Real clamps give a little, which lowers every frequency.', &
+    '`rotational_stiffness` times the slope. Real clamps are elastic, which lowers every frequency.', &
     example='&support rotational_stiffness = 2e5 /        ! pinned against deflection, and a clamp that turns by 1 rad '// &
     'under 2e5 N m', &
-    rules='Give one or both; a name that is left out is rigid. A `rotational_stiffness` of 0 is a hinge; both 0 is a free '// &
-    'end. Springs are fixed to the rotating frame. A beam that rotates in its plane has to be held, by a spring here or of '// &
-    'a `&body`. A beam that can turn freely about its root is unstable there, since nothing but tension restores it.')
+    rules='Give one or both; a name that is left out is rigid. A `rotational_stiffness` of 0 is a hinge; both 0 is a free end. '// &
+    'Springs are fixed to the rotating frame. A beam that rotates in its plane must be held by a spring, here or of a `&body`. '// &
+    'If it can turn freely about its root it is unstable, because only tension would restore it.')
 
   type(input_name), parameter, public :: support_names(*) = [ &
     input_name('support', 'stiffness', real_input, 'N m-1', not_negative, swept=.true., &
@@ -35,9 +35,9 @@ module bw_support_par
     physics='Springs at the tip, as `&support` has them at the root: a beam between two bearings, or an arm that rests on '// &
     'a stop.', &
     example='&support rotational_stiffness = 0 /          ! a beam on two pins|&tip_support rotational_stiffness = 0 /', &
-    rules='A name that is left out is rigid: without either the tip is clamped, with a `rotational_stiffness` of 0 it is '// &
-    'pinned, with a `stiffness` of 0 it slides. Springs are fixed to the rotating frame. The tip stays free to move along '// &
-    'the beam, so that the tension of `&stiffening` is that of a free tip. A rigidly held tip cannot be struck.')
+    rules='A name that is left out is rigid: with neither name the tip is clamped, with a `rotational_stiffness` of 0 it is '// &
+    'pinned, with a `stiffness` of 0 it slides. Springs are fixed to the rotating frame. The tip can move along the beam, so '// &
+    'that the tension of `&stiffening` is that of a free tip. A rigidly held tip cannot be struck.')
 
   type(input_name), parameter, public :: tip_support_names(*) = [ &
     input_name('tip_support', 'stiffness', real_input, 'N m-1', not_negative, swept=.true., &

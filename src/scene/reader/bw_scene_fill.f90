@@ -79,7 +79,7 @@ contains
       call messages%add(opened(i)%line, '&'//shortened(group), unknown_group(group))
     else
       first = findloc(rows, group_row(group), dim=1)
-      call messages%add(opened(i)%line, '&'//group, 'is there again, after line '//text_of(opened(first)%line)// &
+      call messages%add(opened(i)%line, '&'//group, 'is given again, after line '//text_of(opened(first)%line)// &
                         '; accepted: each group once, except '// &
                         joined(pack(group_table%name, group_table%repeatable), '&'))
     end if
@@ -117,7 +117,7 @@ contains
     if (i == 0) then
       call messages%add(line, place, unknown_name(trim(group%group), name))
     else if (group%values(i)%given) then
-      call messages%add(line, place, 'is there again, after line '//text_of(group%values(i)%line)//'; accepted: once')
+      call messages%add(line, place, 'is given again, after line '//text_of(group%values(i)%line)//'; accepted: once')
     else
       group%values(i)%given = .true.
       group%values(i)%line = line

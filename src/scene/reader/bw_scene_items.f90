@@ -111,7 +111,7 @@ contains
     integer, intent(inout) :: count
     character(:), allocatable, intent(inout) :: problem
     if (digits == '' .or. verify(digits, '0123456789') > 0) then
-      problem = shown(digits//'*')//' is no repeat count; accepted: as in 2*0.5'
+      problem = shown(digits//'*')//' is not a repeat count; accepted: as in 2*0.5'
     else if (len(digits) > most_digits) then
       problem = 'the repeat count '//shown(digits)//' is too large'
     else

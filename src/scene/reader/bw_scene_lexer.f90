@@ -43,7 +43,7 @@ contains
     end if
     do while (lex%at <= len(text) .and. .not. messages%cut)
       if (lex%count == most_tokens) then
-        call messages%add(lex%line, 'text', 'more than '//text_of(most_tokens)//' words and signs, which no scene has')
+        call messages%add(lex%line, 'text', 'more than '//text_of(most_tokens)//' words and signs, too many for a scene')
         exit
       end if
       call lex_next(text, lex, messages)
@@ -99,7 +99,7 @@ contains
     type(message_list), intent(inout) :: messages
     if (text(lex%at:lex%at) == '#' .or. text(lex%at:min(lex%at + 1, len(text))) == '//') then
       call messages%add(lex%line, 'text', shown(text(lex%at:line_end(text, lex%at) - 1))// &
-                        ' is no comment here; a comment opens with !')
+                        ' is not a comment here; a comment opens with !')
       lex%at = line_end(text, lex%at)              ! what it was meant to be
       return
     end if
@@ -205,7 +205,7 @@ contains
       call add_token(lex, word_token, lex%at, last)
     else
       call messages%add(lex%line, 'text', shown(text(lex%at:last))// &
-                        ' holds a character that is not ASCII; accepted only inside quotes and comments')
+                        ' contains a non-ASCII character; accepted only inside quotes and comments')
       call add_token(lex, bad_token, lex%at, last)
     end if
   end subroutine lex_word
@@ -220,7 +220,7 @@ contains
     last = merge(len(text), lex%at + last - 2, last == 0)
     associate (piece => text(lex%at:last))
       call messages%add(lex%line, 'text', shown(piece(:verify(piece, blanks, back=.true.)))// &
-                        ' stands outside the groups'//outside_hint(piece))
+                        ' is outside the groups'//outside_hint(piece))
     end associate
     lex%at = last + 1
   end subroutine lex_outside

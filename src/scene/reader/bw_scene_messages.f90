@@ -110,8 +110,8 @@ contains
       if (i > 1) call builder%append(new_line('a'))
       call builder%append(self%items(order(i))%text)
     end do
-    if (self%cut) call builder%append(new_line('a')//self%file//': text: more is wrong than these '//text_of(most_messages)// &
-                                      ' errors; what else there is was not looked at')
+    if (self%cut) call builder%append(new_line('a')//self%file//': text: there are more than these '//text_of(most_messages)// &
+                                      ' errors; further ones are not listed')
     text = builder%text()
   end function text_of_list
 

@@ -43,7 +43,7 @@ contains
     i = 1
     do while (i <= size(tokens) .and. .not. messages%cut)
       if (parsed%groups_found == most_groups) then
-        call messages%add(tokens(i)%line, 'text', 'more than '//text_of(most_groups)//' groups, which no scene has')
+        call messages%add(tokens(i)%line, 'text', 'more than '//text_of(most_groups)//' groups, too many for a scene')
         return
       end if
       select case (tokens(i)%kind)
@@ -114,7 +114,7 @@ contains
       last = last_of_statement(tokens, i)
       if (tokens(i)%kind /= bad_token) then
         call messages%add(tokens(i)%line, 'text', shown(span(text, tokens(i)))// &
-                          " stands where a name should; accepted: name = value, or '/' to end the group")
+                          " is not a name; accepted: name = value, or '/' to end the group")
       end if
     end if
     i = last + 1

@@ -121,7 +121,7 @@ contains
     integer(i8) :: have
     integer :: problem
     if (bytes > most_bytes) then
-      call fail(error, status_bad_file, path//': larger than '//text_of(most_bytes)//' bytes, which no scene is')
+      call fail(error, status_bad_file, path//': larger than '//text_of(most_bytes)//' bytes, too large for a scene')
       return
     end if
     allocate (buffer(bytes))
@@ -142,11 +142,11 @@ contains
     have = 0
     do
       more = bw_listen(descriptor, c_loc(buffer(have + 1)), size(buffer, kind=i8) - have, patience)
-      if (more < 0) call fail(error, status_bad_file, path//': is no file, and nothing comes out of it')
+      if (more < 0) call fail(error, status_bad_file, path//': is not a file, and yields no data')
       if (more <= 0) exit
       have = have + more
       if (have <= most_piped) cycle
-      call fail(error, status_bad_file, path//': is no file, and more than '//text_of(most_piped)//' bytes come out of it')
+      call fail(error, status_bad_file, path//': is not a file, and yields more than '//text_of(most_piped)//' bytes')
       exit
     end do
     text = text_from(buffer(:have))

@@ -182,7 +182,7 @@ contains
     character(:), allocatable, intent(out) :: problem
     problem = ''
     if (quote == ' ') then
-      problem = shown(piece)//' stands without quotes'
+      problem = shown(piece)//' is not in quotes'
       return
     end if
     text = trim(single_quotes(piece, quote))
@@ -224,7 +224,7 @@ contains
     case ('.false.', 'false', '.f.', 'f')
       flag = .false.
     case default
-      problem = shown(piece)//' is no logical'
+      problem = shown(piece)//' is not a logical'
     end select
   end subroutine parse_logical
 

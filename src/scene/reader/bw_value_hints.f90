@@ -87,7 +87,7 @@ contains
     call parse_real(written(:last), number, problem)
     if (problem /= '' .or. word == '' .or. scan(word, ' ,=') > 0) return
     if (lower(word(1:1)) < 'a' .or. lower(word(1:1)) > 'z') return
-    hint = '; a value stands without its unit'
+    hint = '; values are written without units'
     if (unit /= '' .and. unit /= '1') hint = hint//', in '//trim(unit)
     do i = 1, size(units)
       if (lower(trim(units(i)%word)) /= lower(word) .or. units(i)%si /= unit) cycle
