@@ -34,7 +34,7 @@ module bw_check_command
   real(dp), parameter :: most_planning = 1.0_dp      !! s, by the model of costs, of a first try at a tolerance
   real(dp), parameter :: patience = 6.0_dp           !! s for a scene; a record is read to its end
   character(*), parameter :: time_head = '  time       '
-  character(*), parameter :: untried = '  tried      nothing: only a run tells what it warns of'
+  character(*), parameter :: untried = '  tried      nothing: warnings are known only after a run'
 
 contains
 
@@ -108,7 +108,7 @@ contains
       if (allocated(error)) return
       facts%seconds = record_seconds(scene, layout)
       time_line = time_head//'about '//expected_text(facts%seconds)// &
-        ' on one core, more where lines are many or drift'
+        ' on one core, more if there are many lines or they drift'
       if (size(scene%unknowns) > 0) time_line = time_line//' or the model does not explain them'
       time_line = time_line//new_line('a')
     else
@@ -144,13 +144,13 @@ contains
     type(scene_facts), intent(inout) :: facts      !! gets seconds and notes
     type(forecast_type) :: forecast
     if (monitor%stop_requested()) then
-      time_line = time_head//'more than '//expected_text(patience)//', which its plan alone takes'//new_line('a')// &
+      time_line = time_head//'more than '//expected_text(patience)//', the time of its planning alone'//new_line('a')// &
         untried//new_line('a')
       return
     end if
     facts%seconds = estimated_seconds(scene, case_numbers(scene, layout), planned, monitor)
     time_line = time_head//'about '//expected_text(facts%seconds)//' on one core'
-    if (allocated(scene%contact)) time_line = time_line//', more if the mass comes back often'
+    if (allocated(scene%contact)) time_line = time_line//', more if there are many contacts'
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')
     call forecast_notes(scene, layout, planned, monitor, forecast)
@@ -160,11 +160,11 @@ contains
     else if (forecast%from_few) then
       time_line = time_line//'  tried      at most '//text_of(few_modes)//' modes'
       if (allocated(scene%response)) time_line = time_line//' and '//text_of(few_samples)// &
-        ' samples; only a run tells the errors of histories'
+        ' samples; errors of histories are known only after a run'
       time_line = time_line//new_line('a')
     else if (layout%cases > forecast%cases) then
       time_line = time_line//'  tried      '//text_of(forecast%cases)//' of '//text_of(layout%cases)//' cases'
-      if (facts%notes /= '') time_line = time_line//', of which these notes are'
+      if (facts%notes /= '') time_line = time_line//', to which these notes refer'
       time_line = time_line//new_line('a')
     end if
   end subroutine foresee
@@ -177,10 +177,10 @@ contains
     memory = free_memory()
     disk = free_disk('.')
     notes = ''
-    if (memory >= 0 .and. facts%memory > memory) notes = notes//'memory: a run takes '//bytes_text(facts%memory)// &
-      ', and this machine has '//bytes_text(memory)//' free'//new_line('a')
-    if (disk >= 0 .and. facts%disk > disk) notes = notes//'disk: a run takes '//bytes_text(facts%disk)// &
-      ', and here '//bytes_text(disk)//' are free'//new_line('a')
+    if (memory >= 0 .and. facts%memory > memory) notes = notes//'memory: a run needs '//bytes_text(facts%memory)// &
+      ', but this machine has '//bytes_text(memory)//' free'//new_line('a')
+    if (disk >= 0 .and. facts%disk > disk) notes = notes//'disk: a run needs '//bytes_text(facts%disk)// &
+      ', but only '//bytes_text(disk)//' are free here'//new_line('a')
   end function room_notes
 
   pure function expected_text(seconds) result(text)
@@ -249,8 +249,8 @@ contains
     if (counts_in_its_run(scene) .or. .not. takes_at_most(scene, first_modes, most_planning)) return
     call fix_tolerance(scene, monitor, count, error)
     if (monitor%stop_requested() .or. .not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
-    if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
-      'the polynomials of the Galerkin basis do not resolve the modes; no number of the case would be given')
+    if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: the '// &
+      'polynomials of the Galerkin basis do not resolve the modes; all numbers of the case would be missing')
     if (allocated(error)) return
     text = '  modes      about '//text_of(count)//' to be summed'
     if (is_relaxed(scene%modes)) text = text//'; the default tolerance '//shortest(default_tolerance, 2)//' is out of reach'

@@ -41,7 +41,7 @@ contains
         'beamwave '//trim(command%row%name)//': '//trim(rule%complaint))
     end associate
     if (command%has_part .and. command%overwrite .and. .not. allocated(error)) call fail(error, status_bad_input, &
-      'beamwave: --part and --overwrite: one part would take away what others have done; accepted: one of them')
+      'beamwave: --part and --overwrite: one part would remove the work of the others; accepted: one of them')
     if (command%quiet .and. command%verbose .and. .not. allocated(error)) call fail(error, status_bad_input, &
       'beamwave: --quiet and --verbose exclude each other; accepted: one of them')
   end subroutine read_command_line
@@ -113,7 +113,7 @@ contains
     case ('--progress')
       command%json = value == 'json'
       if (.not. command%json) call fail(error, status_bad_input, 'beamwave: --progress: '''//shortened(value)// &
-                                        ''' is no way to tell of it; accepted: json')
+                                        ''' is not a known format; accepted: json')
     case ('--part')
       command%has_part = .true.
       call read_part(value, command%part, error)
@@ -156,7 +156,7 @@ contains
     if (stat == 0) stat = merge(0, 1, numbers(1) >= 1 .and. numbers(1) <= numbers(2))
     if (stat == 0) part = numbers
     if (stat /= 0) call fail(error, status_bad_input, 'beamwave: --part: '''//shortened(value)// &
-      ''' is no part; accepted: I/N, whole numbers from 1 on, I at most N')
+      ''' is not a part; accepted: I/N, whole numbers from 1 on, I at most N')
   end subroutine read_part
 
   function argument(i) result(text)

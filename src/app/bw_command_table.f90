@@ -64,10 +64,10 @@ module bw_command_table
     option_row('--output', 'DIR', 'where results go (output)'), &
     option_row('--overwrite', '', 'replace results of other scenes or versions'), &
     option_row('--quiet', '', 'print warnings and errors only'), &
-    option_row('--verbose', '', 'print the whole report, not one screen of it'), &
-    option_row('--max-seconds', 'S', 'stop in order after so long; the same command goes on from there'), &
+    option_row('--verbose', '', 'print the whole report instead of one screen'), &
+    option_row('--max-seconds', 'S', 'stop after S seconds, finished cases saved; the same command goes on from there'), &
     option_row('--part', 'I/N', 'run the cases i = I mod N of a sweep; N such commands share it without MPI'), &
-    option_row('--progress', 'json', 'say how far it is, and what is wrong, as lines of JSON on standard error'), &
+    option_row('--progress', 'json', 'report progress, warnings and errors as lines of JSON on standard error'), &
     option_row('--json', '', 'print one JSON document for programs')]
 
   character(*), parameter :: nl = new_line('a')
@@ -129,7 +129,7 @@ contains
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text, flags
     integer :: i
-    text = 'beamwave: bending waves in a beam that is struck by a mass, at rest or rotating, computed or recorded'//nl//nl
+    text = 'beamwave: bending waves in a beam, at rest or rotating, that is struck by a mass, simulated or measured'//nl//nl
     flags = ''
     do i = 1, size(rows)
       if (rows(i)%flags == '') text = text//column('  beamwave '//usage(rows(i)), 32)//trim(rows(i)%help)//nl
@@ -138,7 +138,7 @@ contains
     text = text//'  beamwave '//flags(4:)//nl
     do i = 1, size(rows)
       if (rows(i)%shared) text = text//'  mpirun -n N beamwave-mpi '//usage(rows(i))// &
-        '   shares the cases of sweeps among N processes; the same words'//nl
+        '   the same, with the cases of sweeps shared among N processes'//nl
     end do
     text = text//nl//'  '//options_heading(rows)//nl
     do i = 1, size(options)
@@ -146,7 +146,7 @@ contains
     end do
     text = text//nl// &
       '  exit status: 0 done, 2 bad command line or scene, 3 a file or memory was refused, 4 some numbers'//nl// &
-      '  cannot be trusted, 5 stopped in order, 70 a fault in the program'
+      '  cannot be trusted, 5 stopped with finished work saved, 70 a fault in the program'
   end function help_text
 
   pure function usage(row) result(text)

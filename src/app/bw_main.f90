@@ -26,8 +26,8 @@ contains
       command_row('run', some_scenes, writing//' --max-seconds --part --progress', &
                   'run scenes; a directory stands for its *.nml', run_command, shared=.true.), &
       command_row('check', some_scenes, '--quiet --json', &
-                  'read and validate; say what would be simulated, how, and what it would take', check_command), &
-      command_row('accuracy', one_scene, writing, 'measure what accuracy costs on this scene', accuracy_command), &
+                  'read and validate; report what would be simulated, how, and in what time and memory', check_command), &
+      command_row('accuracy', one_scene, writing, 'measure how long each further digit takes on this scene', accuracy_command), &
       command_row('effects', one_scene, writing, &
                   'for each effect: on or off, what it changes, what it costs', effects_command), &
       command_row('describe', one_group, '', 'every input name: type, unit, range, default, meaning', describe_command), &

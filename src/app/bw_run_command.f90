@@ -126,8 +126,8 @@ contains
     if (count /= 1) return
     progress = terminal_progress_to(huge(1.0_dp), command%quiet)
     if (allocated(scenes(1)%record)) then
-      call fail(error, status_bad_input, scenes(1)%file//': &record: its histories are not simulated, which beamwave '// &
-                trim(command%row%name)//' is about; accepted: a scene without it')
+      call fail(error, status_bad_input, scenes(1)%file//': &record: beamwave '// &
+                trim(command%row%name)//' needs simulated histories; accepted: a scene without &record')
     else
       call study(scenes(1), command%output, command%overwrite, progress, outcome, error)
     end if

@@ -49,7 +49,7 @@ contains
     known = motion%modes%resolved
     if (known .and. .not. motion%plan%within) then
       histories%status = case_not_converged
-      call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion)//'; no histories are given')
+      call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion)//'; the histories are missing')
       known = .false.
     end if
     if (known) then
@@ -60,7 +60,7 @@ contains
         known = failure%first == 0
         if (.not. known .and. histories%status /= case_not_converged) then
           histories%status = case_not_converged
-          call note_failure(failure, 'no histories are given', histories%notes)
+          call note_failure(failure, 'the histories are missing', histories%notes)
         end if
       end associate
     end if
@@ -124,7 +124,7 @@ contains
     histories%status = case_diverged
     call append(histories%notes, 'overflow: mode '//text_of(histories%response%failing_mode)//' overflows at t = '// &
       shortest(histories%response%finite_samples*(scene%response%duration/scene%response%samples), 6)// &
-      ' s; the histories hold fill from there on')
+      ' s; the histories are missing from there on')
   end subroutine note_overflow
 
   subroutine sum_segments(scene, motion, sampling, monitor, workspace, histories)

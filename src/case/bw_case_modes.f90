@@ -35,7 +35,7 @@ module bw_case_modes
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes under tension that a tolerance may sum, without and with shear: about two seconds of work
   character(*), parameter :: lost_mode = &
-    'a mode was not found (none is looked for where rotation bends the beam in more than some hundred waves)'
+    'a mode was not found (modes are not sought if rotation bends the beam into more than some hundred waves)'
   character(*), parameter :: no_basis = 'the polynomials of the Galerkin basis do not resolve the modes'
   real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, phase error of roots over the record without a tolerance
   real(dp), parameter :: phase_share = 1.0e-3_dp      !! share of a tolerance left to phase errors

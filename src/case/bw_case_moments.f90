@@ -72,8 +72,8 @@ contains
     if (first == 0 .or. first > response%finite_samples) return
     response%bending_moment(first:, :) = missing
     errors%status = case_diverged
-    call append(errors%notes, 'overflow of the bending moment: it leaves the range of numbers at t = '// &
-      shortest((first - 1)*(scene%response%duration/scene%response%samples), 6)//' s; none is given from there on')
+    call append(errors%notes, 'overflow of the bending moment: it leaves the range of double precision at t = '// &
+      shortest((first - 1)*(scene%response%duration/scene%response%samples), 6)//' s; it is missing from there on')
   end subroutine fill_overflow
 
 end module bw_case_moments

@@ -39,7 +39,7 @@ contains
     type(case_spectrum), intent(out) :: spectrum
     type(load_result), intent(in), optional :: loads   !! that also move the beam
     integer :: p
-    if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
+    if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are incomplete')
     if (layout%middle == 0 .or. layout%tip == 0) then
       call remark(spectrum%notes, 'measured waves: they need the points 0.5 and 1.0, so they are left out')
     else

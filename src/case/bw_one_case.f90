@@ -221,8 +221,9 @@ contains
       result%approach_velocity = scene%impact%approach_velocity
       if (allocated(scene%hub)) then
         result%lever = scene%hub%radius + scene%impact%position*motion%units%length
-        call remark(result%notes, 'hub: after the last event it turns on at '//shortest(sum(result%events%hub_rate_change) &
-          *(scene%impact%approach_velocity/motion%units%length), 6)//' rad/s on the mean, beside the even rotation')
+        call remark(result%notes, 'hub: after the last event its mean angular velocity is '// &
+          shortest(sum(result%events%hub_rate_change)*(scene%impact%approach_velocity/motion%units%length), 6)// &
+          ' rad/s, in addition to the steady rotation')
       end if
       call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
       call move_alloc(motion%initial%velocity_jump, result%velocity_jump)

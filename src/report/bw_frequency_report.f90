@@ -46,7 +46,7 @@ contains
       end associate
     end do
     if (size(answer%extremes) > most_extremes) &
-      call lines%append_line('   ...  and more, which fewer points or a narrower band show')
+      call lines%append_line('   ...  and more; fewer points or a narrower band show them')
     if (size(answer%extremes) == 0) &
       call lines%append_line('  neither a resonance nor an antiresonance lies between these frequencies')
     if (allocated(answer%junction)) call report_junctions(asked%frequency, answer, lines)

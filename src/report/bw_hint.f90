@@ -96,7 +96,8 @@ contains
     if (aside%left > nothing) left = shortest(100.0_dp*aside%left, 2)//' %'
     remarks(e)%words = 'damping: a ratio of '//shortest(usual_ratio, 2)//' would leave '//left//' of mode 1 at the end'
     remarks(e + 1)%weight = abs(aside%moved)
-    remarks(e + 1)%words = 'position: a mass '//shortest(100.0_dp*place_step, 2)//' % of the length further in would change '// &
+    remarks(e + 1)%words = 'position: a mass '//shortest(100.0_dp*place_step, 2)//' % of the length further inward would '// &
+      'change '// &
       change_words(aside%mode, aside%moved)
   end subroutine find_remarks
 
@@ -172,7 +173,7 @@ contains
     type(estimate_type), intent(in) :: estimate
     character(:), allocatable :: text
     text = ''
-    if (estimate%steadies) text = 'mode 1 would not grow'
+    if (estimate%steadies) text = 'mode 1 would be stable'
     if (estimate%change /= 0.0_dp .and. estimate%steadies) text = text//', '
     if (estimate%change /= 0.0_dp) text = text//change_words(estimate%mode, estimate%change)
     if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) &
@@ -185,7 +186,7 @@ contains
     real(dp), intent(in) :: change               !! relative
     character(:), allocatable :: text
     text = 'mode '//text_of(mode)//' '//percent(change)//' %'
-    if (change <= -1.0_dp) text = 'mode '//text_of(mode)//' would grow'
+    if (change <= -1.0_dp) text = 'mode '//text_of(mode)//' would be unstable'
   end function change_words
 
 end module bw_hint

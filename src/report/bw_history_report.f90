@@ -31,7 +31,7 @@ contains
       call lines%append_line('')
       call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes'//later_counts(result)// &
                              repeat(', motions relative to the base', merge(1, 0, allocated(scene%bases))))
-      table = table_of('|xi|largest sample|at|between samples|estimated error|% of it|proved bound', '|||s|+ %', &
+      table = table_of('|xi|largest sample|at|between samples|estimated error|relative|proved bound', '|||s|+ %||%', &
                        [-19, 8, 16, 11, 17, 17, 10, 15], &
                        [(.true., p=1, 7), allocated(response%displacement_bound)], is_list=.false.)
       call table%put_head(lines)
@@ -47,12 +47,12 @@ contains
         response%shear_force_error, table, lines)
       call report_stress(scene, response, lines)
       if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are the first, '// &
-        'that where a history is largest, and that where its error is the largest part of it.')
+        'that of the largest history, and that of the largest relative error.')
       if (allocated(scene%recontact)) call lines%append_line( &
         '  The error is the distance from the exact motion of these modes, on whose number a rebound depends.')
       if (allocated(response%displacement_error)) return
       if (allocated(scene%capture)) then
-        call lines%append_line('  -: no error is estimated of a motion that leaves the range of numbers.')
+        call lines%append_line('  -: there is no error estimate for a motion beyond the range of double precision.')
       else
         call lines%append_line('  -: a rebound depends on the number of modes: no error against infinitely many is estimated.')
       end if
@@ -169,13 +169,13 @@ contains
     group = values_of(result, 'measured_group_velocity')
     shown = min(shown_peaks, size(wavenumber))
     call lines%append_line('')
-    call lines%append_line('  Measured in the tip and midpoint histories alone; +/- is a bound of the error')
+    call lines%append_line('  Measured from the tip and midpoint histories alone; +/- is a bound of the error')
     table = table_of('peak|frequency|+/-|frequency|wave number|phase velocity|group velocity', &
                      '|rad/s|rad/s|Hz|1/m|m/s|m/s', [6, 12, 11, 12, 13, 16, 16])
     call table%put_numbers(lines, shown_peaks, reshape([frequency, bound, frequency/two_pi, wavenumber, phase, group], &
                                                        [size(frequency), 6]), rounded=2)
     if (any(is_missing(wavenumber(:shown))) .and. .not. all(is_missing(wavenumber))) call lines%append_line( &
-      '  -: it is not sure which mode this peak is, so that it has no wave number.')
+      '  -: the mode of this peak is uncertain, so that it has no wave number.')
     if (all(is_missing(wavenumber))) call lines%append_line('  -: the notes below say why there are no wave numbers.')
   end subroutine report_measured
 

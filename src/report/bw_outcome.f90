@@ -13,7 +13,7 @@ module bw_outcome
   implicit none (type, external)
   private
 
-  character(*), parameter, public :: work_taken_away = 'unfinished work, damaged or of another scene or version, was taken away'
+  character(*), parameter, public :: work_taken_away = 'unfinished work, damaged or of another scene or version, was removed'
 
   type, public :: outcome_type
     integer :: status = status_done           !! an exit status
@@ -135,7 +135,7 @@ contains
     self%report = scene_heading(scene)//'  part '//text_of(part)//' of '//text_of(parts)//' is done: '// &
       text_of(size(statuses(part::parts)))//' of '//text_of(size(statuses))//' cases'//new_line('a')
     if (all(statuses /= not_done)) self%report = self%report// &
-      '  no case is missing; the last of the parts that are still at work finishes '//self%file//new_line('a')
+      '  no case is missing; the last running part finishes '//self%file//new_line('a')
     waiting = 0
     do p = 1, min(parts, size(statuses))      ! further parts have no case
       missing = count(statuses(p::parts) == not_done)

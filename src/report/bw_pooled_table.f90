@@ -30,8 +30,8 @@ contains
     text = ''
     if (size(pooled%count) == 0) return
     call lines%append_line('')
-    call lines%append_line('  Repeats pooled; +/- is half an interval of '//shortest(100*confidence, 6)// &
-                           ' % about what they share, next +/- holds what one more repeat measures')
+    call lines%append_line('  Pooled repeats; +/- is half the interval of '//shortest(100*confidence, 6)// &
+                           ' % of their mean, next +/- that of one more repeat')
     table = table_of('line|repeats|frequency|+/-|next +/-|scatter|decay rate|+/-|next +/-|scatter|damping|what', &
                      '||Hz|Hz|Hz|Hz|1/s|1/s|1/s|1/s|%', [6, 9, 14, 12, 12, 12, 12, 12, 12, 12, 10, 0])
     call table%put_head(lines)
@@ -57,8 +57,8 @@ contains
     integer :: k, s
     if (all(is_missing(pooled%constant_real%value))) return
     call lines%append_line('')
-    call lines%append_line('  Modal constants, amplitudes over the hammer''s blows: phi phi/M of sensor and hammer; '// &
-                           'the mass M is that of a shape that is 1 at both')
+    call lines%append_line('  Modal constants from all repeats, phi phi/M of sensor and hammer; mass is M for a shape that '// &
+                           'is 1 at both')
     table = table_of('line|constant|+/-|next +/-|scatter|phase|mass|at', '|1/kg|1/kg|1/kg|1/kg|degrees|kg', &
                      [6, 14, 12, 12, 12, 10, 12, 0])
     call table%put_head(lines)

@@ -41,10 +41,10 @@ contains
     type(text_table) :: table
     integer :: k
     call lines%append_line('')
-    call lines%append_line('  Lines; +/- is half an interval of '//shortest(100*confidence, 6)//' %, the bound what '// &
-                           'noise alone does to the best estimate (one standard deviation)')
-    if (size(record%extent%sensors) > 1) call lines%append_line('  The amplitude is that at the sensor where it stands out of '// &
-                                                              'the noise most')
+    call lines%append_line('  Lines; +/- is half the interval of '//shortest(100*confidence, 6)//' %, bound the Cramer-Rao '// &
+                           'bound in this noise (one standard deviation)')
+    if (size(record%extent%sensors) > 1) call lines%append_line('  Amplitudes are those of the sensor with the best '// &
+                                                              'signal-to-noise ratio')
     table = table_of('line|frequency|+/-|bound|decay rate|+/-|bound|damping|amplitude|+/-|what', &
                      '|Hz|Hz|Hz|1/s|1/s|1/s|%|||', [6, 14, 11, 11, 13, 11, 11, 11, 12, 11, 0])
     call table%put_head(lines)
@@ -118,8 +118,8 @@ contains
     integer :: k, s
     if (all(is_missing(record%constant_error))) return
     call lines%append_line('')
-    call lines%append_line('  Modal constants, amplitudes over the hammer''s blow: phi phi/M of sensor and hammer; '// &
-                           'the mass M is that of a shape that is 1 at both')
+    call lines%append_line('  Modal constants phi phi/M of sensor and hammer (amplitude over blow); mass is M for a shape that '// &
+                           'is 1 at both')
     table = table_of('line|constant|+/-|phase|mass|at', '|1/kg|1/kg|degrees|kg', [6, 14, 12, 10, 12, 0])
     call table%put_head(lines)
     do k = 1, min(most_rows, size(record%constant_real, 1))
@@ -189,8 +189,8 @@ contains
     integer :: i
     associate (rejected => record%lines%rejected)
       call lines%append_line('')
-      call lines%append_line('  Looked at, and no lines')
-      table = table_of('frequency|over noise|because', 'Hz|power', [16, 13, 0])
+      call lines%append_line('  Rejected candidates')
+      table = table_of('frequency|over noise|reason', 'Hz|power', [16, 13, 0])
       call table%put_head(lines)
       do i = 1, min(most_rows, size(rejected))
         call table%put_row(lines, fixed(rejected(i)%angular_frequency/two_pi)//'|'//shortest(rejected(i)%ordinate, 3)//'|'// &
@@ -215,7 +215,7 @@ contains
       end associate
     end do
     if (size(record%extent%sensors) > shown_sensors) text = text//', ...'
-    call lines%append_line('  Noise, standard deviation of what is left: '//text(3:))
+    call lines%append_line('  Noise, standard deviation of the residual: '//text(3:))
   end subroutine report_noise
 
 end module bw_record_report

@@ -144,12 +144,12 @@ contains
     bends(:size(rigid)) = .not. rigid(:size(rigid))
     associate (grows => growth(:size(frequency)) > 0.0_dp, none => is_missing(frequency))
       text = ''
-      if (any(.not. bends)) text = text//'  -: a mode that moves the beam as a rigid body is no wave.'//new_line('a')
-      if (any(none .and. grows)) text = text//'  -: a mode that grows has no frequency, and is no wave.'//new_line('a')
+      if (any(.not. bends)) text = text//'  -: a rigid-body mode is not a wave.'//new_line('a')
+      if (any(none .and. grows)) text = text//'  -: an unstable mode has no frequency and is not a wave.'//new_line('a')
       if (any(none .and. bends .and. .not. grows)) text = text// &
-        '  -: a mode that is damped so much creeps back, and has no frequency.'//new_line('a')
+        '  -: an overdamped mode has no frequency.'//new_line('a')
       if (any((is_missing(phase) .or. is_missing(group)) .and. bends .and. .not. none)) text = text// &
-        '  -: at this frequency no wave with this velocity runs along the beam.'//new_line('a')
+        '  -: at this frequency there is no wave with this velocity.'//new_line('a')
     end associate
   end function why_not
 
@@ -163,7 +163,7 @@ contains
     if (is_missing(critical(1)) .or. .not. allocated(scene%rotation)) return
     if (critical(1) == 0.0_dp) then
       call lines%append_line('  A mode is unstable at any angular velocity: the beam can turn about its root, and nothing '// &
-                             'turns it back.')
+                             'restores it.')
     else
       call lines%append_line('  A mode is unstable above '//shortest(critical(1), 6)//' rad/s ('// &
                              shortest(critical(1)*60.0_dp/two_pi, 4)//' rpm).')
@@ -190,7 +190,7 @@ contains
                              shortest(state(2), 6)//' m/s, of the '//struck//' '//shortest(state(3), 6)//' m/s')
     end if
     if (result%impact%impulse == 0.0_dp .and. result%impact%gamma > 0.0_dp) call lines%append_line( &
-      '  With infinitely many modes only the very '//spot//' jumps, and that takes no impulse.')
+      '  With infinitely many modes the velocity jumps only at the '//spot//' itself, which takes no impulse.')
     call report_events(result, lines)
   end subroutine report_impact
 
@@ -220,30 +220,31 @@ contains
                presses => result%events(:size(matters))%kind == contact_event, &
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
       text = '  The first contact '
-      if (i == hardest .and. count(presses(:i)) > 1) text = '  Contact '//text_of(count(presses(:i)))//', the hardest, '
+      if (i == hardest .and. count(presses(:i)) > 1) text = '  Contact '//text_of(count(presses(:i)))//', the one with the '// &
+        'largest force, '
       text = text//'lasts '//shortest(1.0e6_dp*(told%end_time - told%time), 5)//' us'// &
-        give_or_take(1.0e6_dp*told%end_error, 'us')//' with up to '//shortest(abs(contact%largest(i)), 6)//' N'// &
+        give_or_take(1.0e6_dp*told%end_error, 'us')//' with a force of up to '//shortest(abs(contact%largest(i)), 6)//' N'// &
         give_or_take(contact%force_error(i), 'N')//', '//shortest(1.0e6_dp*(contact%largest_time(i) - told%time), 4)// &
-        ' us after its beginning; impulse '//shortest(impulse(i), 6)//' N s'
+        ' us after it begins; impulse '//shortest(impulse(i), 6)//' N s'
       if (any(result%events%kind == capture_event)) then
-        call lines%append_line(text//'; the mass stays when it is pressed in most deeply.')
+        call lines%append_line(text//'; the mass is captured at the largest indentation.')
       else if (is_missing(contact%restitution) .or. count(presses(:i)) > 1) then
         call lines%append_line(text//'.')
         if (contact%lasting .and. count(result%events%kind == contact_event) == 1) &
           call lines%append_line('  It has not ended at the end of the record, so that there is no restitution yet.')
       else
-        call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//' as it ends.')
+        call lines%append_line(text//', effective restitution '//shortest(contact%restitution, 5)//'.')
         call lines%append_line('  An instantaneous blow with that restitution has the impulse '//shortest(blow, 4)// &
           ' N s on a rigid wall and '//shortest(blow/(1.0_dp + scene%impact%mass_ratio*sum(result%modes%struck**2/ &
           result%modes%modal_mass)), 4)//' N s on '//text_of(result%modes%count)// &
           ' modes of the beam, where it tends to 0 as modes are added.')
       end if
-      if (count(presses) > 1) call lines%append_line('  '//text_of(count(presses))//' contacts, with the impulse '// &
-        shortest(sum(impulse, mask=result%events%kind == contact_event), 6)//' N s in all. The largest force, '// &
-        shortest(abs(contact%largest(hardest)), 6)//' N, is that of contact '//text_of(count(presses(:hardest)))//', at '// &
+      if (count(presses) > 1) call lines%append_line('  '//text_of(count(presses))//' contacts with a total impulse of '// &
+        shortest(sum(impulse, mask=result%events%kind == contact_event), 6)//' N s. The largest force, '// &
+        shortest(abs(contact%largest(hardest)), 6)//' N, occurs in contact '//text_of(count(presses(:hardest)))//', at '// &
         shortest(contact%largest_time(hardest), 6)//' s.')
       if (count(matters) < count(presses)) call lines%append_line('  '//text_of(count(presses) - count(matters))// &
-        ' of them stay below a millionth of that: waves run ahead, and the mass chatters before it feels the beam.')
+        ' of them stay below a millionth of that: waves run ahead, and the mass chatters before the main contact.')
       if (.not. is_missing(contact%leaving)) call lines%append_line('  After the last contact the mass moves at '// &
         shortest(contact%leaving, 5)//' m/s'//part_of_approach(scene, contact%leaving)//'.')
     end associate
@@ -278,7 +279,7 @@ contains
     character(:), allocatable :: text
     text = ''
     if (scene%impact%approach_velocity /= 0.0_dp) &
-      text = ', '//shortest(leaving/scene%impact%approach_velocity, 3)//' of the velocity it came with'
+      text = ', '//shortest(leaving/scene%impact%approach_velocity, 3)//' of its approach velocity'
   end function part_of_approach
 
   subroutine report_events(result, lines, matters)
@@ -331,8 +332,8 @@ contains
                          fixed(momentum_after(i))//hub_cell(i), detail=.not. shown(i) .or. count(shown(:i)) > shown_events)
     end do
     call note_rest(lines, size(result%events), most_rows)
-    if (any(is_missing([energy_before, energy_after]))) call lines%append_line('  -: a small difference of large numbers, '// &
-      'of which rounding leaves no three digits.')
+    if (any(is_missing([energy_before, energy_after]))) call lines%append_line('  -: a small difference of large numbers, with '// &
+      'fewer than three reliable digits.')
   contains
     function force_cell(i) result(cell)
       integer, intent(in) :: i                    !! the event

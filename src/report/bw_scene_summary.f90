@@ -103,7 +103,7 @@ contains
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     if (by_tolerance(scene%modes)) then
-      text = 'as many modes as the tolerance takes ('// &
+      text = 'as many modes as the tolerance requires ('// &
         scene%groups(position_of(scene%groups, 'modes'))%number_or_swept('tolerance', '')//')'
     else if (allocated(scene%capture)) then
       text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'

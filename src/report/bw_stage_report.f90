@@ -36,7 +36,7 @@ contains
     character(1) :: comma
     integer :: i
     text = '  time       '//seconds_text(elapsed)
-    if (processes > 1) text = text//' on '//text_of(processes)//' processes, of which each adds to the stages'
+    if (processes > 1) text = text//' on '//text_of(processes)//' processes, over which the stages are summed'
     if (cases > 1) text = text//', '//shortest(real(cases, dp)/max(elapsed, 1.0e-9_dp), 3)//' cases/s'
     comma = ':'
     do i = 1, stage_count

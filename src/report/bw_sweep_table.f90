@@ -63,8 +63,8 @@ contains
     varies = any(is_missing(rows%frequency) .and. rows%case > 0) .or. &
              fixed(maxval(rows%frequency, rows%case > 0)) /= fixed(minval(rows%frequency, rows%case > 0))
     if (varies) then
-      call built%append_line('  Each case with its lowest mode: modes are numbered by their frequencies in '// &
-                             'each case, also where these cross')
+      call built%append_line('  Lowest mode of each case: modes are numbered by frequency in each case, even if frequencies '// &
+                             'cross')
     else
       call built%append_line('  Each case; '//mode//' has '//fixed(rows(1)%frequency/two_pi)//' Hz in all')
     end if
@@ -84,7 +84,7 @@ contains
       without = without .or. is_missing(rows(r)%frequency)
       printed = rows(r)%case
     end do
-    if (without) call built%append_line('  -: '//mode//' grows, or creeps back, or could not be found: it has no frequency.')
+    if (without) call built%append_line('  -: '//mode//' is unstable or overdamped, or could not be found: it has no frequency.')
     if (size(statuses) > most_rows) call built%append_line('    '//text_of(size(statuses))//' cases in the file')
     lines = built%text()
   end function sweep_table

@@ -48,8 +48,9 @@ contains
       call self%draft%file%close()
       if (allocated(error)) return
       if (.not. merge(own, others, is_ours)) cycle
-      if (self%parts > 1 .and. .not. is_ours) call fail(error, status_bad_file, self%path//': holds unfinished work of another '// &
-        'scene, table or version, maybe of another part; a part takes none away: remove it, or run the scene once without --part')
+      if (self%parts > 1 .and. .not. is_ours) call fail(error, status_bad_file, self%path//': contains unfinished work of '// &
+        'another scene, table or version, perhaps of another part, which a part does not remove: remove it, or run the scene '// &
+        'once without --part')
       if (allocated(error)) return
       self%took_away = self%took_away .or. .not. is_ours
       problem = remove_file(paths(i)%text)
@@ -117,7 +118,7 @@ contains
     if (host == self%owner) host = ''
     call self%draft%open(self%draft_of(host), self%parts > 1, is_ours, error)
     if (.not. is_ours .and. .not. allocated(error)) call fail(error, status_bad_file, self%draft_of(host)// &
-      ': is not what this run has laid out: do all processes run the same program, and see the same directory?')
+      ': is not the draft of this run: do all processes run the same program, and see the same directory?')
   end subroutine open_draft
 
   subroutine merge_drafts(self, error)

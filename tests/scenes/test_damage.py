@@ -17,7 +17,7 @@ DRAWS = int(os.environ.get("BEAMWAVE_DRAWS", "6"))
 CASES = 40
 SCENE = captured_beam(modes={"before": 10, "after": 10}, response={"duration": 0.5, "samples": 1024})
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": CASES}
-TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was taken away"
+TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was removed"
 
 
 @pytest.fixture(scope="module")

@@ -277,7 +277,7 @@ def test_a_force_turns_a_free_hub_too(here):
     ("asked", "message"),
     [
         ({"last": 2.0}, "frequency_response%last: is not above first = 3 Hz; accepted: a higher frequency"),
-        ({"points": [0.5, 0.5]}, "frequency_response%points: 0.5 is there twice; accepted: each point once"),
+        ({"points": [0.5, 0.5]}, "frequency_response%points: 0.5 is given twice; accepted: each point once"),
         ({"first": 0.0}, "frequency_response%first"),
         ({"quantity": "strain"}, "frequency_response%quantity"),
     ],

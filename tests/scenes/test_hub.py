@@ -241,8 +241,8 @@ def test_a_light_hub_at_the_root_is_a_hinge(here):
 def test_what_holds_the_beam_to_another_frame_is_refused(here):
     out, still = {"rotation": {"angular_velocity": 50.0, "plane": "out"}}, {"rotation": {"angular_velocity": 50.0}}
     refused = {
-        "out": ({**out, "stiffening": {}}, r"&hub: couples with motion in the plane of rotation alone"),
-        "untensed": (still, r"&hub: needs &stiffening where the beam rotates: without tension its rigid turn would grow"),
+        "out": ({**out, "stiffening": {}}, r"&hub: couples only with motion in the plane of rotation"),
+        "untensed": (still, r"&hub: needs &stiffening if the beam rotates: without tension the rigid rotation would be unstable"),
         "radius": ({**still, "stiffening": {"hub_radius": 0.2}, "hub": {"radius": 0.3}}, r"hub%radius: is 0.3, and hub_radius .* is 0.2"),
         "spring": ({"body": {"position": 0.5, "mass": 0.0, "stiffness": 10.0}}, r"&body: has a spring to a frame that does not recoil"),
         "tip": ({"tip_support": {"stiffness": 10.0}}, r"&tip_support: has a spring to a frame"),

@@ -334,7 +334,7 @@ def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
     ended = here.beamwave("run", "ring.nml")
     assert ended.returncode == 4
     assert "misfit: the model does not explain the lines" in ended.stderr
-    advice = ended.stdout.split("With an effect that the model leaves out")[1].splitlines()[1:]
+    advice = ended.stdout.split("Fitted again with an effect that the model leaves out")[1].splitlines()[1:]
     assert all("explains the lines" in line for line in advice[:2])
     assert {"a mass at the tip", "a root that turns"} == {line.split("%   ")[1].split(" (")[0] for line in advice[:2]}
     mass = next(line for line in advice if "a mass at the tip" in line).split("body%mass = ")[1].split(" kg")[0]
@@ -342,7 +342,7 @@ def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
     assert here.result("ring")["misfit_probability"] < 1e-3
     here.write("again.csv", ring_down(11, frequencies(RATIO)))
     here.write("given.nml", scene_of(["ring.csv", "again.csv"], beam={**BEAM, "youngs_modulus": MODULUS}))
-    corrections = here.beamwave("run", "given.nml", "--verbose").stdout.split("With an effect that the model leaves out")[1:]
+    corrections = here.beamwave("run", "given.nml", "--verbose").stdout.split("Fitted again with an effect that the model leaves out")[1:]
     assert len(corrections) == 2  # one for each repeat
     assert all("a mass at the tip (body%mass = 0.0" in text and "explains the lines" in text for text in corrections)
 
@@ -364,7 +364,7 @@ def test_two_effects_at_once_are_found_where_neither_explains_the_lines(here):
     roots = [brentq(equation, grid[i], grid[i + 1]) for i in np.flatnonzero(np.diff(signs))[:4]]
     here.write("ring.csv", ring_down(21, np.sqrt(MODULUS * HEIGHT**2 / 12 / DENSITY) * (np.array(roots) / LENGTH) ** 2))
     here.write("ring.nml", scene_of("ring.csv", beam={**BEAM, "youngs_modulus": MODULUS}))
-    advice = here.beamwave("run", "ring.nml").stdout.split("With an effect that the model leaves out")[1].splitlines()[1:]
+    advice = here.beamwave("run", "ring.nml").stdout.split("Fitted again with an effect that the model leaves out")[1].splitlines()[1:]
     both = next(line for line in advice if "a root that turns" in line and "a mass at the tip" in line)
     assert both.endswith("explains the lines")
     assert float(re.search(r"body%mass = (\S+) kg", both)[1]) == pytest.approx(MASS, rel=0.01)

@@ -58,7 +58,7 @@ def test_a_history_that_the_last_octave_of_modes_decides_is_fill(here, count):
     here.scene("a", {**scene, "impact": {**scene["impact"], "profile_points": 6}})
     result = here.run("a", status=4)
     assert result.attributes["notes"].splitlines()[0].startswith("error of the displacement: at xi = 0.2")
-    assert f"not converged: the displacement at xi = 0.2 is less than what modes {count // 2 + 1} to {count} add" in result.attributes["notes"]
+    assert f"not converged: the displacement at xi = 0.2 is smaller than the contribution of modes {count // 2 + 1} to {count}, and is missing" in result.attributes["notes"]
     beta, rate = result["angular_frequency"][:, None], result["modal_velocity"][:, None]
     for point, profile in [(0, 1), (1, 5)]:
         moved = result["mode_shape"][:, profile, None] * rate * np.sin(beta * result["time"]) / beta

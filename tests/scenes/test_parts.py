@@ -178,7 +178,7 @@ def test_a_part_leaves_the_work_of_another_scene_to_its_owner(here, whole):
     for number in (1, 2):
         refused = part(here, number, 2)
         assert refused.returncode == 3
-        assert "output/a.partial: holds unfinished work of another scene, table or version" in refused.stderr
+        assert "output/a.partial: contains unfinished work of another scene, table or version" in refused.stderr
     here.scene("a", SCENE, SPEEDS)
     assert part(here, 2, 2).returncode == 0
     assert results.differences(here.result("a"), whole) == []
@@ -189,7 +189,7 @@ def test_what_is_no_part_is_refused(here, value):
     here.scene("a", SCENE)
     ended = here.beamwave("run", "a.nml", f"--part={value}")
     assert ended.returncode == 2
-    assert f"--part: '{value}' is no part; accepted: I/N" in ended.stderr
+    assert f"--part: '{value}' is not a part; accepted: I/N" in ended.stderr
 
 
 @pytest.mark.parametrize("value", ["1/1", "1/2"])
@@ -197,7 +197,7 @@ def test_a_part_does_not_overwrite(here, value):
     here.scene("a", SCENE)
     ended = here.beamwave("run", "a.nml", "--part", value, "--overwrite")
     assert ended.returncode == 2
-    assert "--part and --overwrite: one part would take away what others have done" in ended.stderr
+    assert "--part and --overwrite: one part would remove the work of the others" in ended.stderr
 
 
 def test_processes_share_a_part(processes, whole):

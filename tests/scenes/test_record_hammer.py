@@ -97,10 +97,10 @@ def test_modal_constants_are_inside_their_intervals(here, quantity, later):
 
 def check_reported_constants(report):
     """The report of repeats has the constant of each line at the sensor that tells it best, within three half intervals."""
-    table = report.split("Modal constants, amplitudes over the hammer's blows")[1].split("\n\n")[0].splitlines()[3:]
+    table = report.split("Modal constants from all repeats")[1].split("\n\n")[0].splitlines()[3:]
     rows = [row.split() for row in table]
     assert len(rows) >= 3
-    pooled = report.split("Repeats pooled")[1].split("\n\n")[0].splitlines()[3:]
+    pooled = report.split("Pooled repeats")[1].split("\n\n")[0].splitlines()[3:]
     lines = {row.split()[0]: 2 * np.pi * float(row.split()[4]) for row in pooled}
     for line, constant, error, *_, mass, sensor in rows:
         mode = np.abs(FREQUENCY - lines[line]).argmin()
@@ -177,7 +177,7 @@ def test_a_force_that_is_none_is_refused_with_its_place(here):
         assert ended.returncode == 2 and "record%force: " in ended.stderr and words in ended.stderr, ended.stderr
     here.scene("bad", {"record": {"file": "two.csv", "force_point": 0.5}, "spectrum": {}})
     ended = here.beamwave("check", "bad.nml")
-    assert ended.returncode == 2 and "record%force_point: is there without force" in ended.stderr
+    assert ended.returncode == 2 and "record%force_point: is given without force" in ended.stderr
 
 
 @pytest.mark.parametrize("quantity", UNIT)

@@ -18,7 +18,7 @@ def test_sensors_that_are_constant_or_copies_change_nothing(here):
     ended = here.beamwave("run", "four.nml")
     assert ended.returncode == 0
     assert "constant: dead [m/s2] is 5.3 in all samples" in ended.stderr
-    assert "copy: the samples of twice [m/s2] are those of a sensor before it times a number" in ended.stderr
+    assert "copy: the samples of twice [m/s2] are a multiple of those of an earlier sensor" in ended.stderr
     result = here.result("four")
     names = "angular_frequency angular_frequency_error decay_rate decay_rate_bound wavenumber wavenumber_error"
     for name in names.split():

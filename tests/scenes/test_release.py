@@ -168,7 +168,7 @@ def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
     late = here.run("c")
     np.testing.assert_array_equal(late["displacement"], kept["displacement"])
     np.testing.assert_array_equal(late["event_kind"], [1, 2, 0])
-    assert "after the end of the record" in late.attributes["notes"]
+    assert "after the end of the histories" in late.attributes["notes"]
 
 
 @pytest.mark.parametrize("modes", [None, {"tolerance": 1e-4}, COUNTS])

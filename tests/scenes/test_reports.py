@@ -85,8 +85,8 @@ def test_check_says_what_the_machine_has_not_the_room_for(here):
     here.scene("b", {**STRUCK, "response": WATCHED})
     ended = here.beamwave("check", "a.nml")
     assert ended.returncode == 0, ended.stderr
-    assert re.search(r"memory: a run takes 80\d0 GB, and this machine has \d\S* .B free", ended.stderr)
-    assert re.search(r"disk: a run takes 4000000 GB, and here \d\S* .B are free", ended.stderr)
+    assert re.search(r"memory: a run needs 80\d0 GB, but this machine has \d\S* .B free", ended.stderr)
+    assert re.search(r"disk: a run needs 4000000 GB, but only \d\S* .B are free", ended.stderr)
     assert "tried      at most 20 modes and 1000 samples;" in ended.stdout
     assert warnings_of(here.beamwave("check", "b.nml")) == []
 
@@ -178,11 +178,11 @@ def test_a_report_says_how_mass_and_hub_go_on_after_contacts(here):
     moves = float(re.search(r"After the last contact the mass moves at (\S+) m/s", said)[1])
     assert moves == pytest.approx(1.0 - impulse.sum(), rel=1e-4)
     assert ds["final_mass_velocity"].item() == pytest.approx(moves, rel=1e-4)
-    hardest = re.search(r"The largest force, (\S+) N, is that of contact (\d+), at (\S+) s", said)
+    hardest = re.search(r"The largest force, (\S+) N, occurs in contact (\d+), at (\S+) s", said)
     at = int(hardest[2]) - 1
     assert float(hardest[1]) == pytest.approx(float(ds["largest_contact_force"]), rel=1e-5) and at == np.argmax(force)
     assert float(hardest[3]) == pytest.approx(ds["event_force_time"][at], rel=1e-5)
-    leaves = re.search(r"m/s, (\S+) of the velocity it came with", said)
+    leaves = re.search(r"m/s, (\S+) of its approach velocity", said)
     assert float(leaves[1]) == pytest.approx(moves, abs=2e-3)  # it came with 1 m/s
     rows = [line.split() for line in said.splitlines() if line.startswith("  contact ")]
     assert "largest force" in said and np.allclose([float(row[5]) for row in rows], force[: len(rows)], rtol=1e-6)

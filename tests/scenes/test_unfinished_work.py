@@ -10,7 +10,7 @@ SMALL = {"modes": {"before": 4, "after": 4}}
 ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
 OTHER = {**ENDLESS, "rotation": {"angular_velocity": 51.0}}
 CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
-TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was taken away"
+TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was removed"
 
 
 def stop_early(here, *words, **options):

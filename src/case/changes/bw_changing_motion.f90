@@ -126,15 +126,15 @@ contains
     associate (last => motion%timeline%segments(size(motion%timeline%segments)))
       happens = .not. leaves_range(motion%modes%configuration(last%configuration)%set, time - last%start)
     end associate
-    if (.not. happens) call append(motion%notes, 'late change: by t = '//shortest(seconds, 6)//' s the motion has grown out '// &
-                                   'of the range of numbers, and nothing more happens to it')
+    if (.not. happens) call append(motion%notes, 'late change: by t = '//shortest(seconds, 6)//' s the motion has grown beyond '// &
+                                   'the range of double precision, and later changes are ignored')
   end function happens
 
   subroutine note_late_change(seconds, motion)
     real(dp), intent(in) :: seconds
     type(case_motion), intent(inout) :: motion
-    call append(motion%notes, 'late change: what happens from t = '//shortest(seconds, 6)//' s on comes after the end of the '// &
-                'record, which shows nothing of it')
+    call append(motion%notes, 'late change: changes from t = '//shortest(seconds, 6)//' s on are after the end of the '// &
+                'histories and do not affect them')
   end subroutine note_late_change
 
   subroutine advance(time, motion, now)

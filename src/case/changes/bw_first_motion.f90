@@ -40,8 +40,8 @@ contains
       if (force == 0.0_dp) return
       first = merge(2, 1, allocated(scene%hub) .and. modes%beta_squared(1)%hi == 0.0_dp)
       if (any(modes%beta_squared(first:)%hi <= 0.0_dp)) then
-        call append(motion%notes, 'not converged: a mode that nothing holds, or that grows, has no static deflection under the '// &
-                    'force of &initial; no number of the case is given')
+        call append(motion%notes, 'not converged: a rigid-body or unstable mode has no static deflection under the force of '// &
+                    '&initial; all numbers of the case are missing')
         motion%modes%resolved = .false.
         return
       end if

@@ -162,7 +162,7 @@ contains
     integer :: i, mass
     carried = carried_type(step%carried%body, now%carried%captured .and. .not. step%is_release)
     if (step%is_release .and. .not. now%carried%captured) call append(motion%notes, &
-      'release: it comes before the capture, and releases nothing')
+      'release: it is before the capture, and has no effect')
     if (number_of([now%carried], carried) == 1) return
     if (now%run%captured) then
       if (.not. advance(motion, time, contacts, now, monitor)) return

@@ -286,8 +286,8 @@ contains
     do p = 1, size(answer%error)
       largest = maxval(abs(answer%value(:, p)), mask=abs(answer%value(:, p)) < missing)
       if (answer%error(p) <= worth_saying*largest .or. largest <= 0.0_dp) cycle
-      call append(notes, 'frequency response: modes leave an error of about '//shortest(answer%error(p)/largest, 2)// &
-                  ' of its largest value at point '//text_of(p))
+      call append(notes, 'frequency response: the estimated error is '//shortest(answer%error(p)/largest, 2)// &
+                  ' of the largest value at point '//text_of(p))
       if (answer%error(p) < largest) cycle
       answer%value(:, p) = cmplx(missing, missing, dp)
       if (allocated(answer%extremes)) answer%extremes = pack(answer%extremes, answer%extremes%point /= p)

@@ -92,8 +92,8 @@ contains
     call take_run(scene, run, histories, errors)
     if (run%samples < scene%response%samples .and. errors%status == case_done) then
       errors%status = case_diverged
-      call append(errors%notes, 'overflow: a mode grows out of the range of numbers at t = '// &
-        shortest(run%samples*(scene%response%duration/scene%response%samples), 6)//' s; the histories hold fill from there on')
+      call append(errors%notes, 'overflow: a mode grows beyond the range of double precision at t = '// &
+        shortest(run%samples*(scene%response%duration/scene%response%samples), 6)//' s; the histories are missing from there on')
     end if
     if (by_tolerance(scene%modes)) call judge_tolerance(scene%modes, reached, run%count, &
                                                          'fewer quantities, loads without jumps', &
@@ -144,8 +144,8 @@ contains
         if (before <= worth_saying*(before + after)) cycle
         name = 'force '//text_of(l)
         if (l > forces) name = 'acceleration '//text_of(l - forces)//' of the base'
-        call append(loads%notes, name//': '//shortest(100.0_dp*before/(before + after), 3)//' % of its impulse lies before '// &
-                    't = 0, until when the beam is at rest, and is left out; a later start lets all of it act')
+        call append(loads%notes, name//': '//shortest(100.0_dp*before/(before + after), 3)//' % of its impulse lies before t = '// &
+                    '0, and is ignored; a later start includes all of it')
       end associate
     end do
   end function applied

@@ -63,7 +63,7 @@ contains
                                             load%frequency*units%time%hi)]
       end if
       if (is_over(courses(size(courses)))) call fail(error, status_bad_input, scene%file//':'//text_of(load%line)//': '//group// &
-        '%start: all of it acts before t = 0, until when the beam is at rest; accepted: a later start')
+        '%start: all of it lies before t = 0, where the motion begins; accepted: a later start')
     end subroutine add
   end subroutine courses_of
 
@@ -108,11 +108,11 @@ contains
       character(:), allocatable :: accepted
       if (.not. allocated(load%file)) return
       jump = end_jump(course, scene%response%duration/units%time%hi)
-      accepted = 'a first and a last sample of 0 (subtract what the sensor shows at rest, or add a sample of 0 at either end)'
-      if (course%left_out /= 0.0_dp) accepted = 'a later start (what lies before t = 0 is cut off)'
+      accepted = 'a first and a last sample of 0 (subtract the offset of the sensor, or add a sample of 0 at either end)'
+      if (course%left_out /= 0.0_dp) accepted = 'a later start (the part before t = 0 is ignored)'
       if (jump > 0.0_dp) call fail(error, status_bad_input, scene%file//':'//text_of(load%line)//': force%file: '//load%file// &
-        ' begins or ends at once, with '//shortest(jump, 3)//' N, after which accelerations have no limit as modes are added; '// &
-        'accepted: '//accepted//', or no acceleration')
+        ' begins or ends abruptly, with '//shortest(jump, 3)//' N, so that accelerations do not converge; accepted: '//accepted// &
+        ', or no acceleration')
     end subroutine check_limit
   end subroutine check_load_files
 
@@ -143,8 +143,8 @@ contains
       if (is_missing(scale)) scale = factor_of(source%columns(time)%unit, 'time')
       if (scale > 0.0_dp) times = scale*times
       j = first_fall(times)
-      if (j > 0) call fail(error, status_bad_file, source%place_of_row(j)//': the time '//text_of(times(j))//' does not rise '// &
-                           'from the one before it; accepted: rising times, or sample_rate')
+      if (j > 0) call fail(error, status_bad_file, source%place_of_row(j)//': the time '//text_of(times(j))//' is not above '// &
+                           'the one before it; accepted: increasing times, or sample_rate')
     else
       times = [(real(j, dp)/load%sample_rate, j=0, rows - 1)]
     end if
@@ -156,7 +156,7 @@ contains
     scale = load%scale
     if (is_missing(scale)) scale = factor_in_si(source%columns(column)%unit, group)
     if (.not. abs(scale) > 0.0_dp) call refused('scale', "is missing, and '"//shortened(source%columns(column)%unit)//"' of "// &
-      path//' is no unit of the load that is known; accepted: a factor to SI')
+      path//' is not a known unit of the load; accepted: a factor to SI')
     values = scale*column_values(:, 1)
     call source%close()
   contains

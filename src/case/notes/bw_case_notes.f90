@@ -51,7 +51,7 @@ contains
     type is (piece_set)
       ratio = modes%coupling(law_of(scene%damping, units))
     end select
-    text = 'coupled damping: Rayleigh''s damping couples these modes, which is left out: the coupling is at most '// &
+    text = 'coupled damping: Rayleigh damping couples these modes, which is neglected: the coupling is at most '// &
       shortest(ratio, 2)//' of the modes'' own damping'
     if (ratio > worth_a_warning) then
       call append(notes, text)
@@ -72,9 +72,9 @@ contains
     if (present(which)) of = which
     growing = count(modes%beta_squared%hi < 0.0_dp)
     if (growing == 0) return
-    reason = 'the angular velocity being above '//shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s ('// &
+    reason = 'since the angular velocity is above '//shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s ('// &
       shortest(modes%critical_speed%hi*units%frequency*rpm, 4)//' rpm)'
-    if (modes%grows_at_any_speed) reason = 'at any angular velocity: the beam can turn about its root, and nothing turns it back'
+    if (modes%grows_at_any_speed) reason = 'at any angular velocity: the beam can turn about its root, and nothing restores it'
     call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)//' modes'//of//' grow without bound, '//reason)
   end subroutine note_growth
 
@@ -103,7 +103,7 @@ contains
     !! Note that the modes of a beam are invalid.
     character(*), intent(in) :: why
     type(string), allocatable, intent(inout) :: notes(:)
-    call append(notes, 'not converged: '//why//'; no number of the case is given')
+    call append(notes, 'not converged: '//why//'; all numbers of the case are missing')
   end subroutine note_unresolved
 
   subroutine note_failure(failure, lost, notes)
@@ -124,10 +124,10 @@ contains
                approach => motion%timeline%events(1)%energy_before)
       if (approach == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
       call append(motion%notes, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
-        ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
+        ' with capture: the interface conditions give the rebounded mass the velocity of the tip, which adds the momentum '// &
         shortest((capture%momentum_after - capture%momentum_before)/impact%momentum_before, 4)// &
         ' and the energy '//shortest((capture%energy_after - capture%energy_before)/approach, 4)// &
-        ' of what the mass brought; beam and mass then hold '//shortest(capture%energy_after/approach, 4)// &
+        ' of the approaching mass; beam and mass then have '//shortest(capture%energy_after/approach, 4)// &
         ' of its energy')
     end associate
   end subroutine note_added_energy
@@ -140,9 +140,9 @@ contains
     late = .false.
     if (allocated(scene%response)) late = scene%release%time >= scene%response%duration
     if (late) then
-      call append(motion%notes, 'release: it comes after the end of the record, which shows nothing of it')
+      call append(motion%notes, 'release: it is after the end of the histories and does not affect them')
     else
-      call append(motion%notes, 'release: by then the motion has grown out of the range of numbers')
+      call append(motion%notes, 'release: by then the motion has grown beyond the range of double precision')
     end if
   end subroutine note_no_change
 
@@ -159,11 +159,11 @@ contains
       call append(motion%notes, 'energy of the release: too large for double precision')
       return
     end if
-    text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
+    text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of kinetic energy'
     if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with the potential of the centrifugal force)'
-    if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
+    if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in total'
     if (.not. (is_missing(joules(4)) .or. allocated(motion%plan%survey))) then
-      text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
+      text = text//'; the modes of the beam alone lack '//shortest(joules(4), 2)//' J'
     end if
     call remark(motion%notes, text)
   end subroutine note_release
@@ -172,8 +172,8 @@ contains
     !! Note energies lost in cancellation.
     type(case_motion), intent(inout) :: motion
     if (.not. any(is_missing([motion%timeline%events%energy_before, motion%timeline%events%energy_after]))) return
-    call append(motion%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
-                'numbers; it is left out where fewer than three digits are left')
+    call append(motion%notes, 'energy lost in rounding: after unstable growth it is a small difference of large numbers, and '// &
+                'it is missing where fewer than three digits remain')
   end subroutine note_rounding
 
   subroutine note_contacts(scene, contacts, motion)
@@ -182,27 +182,27 @@ contains
     type(contacts_type), intent(in) :: contacts
     type(case_motion), intent(inout) :: motion
     if (contacts%cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%recontact%max_contacts)// &
-      ', and the mass strikes once more at t = '//known_until()//' s: the histories hold fill from there on. '// &
-      'Give max_contacts = '//text_of(2*scene%recontact%max_contacts)//', or duration = '//known_until())
+      ', and the mass strikes once more at t = '//known_until()//' s: the histories are missing from there on. Use '// &
+      'max_contacts = '//text_of(2*scene%recontact%max_contacts)//', or duration = '//known_until())
     if (contacts%lasting) call remark(motion%notes, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call append(motion%notes, &
-      'recontact: the motion grows out of the range of numbers'//from_then_on())
+      'recontact: the motion grows beyond the range of double precision'//from_then_on())
     if (motion%ending == case_ill_conditioned) call append(motion%notes, &
-      'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
-      'of the motion'//from_then_on())
+      'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, the motion is unknown'// &
+      from_then_on())
     if (contacts%amplification > noteworthy) call append(motion%notes, &
-      'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
-      'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
+      'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in the '// &
+      'end: a real beam, whose data are known less accurately, may move differently')
     if (any(is_missing(contacts%events%energy_after))) call append(motion%notes, &
-      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are left out')
+      'energy: in a growing motion the energies of the last events have fewer than three digits, and are missing')
     if (size(contacts%events) == 0 .and. motion%ending == case_done) call remark(motion%notes, &
       'recontact: the mass does not come back within the record')
   contains
     pure function from_then_on() result(text)
       !! Return from when on the motion is unknown, in words.
       character(:), allocatable :: text
-      text = ' from t = '//known_until()//' s on: the histories hold fill from there, and no later contact is given'
+      text = ' from t = '//known_until()//' s on: the histories are missing from there, and later contacts are not listed'
     end function from_then_on
     pure function known_until() result(seconds)
       !! Return that time, s.
@@ -218,12 +218,12 @@ contains
     type(contact_result), intent(in) :: found
     logical, intent(in) :: cut, out_of_range, failed
     if (cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%contact%max_contacts)// &
-      ', and the mass strikes once more at t = '//until()//' s: the histories hold fill from there on. '// &
-      'Give max_contacts = '//text_of(2*scene%contact%max_contacts)//', or duration = '//until())
-    if (out_of_range) call append(motion%notes, 'overflow: the motion grows out of the range of numbers from t = '//until()// &
-      ' s on: the histories hold fill from there')
-    if (failed) call append(motion%notes, 'not converged: no force was found that obeys the law of the contact at t = '//until()// &
-      ' s; the histories hold fill from there on')
+      ', and the mass strikes once more at t = '//until()//' s: the histories are missing from there on. Use max_contacts = '// &
+      text_of(2*scene%contact%max_contacts)//', or duration = '//until())
+    if (out_of_range) call append(motion%notes, 'overflow: the motion grows beyond the range of double precision from t = '// &
+      until()//' s on: the histories are missing from there')
+    if (failed) call append(motion%notes, 'not converged: no force was found that satisfies the contact law at t = '//until()// &
+      ' s; the histories are missing from there on')
     if (found%lasting) call remark(motion%notes, 'contact: the last contact has not ended at the end of the record')
   contains
     pure function until() result(seconds)
@@ -247,7 +247,7 @@ contains
         return
       end do
     end do
-    reason = 'some of its numbers are left out'
+    reason = 'some of its numbers are missing'
   end function why_untrusted
 
   pure integer function most_of(scene, source) result(most)
@@ -267,10 +267,10 @@ contains
       text = repeat('the default ', merge(0, 1, scene%modes%asked))//shortest(scene%modes%tolerance, 6)// &
         ' cannot be reached with '//text_of(min(most_of(scene, source), source%highest))//' modes'
       if (comes_back(scene)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
-      if (plan%drift > 0.5_dp*plan%reached) text = text//', whose frequencies under tension are rounded: most of the error is '// &
-        'what that comes to by the end of so long a record'
+      if (plan%drift > 0.5_dp*plan%reached) text = text//': in so long a record most of the error is due to the rounding of '// &
+        'their frequencies under tension'
       if (.not. is_missing(relaxed_tolerance(plan%surely))) then
-        text = text//'; accepted: '//shortest(plan%named(), 2)//' or more, or before and after, which count modes'
+        text = text//'; accepted: '//shortest(plan%named(), 2)//' or more, or counts of modes (before and after)'
       else
         text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
       end if
@@ -281,7 +281,7 @@ contains
     !! Note that the default tolerance was out of reach.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
-    if (is_relaxed(scene%modes)) call remark(notes, 'tolerance: the displacement is found to '// &
+    if (is_relaxed(scene%modes)) call remark(notes, 'tolerance: relaxed for the displacement to '// &
       shortest(scene%modes%tolerance, 6)//' of its peak; the default '//shortest(default_tolerance, 6)//' is out of reach')
   end subroutine note_relaxed
 

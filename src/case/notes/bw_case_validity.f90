@@ -114,8 +114,8 @@ contains
       if (spin > 0.0_dp) flight = sinh(min(spin*flight, 700.0_dp))/spin
       flight = motion%initial%impact%mass_velocity*flight
       if (flight <= response%displacement(j, p)/(scene%impact%approach_velocity*motion%units%time%hi)) cycle
-      call remark(notes, 'recontact: the mass that rebounded would be back at t = '// &
-                  shortest((j - 1)*step*motion%units%time%hi, 4)//' s, to a sample; only &recontact lets it strike again')
+      call remark(notes, 'recontact: the rebounded mass would return at about t = '// &
+                  shortest((j - 1)*step*motion%units%time%hi, 4)//' s; it strikes again only with &recontact')
       return
     end do
   end subroutine note_return
@@ -137,9 +137,9 @@ contains
     crossing = 4.0_dp*slenderness(scene%beam)**2*units%time%hi*stretched    ! thickness over √(G/ρ), √(E/ρ) being h over √(I/A)
     if (events(i)%end_time - events(i)%time < crossing) call append(notes, &
       'short contact: it lasts '//shortest(events(i)%end_time - events(i)%time, 3)//' s, less than the '// &
-      shortest(crossing, 2)//' s in which shear crosses the section: the beam does not yet move as a beam')
+      shortest(crossing, 2)//' s in which a shear wave crosses the section: beam theory does not yet hold')
     if (scene%contact%radius > 0.0_dp .and. found%indentation > largest_part*scene%contact%radius) call append(notes, &
-      'deep contact: the indentation comes to '//shortest(found%indentation, 3)//' m, more than a tenth of the radius, beyond '// &
+      'deep contact: the indentation reaches '//shortest(found%indentation, 3)//' m, more than a tenth of the radius, beyond '// &
       'which Hertz''s law does not hold')
   end subroutine note_contact
 
@@ -258,9 +258,8 @@ contains
     if (part <= negligible) return
     k = findloc(above, .true., dim=1)
     call append(notes, 'aliasing: modes from '//text_of(k)//' on, with up to '//shortest(100.0_dp*part, 2)//' % of the largest '// &
-                'amplitude, swing faster than half the sampling rate, '// &
-                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz: they are aliased to lower '// &
-                'frequencies')
+                'amplitude, are above the Nyquist frequency, '// &
+                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz, and are aliased to lower frequencies')
   end subroutine note_aliasing
 
   subroutine note_history_errors(scene, response, errors, leading_notes, notes)
@@ -359,8 +358,8 @@ contains
     if (allocated(scene%recontact)) then
       words = 'contacts amplify every error, and a shorter duration has fewer of them'
     else if (quantity == 'displacement' .or. allocated(scene%damping) .or. counts_in_its_run(scene)) then
-      words = 'more modes lessen it: a smaller tolerance, as '//shortest(0.1_dp*scene%modes%tolerance, 2)
-      if (.not. by_tolerance(scene%modes)) words = 'more modes lessen it: larger counts, as before = '// &
+      words = 'more modes reduce it: a smaller tolerance, as '//shortest(0.1_dp*scene%modes%tolerance, 2)
+      if (.not. by_tolerance(scene%modes)) words = 'more modes reduce it: larger counts, as before = '// &
         shortest(2.0_dp*scene%modes%before, 15)
     else
       words = 'before = '//shortest(10.0_dp*scene%modes%before, 15)

@@ -134,7 +134,7 @@ contains
     real(dp), allocatable :: impulse(:), force(:)
     if (.not. allocated(record%force)) return
     if (allocated(samples%place)) then
-      call append(result%notes, 'hammer: the samples are uneven, and the force is left out; it takes even ones')
+      call append(result%notes, 'hammer: the force is ignored, since it needs evenly spaced samples')
       return
     end if
     force = record%force
@@ -144,7 +144,7 @@ contains
     end if
     hammer = hammer_of(force)
     if (size(hammer%after) == 0) then
-      call append(result%notes, 'hammer: the force shows no blow, and is left out')
+      call append(result%notes, 'hammer: the force shows no blow, and is ignored')
       deallocate (hammer)
       return
     end if
@@ -207,9 +207,9 @@ contains
       text = text//', '//clock_text(record%extent%origin + record%lines%blow(b), record%extent%duration)
     end do
     if (size(record%lines%blow) == 1) then
-      call remark(notes, 'blow: found at '//text(3:)//' s; what lies before it tells the noise')
+      call remark(notes, 'blow: found at '//text(3:)//' s; the samples before it determine the noise')
     else
-      call remark(notes, 'blows: found at '//text(3:)//' s, and amplitudes are those after the first')
+      call remark(notes, 'blows: found at '//text(3:)//' s; amplitudes refer to the first')
     end if
   end subroutine note_blows
 
@@ -222,28 +222,27 @@ contains
     associate (lines => result%record%lines)
       do s = 1, size(lines%own)
         if (lines%own(s) .or. .not. lines%noise_deviation(s) > 0) cycle
-        call append(result%notes, 'copy: the samples of '//result%record%extent%sensors(s)%name//' are those of a sensor '// &
-                    'before it times a number; they tell nothing more, and noise and waves are judged without them')
+        call append(result%notes, 'copy: the samples of '//result%record%extent%sensors(s)%name//' are a multiple of those of '// &
+                    'an earlier sensor; noise and waves are estimated without them')
       end do
       call note_blows(result%record, result%notes)
       if (lines%driven) then
         result%status = case_no_free_decay
-        call append(result%notes, 'no free decay: the motion comes and goes as that of a beam that is driven all the time: '// &
-          'noise of that colour explains it better than lines do, or lines that cancel each other. Where a part of the record '// &
-          'is a decay after a blow, start and end choose it; modes of a driven motion are for operational modal analysis, '// &
-          'which this program does not do')
+        call append(result%notes, 'no free decay: the beam seems to be driven continuously: coloured noise explains the motion '// &
+          'better than decaying lines, or only lines that cancel each other do. If a part of the record is a decay after a '// &
+          'blow, select it by start and end; a driven motion needs operational modal analysis, which this program does not do')
       else if (size(lines%angular_frequency) == 0) then
-        call append(result%notes, 'no line: nothing stands out of the noise by more than it does by chance in one of '// &
+        call append(result%notes, 'no line: nothing exceeds the noise by more than happens by chance in one of '// &
           shortest(1/scene%spectrum%false_alarm, 3)//' records')
       end if
-      if (.not. lines%converged) call append(result%notes, 'the search for lines was ended before it had converged: '// &
-        'some may be missing, and weak ones may be parts of stronger ones that change as they decay')
+      if (.not. lines%converged) call append(result%notes, 'the search for lines was stopped before it had converged: some may '// &
+        'be missing, and weak ones may be parts of stronger ones that change as they decay')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: the '//text_of(lines%left_out)//' weakest of '// &
-        text_of(lines%left_out + size(lines%angular_frequency))//' lines are not told; max_peaks = '// &
-        text_of(lines%left_out + size(lines%angular_frequency))//' tells them')
+        text_of(lines%left_out + size(lines%angular_frequency))//' lines are not listed; max_peaks = '// &
+        text_of(lines%left_out + size(lines%angular_frequency))//' lists them')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &
-      'another &sweep goes through them; each file is a case by itself for every value of it')
+      'there is another &sweep; each file is a separate case for each of its values')
   end subroutine note_lines
 
 end module bw_record_case

@@ -89,7 +89,7 @@ contains
         if (allocated(error)) return
         if (last - first + 1 >= least_samples) cycle
         call fail(error, status_bad_input, scene%file//': &sweep: of '//record%path//' '//text_of(max(0_i8, last - first + 1))// &
-                  ' samples are left '//part_text(starts(i), ends(j))//'; accepted: '//text_of(least_samples)//' or more')
+                  ' samples remain '//part_text(starts(i), ends(j))//'; accepted: '//text_of(least_samples)//' or more')
         return
       end do
     end do
@@ -109,8 +109,8 @@ contains
     if (even <= most_even*size(steps)) return
     at = first + maxloc(steps, dim=1)
     call fail(error, status_bad_input, record%path//': has no samples between '//time_text(at - 1)//' and '//time_text(at)// &
-              ' s, and '//text_of(last - first + 1)//' in all where '//shortest(even, 3)//' at their usual interval would fill '// &
-              'the time; accepted: up to '//text_of(most_even)//' times fewer; start or end leaves out what is beyond a gap')
+              ' s, and '//text_of(last - first + 1)//' in total, while '//shortest(even, 3)//' at their usual interval would '// &
+              'fill the time; accepted: up to '//text_of(most_even)//' times fewer; start or end cuts off the part beyond a gap')
   contains
     function time_text(sample) result(text)
       integer, intent(in) :: sample

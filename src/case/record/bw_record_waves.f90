@@ -138,8 +138,8 @@ contains
     if (position_of(scene%groups, 'beam') == 0) then
       call remark(result%notes, kind//'they need the length of the beam in &beam, and are left out')
     else
-      call remark(result%notes, kind//'they are left out, since those of beams with tension or shear are not known, '// &
-        'and those of pieces take ends = ''model''')
+      call remark(result%notes, kind//'they are left out, since they are not available with tension or shear, and with pieces '// &
+        'need ends = ''model''')
     end if
   end subroutine say_why_not
 

@@ -330,7 +330,7 @@ contains
     associate (failure => first_failure(motion%modes%configuration))
       if (failure%first == 0 .or. errors%status /= case_done) return
       errors = history_errors(status=case_not_converged)
-      call note_failure(failure, 'no errors of the histories are given', errors%notes)
+      call note_failure(failure, 'the errors of the histories are missing', errors%notes)
     end associate
   end subroutine drop_errors
 

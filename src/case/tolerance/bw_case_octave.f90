@@ -45,8 +45,9 @@ contains
       p = findloc(lost, .true., dim=1)
       errors%status = case_not_converged
       call append(errors%notes, 'not converged: the '//quantity//' at xi = '//shortest(scene%response%points(p), 6)// &
-                  others(count(lost) - 1)//' is less than what modes '//text_of(count_of/2 + 1)//' to '//text_of(count_of)// &
-                  ' add to it, and is not given; try before = '//text_of(4*count_of)//', or &damping, which lets it converge')
+                  others(count(lost) - 1)//' is smaller than the contribution of modes '//text_of(count_of/2 + 1)//' to '// &
+                  text_of(count_of)//', and is missing; try before = '//text_of(4*count_of)// &
+                  ', or &damping, with which it converges')
       do p = 1, size(lost)
         if (lost(p)) history(:, p) = missing
       end do

@@ -27,16 +27,16 @@ contains
     if (errors%status /= case_done .or. reached <= modes%tolerance) return
     if (modes%asked) then
       errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: '//shortest(modes%tolerance, 6)//' is missed with '//text_of(count)// &
+      call append(errors%notes, 'tolerance: '//shortest(modes%tolerance, 6)//' is not met with '//text_of(count)// &
                   ' modes; accepted: '//shortest(1.05_dp*reached, 2)//' or more, or before = '//text_of(count))
     else if (is_missing(relaxed_tolerance(reached))) then
       errors%status = case_not_converged
-      call append(errors%notes, 'tolerance: none is reached with '//text_of(count)//' modes; accepted: '//instead// &
+      call append(errors%notes, 'tolerance: none can be met with '//text_of(count)//' modes; accepted: '//instead// &
                   ', or before = '//text_of(count))
     else
-      call remark(errors%notes, 'tolerance: the histories are found to '//shortest(relaxed_tolerance(reached), 6)//' of their '// &
-                  'peaks, the '//trim(name(maxloc(parts_of_peak(response, errors), dim=1)))//' being the least accurate; '// &
-                  'the default '//shortest(modes%tolerance, 6)//' is out of reach')
+      call remark(errors%notes, 'tolerance: relaxed for the histories to '//shortest(relaxed_tolerance(reached), 6)// &
+                  ' of their peaks, the '//trim(name(maxloc(parts_of_peak(response, errors), dim=1)))// &
+                  ' being least accurate; the default '//shortest(modes%tolerance, 6)//' is out of reach')
     end if
   end subroutine judge_tolerance
 

@@ -70,8 +70,8 @@ contains
       call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
                 'could be measured'//accepted)
     else if (.not. (counts_in_its_run(scene) .or. allocated(scene%capture))) then
-      call fail(error, status_bad_input, scene%file//': &capture: is absent: the motion after a rebound at once depends '// &
-                'on the number of modes (its impulse goes to 0 as modes are added), so that there is no converged answer'// &
+      call fail(error, status_bad_input, scene%file//': &capture: is absent: after an instantaneous rebound the motion depends '// &
+                'on the number of modes (its impulse tends to 0 as modes are added), so that it does not converge'// &
                 accepted//'; instead: &sweep parameter=''modes%before'', which shows what changes with their number')
     end if
   end subroutine refuse
@@ -160,7 +160,7 @@ contains
       if (is_above_estimate(list%rungs(i), list%converged_error)) names = names//', '//name_of(list%rungs(i))
     end do
     if (names /= '') call append(notes, 'estimate: the true error is above the estimate with '//names(3:)// &
-                                 ' (the converged run is good to '//shortest(list%converged_error, 2)//')')
+                                 ' (the error of the converged run is '//shortest(list%converged_error, 2)//')')
   end subroutine note_estimates
 
   pure function name_of(rung) result(name)

@@ -161,7 +161,7 @@ contains
     associate (rungs => list%rungs)
       call file%put_counts('ladder', 'rung', 'what the rungs of a ladder are made by', rungs%ladder, ladder_words)
       call file%put_counts('rung_status', 'rung', 'how the rung ended', rungs%status, rung_words)
-      call file%put_numbers('tolerance', 'rung', '1', 'largest error that was asked for, over the peak', rungs%tolerance)
+      call file%put_numbers('tolerance', 'rung', '1', 'requested largest error, over the peak', rungs%tolerance)
       call file%put_counts('mode_count', 'rung', 'number of modes that were summed', rungs%mode_count)
       call file%put_counts('method', 'rung', 'how the modes were summed', rungs%method, method_words)
     end associate
@@ -197,9 +197,9 @@ contains
       call file%put_numbers('digit_seconds', 'rung', 's', 'further wall time for a tenth of the tolerance', &
                             seconds)
       call file%put_numbers('digit_noise', 'rung', 's', &
-                            'what of the further wall time the scatter of the repeats can make', digit_noise(rungs))
+                            'uncertainty of the additional wall time from the scatter of the repeats', digit_noise(rungs))
       call file%put_numbers('digit_growth', 'rung', '1', &
-                            'further wall time for a tenth of the tolerance, as a part of the rung''s', growth)
+                            'additional wall time for a tenth of the tolerance, as a fraction of the rung''s', growth)
       call file%put_numbers('work_slope', '', '1', 'd log(seconds)/d log(true error) over the tolerances', &
                             [work_slope(rungs, by_tolerances, list%converged_error)])
       call file%put_numbers('work_slope_of_counts', '', '1', 'd log(seconds)/d log(true error) over the fixed counts', &
@@ -218,7 +218,7 @@ contains
                           'the converged run''s estimate of its own error, over the peak: smaller errors are not resolved', &
                           [list%converged_error])
     call file%put_numbers('model_error', '', '1', &
-                          'estimate of what the effects that are left out would change of the displacement, over the peak', &
+                          'estimated change of the displacement by effects that are left out, over the peak', &
                           [maxval(list%model_errors)])
     call file%put_counts('beyond_model', 'rung', '1 where the true error is smaller than that of the model', &
                          merge(1, 0, beyond_model(list%rungs, maxval(list%model_errors))))

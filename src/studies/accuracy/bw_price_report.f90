@@ -23,10 +23,10 @@ contains
     call lines%append_line('')
     call report_converged(list, lines)
     call lines%append_line('')
-    call lines%append_line('  Runs on '//processor_name()//'; medians, and the half of what the middle half of the repeats spans')
+    call lines%append_line('  Run on '//processor_name()//'; medians of the repeats, +/- half their interquartile range')
     call report_ladder(list, by_tolerances, 'tolerance', lines)
-    call report_ladder(list, by_counts, 'before = after (the response holds the estimate of its error, which a tolerance books '// &
-                       'as modes)', lines)
+    call report_ladder(list, by_counts, 'before = after (the time of the error estimate is part of response here, of modes '// &
+                       'above)', lines)
     call report_slopes(list, lines)
     call report_model(list, lines)
     text = lines%text()
@@ -40,7 +40,7 @@ contains
     call lines%append_line('  converged run of '//text_of(list%converged_count)//' modes, tolerance '// &
                            shortest(list%converged_tolerance, 2)//', whose own error is estimated at '// &
                            short(list%converged_error)//';')
-    call lines%append_line('  what is below that stands as <')
+    call lines%append_line('  smaller errors are shown as <')
   contains
     function peak_text() result(text)
       !! Of the displacement.
@@ -155,7 +155,7 @@ contains
     real(dp), intent(in) :: slope                 !! missing: it is not known
     character(:), allocatable :: words
     if (is_missing(slope)) then
-      words = '  '//ladder//' the errors differ too little to say what a tenth of them takes'
+      words = '  '//ladder//' the errors differ too little to say how long a tenth of them takes'
     else
       words = '  '//ladder//' a tenth of the error takes '//times_words(10.0_dp**(-slope))//' as long (seconds ~ error^'// &
         shortest(slope, 2)//')'

@@ -73,10 +73,10 @@ contains
       replaced(trim(effect%needs), ' ', ' and &')
     if (effect%name == 'pieces' .and. allocated(scene%beam%outer)) reason = 'the beam tapers: see taper'
     if (effect%name == 'taper' .and. allocated(scene%beam%pieces) .and. .not. allocated(scene%beam%outer)) &
-      reason = 'is tried on a beam of one piece alone'
+      reason = 'is tried only on a beam of one piece'
     if (reason == '' .and. effect%measure == of_sphere .and. scene%beam%is_lumped) reason = 'needs a density of the beam'
     if (reason == '' .and. effect%counted .and. has_group(text, trim(effect%groups)) .and. by_tolerance(scene%modes)) &
-      reason = 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added'
+      reason = 'comparison with a rebound needs counts of modes, since its impulse tends to 0 as modes are added'
   end function why_not_compared
 
   pure logical function any_group(text, groups, is_there)

@@ -33,10 +33,10 @@ contains
     type(text_table) :: table
     integer :: i
     call lines%append_line('')
-    call lines%append_line('  Each effect: the scene run with it beside the scene without it, all else alike. Of the wave')
-    call lines%append_line('  velocities the largest change in '//text_of(list%mode_count)// &
-                           ' modes, of the response the largest difference over its peak,')
-    call lines%append_line('  and +/- what the estimated errors of both displacements come to, over the same peak.')
+    call lines%append_line('  Changes by each effect, with everything else unchanged. Wave velocities: the largest change')
+    call lines%append_line('  in '//text_of(list%mode_count)// &
+                           ' modes. Response: the largest difference of the displacement over its peak;')
+    call lines%append_line('  +/-: the sum of the estimated errors of both displacements over the same peak.')
     call lines%append_line('')
     call lines%append_line('                                     frequency of mode              wave velocity')
     table = table_of('  effect|state|1|'//text_of(min(middle, list%mode_count))//'|'//text_of(list%mode_count)// &
@@ -46,9 +46,10 @@ contains
       call put_effect(list%rows(i), list%tolerance, list%mode_count, table, lines)
     end do
     call lines%append_line('')
-    call lines%append_line('  An effect matters from the first mode on whose frequency it changes, or for a response that it')
-    call lines%append_line('  changes, by more than '//shortest(100.0_dp*list%tolerance, 2)//' %, '//list%tolerance_source// &
-                           ', and by more than the error.')
+    call lines%append_line('  An effect matters from the first mode whose frequency it changes by more than '// &
+                           shortest(100.0_dp*list%tolerance, 2)//' %,')
+    call lines%append_line('  '//list%tolerance_source//'. It matters for')
+    call lines%append_line('  the response if the change exceeds that and the error.')
     do i = 1, size(list%rows)
       if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') then
         call lines%append(details('  '//in_words(list%rows(i)%effect)//': '//list%rows(i)%remark))
@@ -89,7 +90,7 @@ contains
     if (row%matters_from > 0) then
       text = 'matters from mode '//text_of(row%matters_from)//' on'
     else if (.not. is_missing(row%response_change) .and. row%response_change > least) then
-      text = 'changes the response alone'
+      text = 'changes only the response'
     else if (.not. row%is_whole) then
       text = '-'
     else

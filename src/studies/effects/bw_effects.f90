@@ -95,13 +95,13 @@ contains
     associate (list => state%list, result => state%results(1))
       list%mode_count = min(compared_modes, result%modes%count)
       list%tolerance = noticeable
-      list%tolerance_source = 'as the scene asks for no tolerance'
+      list%tolerance_source = 'since the scene has no tolerance'
       if (by_tolerance(scene%modes) .and. scene%modes%asked) then
         list%tolerance = scene%modes%tolerance
         list%tolerance_source = 'the tolerance of the scene'
       else if (left_by_counts(result) > 0.0_dp) then
         list%tolerance = left_by_counts(result)
-        list%tolerance_source = 'which is what the scene''s counts of modes leave as error in its displacement, over the peak'
+        list%tolerance_source = 'the error of the displacement over its peak with the scene''s counts of modes'
       end if
     end associate
   end subroutine start_list

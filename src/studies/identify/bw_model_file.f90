@@ -58,27 +58,27 @@ contains
     if (table%layout%cases > 0) each = 'case'
     along = trim(adjustl(each//' peak'))
     if (is_identified) each = ''
-    if (table%whole_row('peak_mode', along, 'mode that the line is taken for; 0: none')) &
+    if (table%whole_row('peak_mode', along, 'mode assigned to the line; 0: none')) &
       call table%put_columns(line_values(1, 0.0_dp))
     if (table%real_row('modelled_angular_frequency', along, 'rad s-1', &
-                       'angular frequency of that mode, were it damped as the line is')) &
+                       'angular frequency of that mode, with the damping of the line')) &
       call table%put_columns(line_values(2, missing))
     if (table%real_row('modelled_decay_rate', along, 's-1', 'rate of decay of that mode')) &
       call table%put_columns(line_values(3, missing))
-    if (table%real_row('frequency_misfit', along, '1', 'measured less modelled angular frequency over half its interval')) &
+    if (table%real_row('frequency_misfit', along, '1', 'measured minus modelled angular frequency over half its interval')) &
       call table%put_columns(line_values(4, missing))
-    if (table%real_row('decay_misfit', along, '1', 'measured less modelled rate of decay over half its interval')) &
+    if (table%real_row('decay_misfit', along, '1', 'measured minus modelled rate of decay over half its interval')) &
       call table%put_columns(line_values(5, missing))
     if (table%real_row('modelled_shape', along//' profile', '1', 'shape of that mode along the beam, as the sensors measure it')) &
       call table%put_columns(line_shapes())
     if (answer('real', 'response to a hammer''s force by the model, real part')) call table%put_columns(responses(.false.))
     if (answer('imag', 'its imaginary part')) call table%put_columns(responses(.true.))
-    if (table%real_row('misfit', each, '1', 'chi squared of the lines'' frequencies, and of lines that are taken for no modes')) &
+    if (table%real_row('misfit', each, '1', 'chi squared of the lines'' frequencies, and of lines that are assigned to no mode')) &
       call table%put(findings%misfits%chi_squared)
     if (table%whole_row('misfit_freedom', each, 'degrees of freedom of it')) call table%put(findings%misfits%freedom)
-    if (table%real_row('misfit_probability', each, '1', 'probability that noise alone makes more of it')) &
+    if (table%real_row('misfit_probability', each, '1', 'probability that noise alone exceeds it')) &
       call table%put(findings%misfits%tail)
-    if (table%real_row('model_scatter', each, '1', 'relative error of modelled frequencies beside noise')) &
+    if (table%real_row('model_scatter', each, '1', 'relative error of modelled frequencies beyond noise')) &
       call table%put(findings%misfits%scatter)
     if (is_identified) call identified_rows(table, findings)
   contains

@@ -58,17 +58,16 @@ contains
     character(:), allocatable :: text
     real(dp), parameter :: never = 1.0e-12_dp
     if (misfit%freedom < 1 .and. .not. misfit%tail < unlikely) then
-      text = 'there are no more lines than unknowns, so that nothing tests the model'
+      text = 'there are no more lines than unknowns, so that the model is not tested'
       return
     end if
     text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//text_of(misfit%freedom)//' degree'// &
-      repeat('s', merge(0, 1, misfit%freedom == 1))//' of freedom'// &
-      '; noise alone makes more of it in '
+      repeat('s', merge(0, 1, misfit%freedom == 1))//' of freedom; noise alone exceeds it in '
     if (misfit%freedom < 1) text = 'chi squared is '//shortest(misfit%chi_squared, 3)// &
-      ' though there are no more lines than unknowns; noise alone makes as much of one line in '
+      ' although there are no more lines than unknowns; for one line noise alone exceeds it in '
     if (misfit%tail < never) text = text//'less than one of '//shortest(1/never, 2)//' records'
     if (.not. misfit%tail < never) text = text//shortest(100*misfit%tail, 2)//' % of records'
-    if (misfit%aside > 0) text = text//'; lines taken for no modes: '//text_of(misfit%aside)
+    if (misfit%aside > 0) text = text//'; lines assigned to no mode: '//text_of(misfit%aside)
     if (misfit%tail < unlikely) then
       text = 'the model does not explain the lines: '//text//'. Frequencies are off by '//shortest(100*misfit%scatter, 2)// &
         ' % (one standard deviation)'
@@ -114,7 +113,7 @@ contains
       call lines%append_line('  Not fixed: '//loose_text(found, i))
     end do
     do i = 1, size(found%others, 2)
-      call lines%append_line('  Fits as well: '//named_text(found%unknowns, found%others(:, i), '', ''))
+      call lines%append_line('  Equally good fit: '//named_text(found%unknowns, found%others(:, i), '', ''))
     end do
   end subroutine report_identified
 
@@ -142,11 +141,11 @@ contains
       text = found%unknowns(loose%unknown)%parameter
       if (loose%partner == 0) then
         text = text//': '//place_text(found, loose%one, [loose%unknown])//' and '// &
-          place_text(found, loose%other, [loose%unknown])//' fit alike'
+          place_text(found, loose%other, [loose%unknown])//' fit equally well'
       else
         text = text//' and '//found%unknowns(loose%partner)%parameter//': '// &
           place_text(found, loose%one, [loose%unknown, loose%partner])//' and '// &
-          place_text(found, loose%other, [loose%unknown, loose%partner])//' fit alike'
+          place_text(found, loose%other, [loose%unknown, loose%partner])//' fit equally well'
       end if
     end associate
   end function loose_text
@@ -195,7 +194,7 @@ contains
     type(text_builder), intent(inout) :: lines
     integer :: i, helping
     helping = count(corrections%fit%scatter < helpful*scatter)
-    if (helping > 0) call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, '// &
+    if (helping > 0) call lines%append_line('  Fitted again with an effect that the model leaves out, or with another value, '// &
                                             'frequencies would be off by')
     do i = 1, helping
       call lines%append(right(shortest(100*corrections(i)%fit%scatter, 2), 10)//' %   '//corrections(i)%effect// &
@@ -206,12 +205,12 @@ contains
       call lines%append_line('')
     end do
     if (helping == 0 .and. size(corrections) > 0) call lines%append_line('  No effect that the model leaves out, and no other '// &
-      'value, corrects that; tried: '//text_of(size(corrections)))
-    if (helping > 0 .and. helping < size(corrections)) call lines%append_line('  Others that were tried are no help: '// &
+      'value, corrects this; tried: '//text_of(size(corrections)))
+    if (helping > 0 .and. helping < size(corrections)) call lines%append_line('  Tried without success: '// &
                                                                               text_of(size(corrections) - helping))
     associate (explaining => corrections%fit%scatter <= 0.0_dp)
       if (count(explaining) > 1 .and. count(explaining .and. corrections%fit%amplitude_error <= sensor_error) /= 1) &
-        call lines%append_line('  Several of them explain the lines: these alone do not tell which it is')
+        call lines%append_line('  Several of them explain the lines, which alone cannot distinguish them')
     end associate
   end subroutine report_corrections
 
