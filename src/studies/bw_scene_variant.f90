@@ -1,9 +1,9 @@
 module bw_scene_variant
-  !! A scene with something changed, for studies that run it in several ways.
+  !! Variants of a scene, for studies that run it in several ways.
   !!
-  !! What a scene names is changed in its resolved text: what results is read and checked like any other scene, so that what
-  !! cannot be combined is refused with the reader's own reason. How many modes are summed is changed in the scene itself, since
-  !! studies ask for tolerances that no scene may name.
+  !! Inputs are changed in the resolved text of the scene. The result is read and checked like any other scene, so that
+  !! groups that cannot be combined are refused with the reader's own reason. Mode numbers are changed in the scene
+  !! itself, since studies request tolerances that no scene may name.
   use bw_error, only: error_type
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -19,8 +19,8 @@ module bw_scene_variant
   character(*), parameter :: nl = new_line('a')
 
   type, public :: scene_variants
-    !! The scenes that some texts mean, each once.
-    character(:), allocatable :: file              !! of the scene that is studied, for messages
+    !! The scenes of several texts, each stored once.
+    character(:), allocatable :: file              !! of the studied scene, for messages
     type(scene_type), allocatable :: scenes(:)
     type(string), allocatable, private :: texts(:) !! of the scenes
   contains
@@ -31,22 +31,21 @@ module bw_scene_variant
 contains
 
   pure type(scene_type) function with_tolerance(scene, tolerance) result(variant)
-    !! The scene with another tolerance, and without spectral analysis, which no tolerance changes.
+    !! Return the scene with another tolerance, and without spectral analysis, which does not depend on it.
     type(scene_type), intent(in) :: scene
-    real(dp), intent(in) :: tolerance              !! may be beyond the range of the input
+    real(dp), intent(in) :: tolerance              !! may be outside the range of the input
     variant = summed(scene, modes_par(before=0, after=shown_modes, tolerance=tolerance))
   end function with_tolerance
 
   pure type(scene_type) function with_counts(scene, count) result(variant)
-    !! The scene with the same number of modes before and after, and without spectral analysis.
+    !! Return the scene with one mode count before and after, and without spectral analysis.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: count
     variant = summed(scene, modes_par(before=count, after=count, tolerance=missing))
   end function with_counts
 
   pure type(scene_type) function summed(scene, modes) result(variant)
-    !! The scene with other numbers of modes, and without spectral analysis. The inputs by name, from which the scene was
-    !! built, stay as they are.
+    !! Return the scene with other mode counts and without spectral analysis. Its inputs by name stay unchanged.
     type(scene_type), intent(in) :: scene
     type(modes_par), intent(in) :: modes
     variant = scene
@@ -55,11 +54,11 @@ contains
   end function summed
 
   subroutine find(self, text, place, reason)
-    !! Find the place of the scene with this text; the text is read where it is new.
+    !! Find the index of the scene with this text; a new text is read.
     class(scene_variants), intent(inout) :: self
     character(*), intent(in) :: text
-    integer, intent(out) :: place                  !! 0 where the scene is refused
-    character(:), allocatable, intent(inout) :: reason   !! why; stays as it is where nothing is refused
+    integer, intent(out) :: place                  !! 0 if the scene is refused
+    character(:), allocatable, intent(inout) :: reason   !! why; unchanged if nothing is refused
     type(scene_type) :: scene
     type(error_type), allocatable :: error
     if (.not. allocated(self%scenes)) allocate (self%scenes(0), self%texts(0))
@@ -93,7 +92,7 @@ contains
   end subroutine add
 
   pure function first_reason(message, file) result(reason)
-    !! The first line of a message, without the file and the line in a text that nobody sees.
+    !! Return the first line of a message, without the file and the line number of an internal text.
     character(*), intent(in) :: message, file
     character(:), allocatable :: reason
     integer :: last
@@ -105,14 +104,14 @@ contains
   end function first_reason
 
   pure logical function has_group(text, group)
-    !! Whether the text has a group of that name.
+    !! Return whether the text has a group of that name.
     character(*), intent(in) :: text               !! as `resolved_text` writes it: each group and name on its own line
     character(*), intent(in) :: group
     has_group = start_of(text, group) > 0
   end function has_group
 
   pure function without_group(text, group) result(edited)
-    !! The text without all groups of a name; the same text where there is none.
+    !! Return the text without all groups of a name; unchanged if there is none.
     character(*), intent(in) :: text, group
     character(:), allocatable :: edited
     integer :: first, last
@@ -126,7 +125,7 @@ contains
   end function without_group
 
   pure function with_group(text, group, values) result(edited)
-    !! The text with a group at its end; one of that name that was there is replaced.
+    !! Return the text with a group appended; it replaces one of that name.
     character(*), intent(in) :: text, group
     character(*), intent(in) :: values             !! `name = value`; empty: all defaults
     character(:), allocatable :: edited
@@ -136,14 +135,14 @@ contains
   end function with_group
 
   pure function with_value(text, group, name, value) result(edited)
-    !! The text in which a name of a group that is there has another value.
+    !! Return the text in which a name of an existing group has another value.
     character(*), intent(in) :: text, group, name
-    character(*), intent(in) :: value              !! empty: the name is taken out
+    character(*), intent(in) :: value              !! empty: the name is removed
     character(:), allocatable :: edited
     integer :: first, last, line, behind
     first = start_of(text, group)
     last = end_of(text, first)
-    first = first + index(text(first:last), nl)    ! behind the line with the group's name
+    first = first + index(text(first:last), nl)    ! after the line with the group's name
     line = index(nl//text(first:last), nl//'  '//name//' = ')
     behind = first
     if (line > 0) then
@@ -156,13 +155,13 @@ contains
   end function with_value
 
   pure integer function start_of(text, group) result(first)
-    !! The place where the group opens; 0 where it is not there. A line inside a group begins with a blank or is '/'.
+    !! Return where the group opens; 0 if it is absent. A line inside a group begins with a blank or is '/'.
     character(*), intent(in) :: text, group
     first = index(nl//text, nl//'&'//group//nl)
   end function start_of
 
   pure integer function end_of(text, first) result(last)
-    !! The place of the last character of the line that closes the group which opens at `first`.
+    !! Return the last character of the line that closes the group opened at `first`.
     character(*), intent(in) :: text
     integer, intent(in) :: first
     last = first + index(text(first:), nl//'/'//nl) + 1

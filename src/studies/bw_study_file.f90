@@ -1,6 +1,6 @@
 module bw_study_file
-  !! The result of a study (what accuracy costs, what effects change): one NetCDF file, written when all is known. What a study
-  !! puts is asked for twice, first to lay the file out, then for the values.
+  !! The result of a study, such as `accuracy` or `effects`: one NetCDF file, written when all is known. `put` of a
+  !! study is called twice: first to define the variables, then to store their values.
   use bw_error, only: error_type
   use bw_file_rows, only: input_rows
   use bw_files, only: remove_file
@@ -22,14 +22,14 @@ module bw_study_file
   end type study_file
 
   type, abstract, public :: study_values
-    !! What a study has found.
+    !! The findings of a study.
   contains
     procedure(put_interface), deferred :: put
   end type study_values
 
   abstract interface
     subroutine put_interface(self, file)
-      !! Puts all that was found into the file of the study.
+      !! Puts all findings into the file of the study.
       import :: study_file, study_values
       class(study_values), intent(in) :: self
       type(study_file), intent(inout) :: file
@@ -39,14 +39,14 @@ module bw_study_file
 contains
 
   subroutine write_study(path, scene, study, values, notes, report, error)
-    !! Write the whole file, onto the disk, in place of one that was not finished.
+    !! Write the whole file to the disk, in place of an unfinished one.
     !! **Errors**: it cannot be written.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene           !! without sweeps
-    character(*), intent(in) :: study               !! the command that makes it
+    character(*), intent(in) :: study               !! the command
     class(study_values), intent(in) :: values
     character(*), intent(in) :: notes               !! lines
-    character(*), intent(in) :: report              !! what is printed of the numbers
+    character(*), intent(in) :: report              !! the printed report
     type(error_type), allocatable, intent(inout) :: error
     type(study_file) :: file
     character(:), allocatable :: head
@@ -94,7 +94,7 @@ contains
     class(study_file), intent(inout) :: self
     character(*), intent(in) :: name, long_name
     integer, intent(in) :: length
-    character(*), intent(in), optional :: words(:)  !! CF's flags: what each number means, (length)
+    character(*), intent(in), optional :: words(:)  !! CF flags: the meaning of each number, (length)
     integer :: i
     if (.not. self%is_laid_out) call self%head%add_dimension(name, length)
     call self%put_counts(name, name, long_name, [(i, i=1, length)], words)
@@ -104,7 +104,7 @@ contains
     !! Put a variable of real numbers.
     class(study_file), intent(inout) :: self
     character(*), intent(in) :: name
-    character(*), intent(in) :: dimensions          !! names in the file's order, by spaces; a scalar has none
+    character(*), intent(in) :: dimensions          !! names in the file's order, separated by spaces; empty for a scalar
     character(*), intent(in) :: units, long_name
     real(dp), intent(in) :: values(:)               !! the last dimension fastest; `missing` is fill
     if (self%real_row(name, dimensions, units, long_name)) call self%put(values)
@@ -115,7 +115,7 @@ contains
     class(study_file), intent(inout) :: self
     character(*), intent(in) :: name, dimensions, long_name
     integer, intent(in) :: values(:)                !! the last dimension fastest
-    character(*), intent(in), optional :: words(:)  !! what they stand for, from 1
+    character(*), intent(in), optional :: words(:)  !! the meaning of each value, from 1
     if (self%whole_row(name, dimensions, long_name, words, 1)) call self%put(values)
   end subroutine put_counts
 

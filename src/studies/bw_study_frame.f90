@@ -1,5 +1,5 @@
 module bw_study_frame
-  !! What studies of a scene have in common: where their result lies, and how they begin and end.
+  !! What studies of a scene share: the place of their result, and how they begin and end.
   use bw_error, only: error_type, status_stopped
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: i8
@@ -18,7 +18,7 @@ module bw_study_frame
   character(*), parameter :: nl = new_line('a')
 
   type, public :: study_frame
-    type(scene_type) :: scene                       !! the case that is studied: of a sweep the first
+    type(scene_type) :: scene                       !! the studied case: of a sweep the first
     character(:), allocatable :: study              !! the command
     type(work_directory) :: work
   contains
@@ -30,14 +30,14 @@ module bw_study_frame
 contains
 
   subroutine begin(self, scene, directory, overwrite, outcome, error)
-    !! Look at what is there, and hold the place of DIRECTORY/<scene>.<study>.nc before any work is done: one that refuses the
-    !! result refuses it now.
-    !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
+    !! Check for an existing result, and reserve DIR/<scene>.<study>.nc before any work, so that a result that cannot be
+    !! written fails at once. **Errors**: `status_bad_file` if a file cannot be read or written or belongs to another
+    !! scene.
     class(study_frame), intent(inout) :: self       !! with `study`
-    type(scene_type), intent(in) :: scene           !! as it was read
+    type(scene_type), intent(in) :: scene           !! as read
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
-    type(outcome_type), intent(inout) :: outcome    !! `was_there` where there is nothing to do
+    type(outcome_type), intent(inout) :: outcome    !! `was_there` if there is nothing to do
     type(error_type), allocatable, intent(out) :: error
     type(existing_result) :: existing
     call case_scene(scene, 1_i8, self%scene, error)
@@ -51,9 +51,9 @@ contains
   end subroutine begin
 
   subroutine end_study(self, scene, values, body, notes, outcome, error)
-    !! Write the file, give it its final name, and say what was found; after a failure nothing is left.
+    !! Write the file, give it its final name, and report the findings; after a failure nothing remains.
     class(study_frame), intent(inout) :: self
-    type(scene_type), intent(in) :: scene           !! as it was read
+    type(scene_type), intent(in) :: scene           !! as read
     class(study_values), intent(in) :: values
     character(*), intent(in) :: body                !! of the report
     type(string), intent(in), optional :: notes(:)
@@ -78,8 +78,8 @@ contains
   end subroutine end_study
 
   pure function which_case(scene) result(text)
-    !! Of a sweep: which of its cases the study is about, on a line of its own.
-    type(scene_type), intent(in) :: scene           !! as it was read
+    !! Say which case of a sweep is studied, on a line of its own.
+    type(scene_type), intent(in) :: scene           !! as read
     character(:), allocatable :: text
     integer :: s
     text = ''
@@ -91,7 +91,7 @@ contains
   end function which_case
 
   subroutine leave(self, outcome)
-    !! End a study that was stopped in order: nothing is left of it.
+    !! End a study that was stopped; no file remains.
     class(study_frame), intent(inout) :: self
     type(outcome_type), intent(inout) :: outcome
     call self%work%discard()

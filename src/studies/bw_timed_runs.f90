@@ -1,6 +1,5 @@
 module bw_timed_runs
-  !! How long cases take, one beside the other: they are run in turn, round after round, so that what else the machine
-  !! does falls on all of them alike.
+  !! Comparison of run times: cases run in turn, round after round, so that other load on the machine affects all alike.
   use bw_case_result, only: case_result
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
@@ -17,23 +16,23 @@ module bw_timed_runs
   type, public :: timed_run
     type(scene_type) :: scene                     !! without sweeps
     logical :: is_timed = .true.                  !! false: `repeat_runs` leaves it out
-    real(dp) :: first = 0.0_dp                    !! s that the run for its result took, which finds cold caches; 0: it is to come
-    type(repeats_type) :: seconds                 !! of the whole case, from its modes to its last stage
+    real(dp) :: first = 0.0_dp                    !! s of the first run, which starts with cold caches; 0: not run yet
+    type(repeats_type) :: seconds                 !! of the whole case, from modes to last stage
     type(repeats_type) :: stage(stage_count)      !! of its stages
   end type timed_run
 
 contains
 
   subroutine run_first(runs, place, budget, enough, monitor, result, whole)
-    !! Run one of some cases for what it yields. This run finds cold caches: its time counts only where it is so long that they do not
-    !! matter, and repeats of it are then left out.
+    !! Run a case for its result. This run starts with cold caches: its time counts only if it is so long that they do
+    !! not matter, and it is then not repeated.
     type(timed_run), intent(inout) :: runs(:)
     integer, intent(in) :: place
-    real(dp), intent(in) :: budget                !! s, for the repeats of each case
-    real(dp), intent(in) :: enough                !! s: a run that takes so long is not repeated
+    real(dp), intent(in) :: budget                !! s, for the repeats of a case
+    real(dp), intent(in) :: enough                !! s: a run as long as this is not repeated
     class(monitor_type), intent(inout), target :: monitor   !! of all runs
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                 !! false where the monitor asked to stop
+    logical, intent(out) :: whole                 !! false if the monitor asked to stop
     type(timed_run) :: first
     type(part_monitor) :: part
     part = part_monitor(monitor, progress_of(runs, budget), 0.0_dp)
@@ -49,11 +48,11 @@ contains
   end subroutine run_first
 
   subroutine run_once(run, monitor, result, whole)
-    !! Run a case once more, and book its time.
+    !! Run a case once more, and record its time.
     type(timed_run), intent(inout) :: run
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
-    logical, intent(out) :: whole                 !! false where the monitor asked to stop; nothing is booked then
+    logical, intent(out) :: whole                 !! false if the monitor asked to stop; then nothing is recorded
     type(case_cache) :: cache
     type(stopwatch) :: watch
     integer :: i
@@ -66,12 +65,12 @@ contains
   end subroutine run_once
 
   subroutine repeat_runs(runs, budget, monitor, whole)
-    !! Run all of them in turn until each has been run often enough: `fewest` times, and then up to `most` times as long
-    !! as it has taken less than its budget.
+    !! Run all cases in turn until each has run `fewest` times, and then up to `most` times while it is within its
+    !! budget.
     type(timed_run), intent(inout) :: runs(:)
     real(dp), intent(in) :: budget                !! s, for each
     class(monitor_type), intent(inout), target :: monitor
-    logical, intent(out) :: whole                 !! false where the monitor asked to stop
+    logical, intent(out) :: whole                 !! false if the monitor asked to stop
     type(case_result) :: result
     type(part_monitor) :: part
     integer :: round, i
@@ -88,7 +87,7 @@ contains
   end subroutine repeat_runs
 
   pure logical function needs_more(run, budget)
-    !! Whether a case is to be run again.
+    !! Return whether a case is to be run again.
     type(timed_run), intent(in) :: run
     real(dp), intent(in) :: budget
     needs_more = run%is_timed .and. run%seconds%count < most .and. &
@@ -96,8 +95,8 @@ contains
   end function needs_more
 
   pure real(dp) function progress_of(runs, budget) result(part)
-    !! How much of the work on some cases is done, 0 … 1: the seconds that their first runs and repeats have taken, over those that all
-    !! will take. A case that was not run yet counts as the mean of those that were.
+    !! Return the fraction of work done, 0 … 1: the seconds taken by first runs and repeats, over those that all will
+    !! take. A case not run yet counts as the mean of the others.
     type(timed_run), intent(in) :: runs(:)
     real(dp), intent(in) :: budget                !! s, for the repeats of each
     real(dp) :: done, all
@@ -123,8 +122,8 @@ contains
   end function progress_of
 
   pure real(dp) function repeats_of(run, budget) result(seconds)
-    !! How long all repeats of a case will take, s, if each takes as long as those before.
-    type(timed_run), intent(in) :: run            !! whose first run is done
+    !! Return the time of all repeats of a case, s, if each takes as long as the previous ones.
+    type(timed_run), intent(in) :: run            !! its first run is done
     real(dp), intent(in) :: budget
     real(dp) :: once
     once = run%first

@@ -1,5 +1,5 @@
 module bw_accuracy
-  !! What accuracy costs on a scene: tolerances and fixed counts, each with its true error and its seconds.
+  !! The cost of accuracy for a scene: tolerances and fixed mode counts, each with its true error and run time.
   use bw_kinds, only: dp, i8
   use bw_accuracy_ladder, only: ladder_of, leave_out, scene_of_rung, take_errors, take_seconds
   use bw_case_result, only: case_done, case_result
@@ -20,8 +20,8 @@ module bw_accuracy
   private
   public :: measure_accuracy
 
-  real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
-  real(dp), parameter :: converging = 0.2_dp   !! share of the converged run in the progress that is shown
+  real(dp), parameter :: budget = 0.5_dp       !! s of repeated runs for each rung
+  real(dp), parameter :: converging = 0.2_dp   !! share of the converged run in the progress shown
 
   type :: accuracy_study
     type(converged_run) :: converged
@@ -33,9 +33,9 @@ module bw_accuracy
 contains
 
   subroutine measure_accuracy(scene, directory, overwrite, progress, outcome, error)
-    !! Measure, write DIRECTORY/<scene>.accuracy.nc, and say what was found.
-    !! **Errors**: `status_bad_input` where nothing can be measured on the scene, `status_bad_file` where a file cannot be
-    !! read or written or is another scene's.
+    !! Measure, write DIRECTORY/<scene>.accuracy.nc, and report what was found.
+    !! **Errors**: `status_bad_input` if nothing can be measured on the scene, `status_bad_file` if a file cannot be
+    !! read or written or belongs to another scene.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
@@ -61,8 +61,8 @@ contains
   end subroutine measure_accuracy
 
   subroutine refuse(scene, error)
-    !! Accuracy is measured against the answer of infinitely many modes, so a scene needs a history that has one.
-    !! **Errors**: `status_bad_input` where it has none.
+    !! Refuse a scene without a history that converges as modes are added: accuracy is measured against that limit.
+    !! **Errors**: `status_bad_input`.
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: accepted = '; accepted: a scene with &response whose mass, if any, stays, or strikes by &contact'
@@ -77,11 +77,11 @@ contains
   end subroutine refuse
 
   subroutine measure(scene, progress, state, whole, error)
-    !! Make the converged run, find the error of each rung, then run all rungs in turn for their seconds.
+    !! Make the converged run, find the error of each rung, then time all rungs in turn.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
     type(accuracy_study), intent(inout) :: state
-    logical, intent(out) :: whole                !! false where the monitor asked to stop
+    logical, intent(out) :: whole                !! false if the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
     type(part_monitor) :: part
     integer :: i
@@ -103,7 +103,7 @@ contains
   end subroutine measure
 
   subroutine run_rungs(monitor, state, whole)
-    !! Run each rung once, for its error. Its time is that of repeats, whose scatter is told.
+    !! Run each rung once for its error. Its time comes from repeats, whose scatter is reported.
     class(monitor_type), intent(inout), target :: monitor
     type(accuracy_study), intent(inout) :: state
     logical, intent(out) :: whole
@@ -122,7 +122,7 @@ contains
   end subroutine run_rungs
 
   subroutine take_account(scene, state)
-    !! Put everything that was measured into the list.
+    !! Collect all measured values in the list.
     type(scene_type), intent(in) :: scene
     type(accuracy_study), intent(inout) :: state
     integer :: i
@@ -142,7 +142,7 @@ contains
           result%response%displacement(:result%response%finite_samples, :))
       end associate
       do i = 1, size(converged%result%notes)
-        if (index(kind_of(converged%result%notes(i)%text), 'error of') == 1) cycle       ! errors are what is measured
+        if (index(kind_of(converged%result%notes(i)%text), 'error of') == 1) cycle       ! these are what the study measures
         call append(state%notes, converged%result%notes(i)%text)
       end do
       call note_estimates(list, state%notes)
@@ -164,7 +164,7 @@ contains
   end subroutine note_estimates
 
   pure function name_of(rung) result(name)
-    !! A rung in words: `tolerance 1e-5` or `before = after = 50`.
+    !! Describe a rung: `tolerance 1e-5` or `before = after = 50`.
     type(rung_type), intent(in) :: rung
     character(:), allocatable :: name
     if (is_missing(rung%tolerance)) then

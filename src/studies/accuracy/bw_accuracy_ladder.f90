@@ -1,5 +1,5 @@
 module bw_accuracy_ladder
-  !! The rungs of a study of accuracy, and how one of them is measured.
+  !! The rungs of an accuracy study, and the measurement of one of them.
   use bw_case_result, only: case_diverged, case_not_converged, case_result
   use bw_converged, only: coarsest_decade, converged_run, find_parts, patience
   use bw_forecast, only: takes_at_most
@@ -14,13 +14,13 @@ module bw_accuracy_ladder
   private
   public :: ladder_of, scene_of_rung, take_errors, take_seconds, leave_out
 
-  integer, parameter :: finest = 11               !! decade of the tolerances
+  integer, parameter :: finest = 11               !! decade of the finest tolerance
   integer, parameter, public :: counts(*) = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
 
 contains
 
   pure function ladder_of() result(rungs)
-    !! All rungs, from coarse to fine: tolerances, then counts.
+    !! Return all rungs, from coarse to fine: tolerances, then mode counts.
     type(rung_type), allocatable :: rungs(:)
     integer, parameter :: asked = finest - coarsest_decade + 1
     integer :: i
@@ -36,7 +36,7 @@ contains
   end function ladder_of
 
   pure type(scene_type) function scene_of_rung(scene, rung) result(variant)
-    !! The scene with a rung's tolerance or counts.
+    !! Return the scene with a rung's tolerance or mode counts.
     type(scene_type), intent(in) :: scene
     type(rung_type), intent(in) :: rung
     if (rung%ladder == by_counts) then
@@ -47,7 +47,7 @@ contains
   end function scene_of_rung
 
   subroutine leave_out(converged, runs, rungs)
-    !! Mark the rungs that are not run: tolerances that the program refuses, and what takes too long by the model of costs.
+    !! Mark the rungs that are not run: tolerances that the program refuses, and runs that take too long by the cost model.
     type(converged_run), intent(in) :: converged
     type(timed_run), intent(inout) :: runs(:)
     type(rung_type), intent(inout) :: rungs(:)
@@ -65,7 +65,7 @@ contains
   end subroutine leave_out
 
   pure subroutine take_errors(result, converged, rung)
-    !! Put into a rung what its run yielded beside the converged run.
+    !! Put into a rung its errors relative to the converged run.
     type(case_result), intent(in) :: result
     type(converged_run), intent(in) :: converged
     type(rung_type), intent(inout) :: rung

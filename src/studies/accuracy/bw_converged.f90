@@ -1,6 +1,6 @@
 module bw_converged
-  !! A run so fine that the errors of others can be measured against it. test_bw_converged compares it with residues summed in 45
-  !! digits.
+  !! A run fine enough to measure the errors of others against it. test_bw_converged compares it with residues summed in
+  !! 45 digits.
   use bw_case_result, only: case_not_converged, case_result
   use bw_case_tolerance, only: plan_case
   use bw_error, only: error_type, fail, status_not_trusted
@@ -21,31 +21,31 @@ module bw_converged
   public :: converge, find_parts, find_reach
 
   real(dp), parameter, public :: converged_tolerance = 1.0e-13_dp   !! a hundredth of the finest rung
-  integer, parameter, public :: coarsest_decade = 2   !! of the rungs
-  real(dp), parameter :: coarsest = 1.0e-6_dp        !! of the converged run, however long it takes
-  real(dp), parameter, public :: patience = 3.0_dp   !! s, by the model of costs; a run that takes longer is not made
-  integer, parameter :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
+  integer, parameter, public :: coarsest_decade = 2   !! of the coarsest rung
+  real(dp), parameter :: coarsest = 1.0e-6_dp        !! coarsest tolerance of the converged run, however long it takes
+  real(dp), parameter, public :: patience = 3.0_dp   !! s, by the cost model; a longer run is not made
+  integer, parameter :: most_extended = 600000    !! modes; extended precision for more would take longer than all rungs
 
   type, public :: converged_run
     type(case_result), allocatable :: result
-    real(dp) :: reach = missing                 !! the finest tolerance there is
-    real(dp) :: tolerance = missing             !! that the run keeps: `reach`, or the finest that does not take too long
+    real(dp) :: reach = missing                 !! the finest attainable tolerance
+    real(dp) :: tolerance = missing             !! that the run meets: `reach`, or the finest that does not take too long
     real(dp) :: peak = 0.0_dp                   !! m, over all points
-    real(dp) :: error = missing                 !! its own estimate over the peak
-    logical :: bounds_all = .false.             !! a tolerance bounds the errors of all histories, each over its own peak
+    real(dp) :: error = missing                 !! its own error estimate over the peak
+    logical :: bounds_all = .false.             !! a tolerance bounds the errors of all histories, each relative to its own peak
   end type converged_run
 
 contains
 
   subroutine converge(scene, monitor, run, whole, error, longest)
-    !! Run with the finest tolerance that is in reach and does not take too long.
-    !! **Errors**: `status_bad_input` where no tolerance is in reach, `status_not_trusted` where the run does not keep its own.
+    !! Run with the finest tolerance that is attainable and does not take too long.
+    !! **Errors**: `status_bad_input` if no tolerance is attainable, `status_not_trusted` if the run misses its own.
     type(scene_type), intent(in) :: scene       !! without sweeps
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(out) :: run
-    logical, intent(out) :: whole               !! false where the monitor asked to stop
+    logical, intent(out) :: whole               !! false if the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
-    real(dp), intent(in), optional :: longest   !! s, that a run beyond those of the scene itself may take; absent: `patience`
+    real(dp), intent(in), optional :: longest   !! longest run allowed beside that of the scene itself, s; absent: `patience`
     run%bounds_all = counts_in_its_run(scene) .or. is_loaded(scene)
     if (run%bounds_all) then
       call converge_by_runs(scene, monitor, run, whole, error, longest)
@@ -56,9 +56,9 @@ contains
   end subroutine converge
 
   subroutine converge_by_runs(scene, monitor, run, whole, error, longest)
-    !! Only a run tells whether a tolerance is kept: from decade to decade, up to one that is not, or to the last that the time allows,
-    !! if the next one takes as many times longer as this one did. What a run of the scene itself takes is never too long.
-    !! **Errors**: as above.
+    !! Refine the tolerance by decades where only a run shows whether it is met: up to one that is missed, or to the
+    !! last within the time limit if the run time keeps growing by the same factor. A run of the scene's own tolerance
+    !! is always allowed. **Errors**: as above.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(inout) :: run
@@ -88,7 +88,7 @@ contains
       seconds = attempt%seconds%total()
       if (seconds*(seconds/before) > limit .and. .not. is_coarser(run%tolerance, scene%modes)) exit
     end do
-    run%reach = 0.0_dp                          ! not known
+    run%reach = 0.0_dp                          ! unknown
     if (allocated(found)) run%reach = run%tolerance
     if (allocated(kept)) then
       call move_alloc(kept, run%result)
@@ -98,7 +98,7 @@ contains
   end subroutine converge_by_runs
 
   pure logical function is_coarser(tolerance, modes)
-    !! Whether a tolerance is coarser than that of a scene, which may relax.
+    !! Return whether a tolerance is coarser than that of a scene, which may be relaxed.
     real(dp), intent(in) :: tolerance
     type(modes_par), intent(in) :: modes
     is_coarser = .false.
@@ -106,9 +106,8 @@ contains
   end function is_coarser
 
   subroutine converge_by_plan(scene, monitor, run, whole, error)
-    !! By plans and the model of costs; every root is in extended precision where there are not too many, so that the run does not share
-    !! what others leave out.
-    !! **Errors**: as above.
+    !! Choose the tolerance by plans and the cost model. Every root is found in extended precision unless there are too
+    !! many, so that the run does not share rounding errors of the others. **Errors**: as above.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(inout) :: run
@@ -132,7 +131,7 @@ contains
         call run_case(fine, layout_of(fine), watch, monitor, cache, run%result, whole)
         if (.not. whole) return
         if (run%result%status /= case_not_converged) exit
-        run%reach = coarser(run%tolerance)              ! the plan of a run may promise a little more than the run keeps
+        run%reach = coarser(run%tolerance)              ! the plan of a run may promise slightly more than the run achieves
         if (run%reach > coarsest_tolerance) call fail(error, status_not_trusted, fine%file//': no converged run: '// &
                                                       run%result%notes(size(run%result%notes))%text)
       end if
@@ -141,13 +140,13 @@ contains
   end subroutine converge_by_plan
 
   pure real(dp) function coarser(tolerance)
-    !! The next power of ten.
+    !! Return the next power of ten.
     real(dp), intent(in) :: tolerance
     coarser = 10.0_dp**floor(log10(tolerance) + 1.0_dp + sqrt(epsilon(1.0_dp)))
   end function coarser
 
   pure subroutine take_peak(run)
-    !! Find the peak, and the run's own estimate of its error over it.
+    !! Find the peak, and the run's own error estimate over it.
     type(converged_run), intent(inout) :: run
     real(dp) :: nothing
     associate (response => run%result%response)
@@ -157,11 +156,11 @@ contains
   end subroutine take_peak
 
   pure subroutine find_parts(response, fine, bounds_all, error, estimate)
-    !! The largest difference of a run's histories from finer ones, and its own estimates of that, over the peak of each; at the samples
-    !! that are finite in both, and 0 where nothing moves.
+    !! Find the largest difference of a run's histories from finer ones, and its own estimate of it, relative to the
+    !! peak of each; over samples that are finite in both, and 0 if nothing moves.
     type(response_type), intent(in) :: response, fine
-    logical, intent(in) :: bounds_all           !! of all quantities; else of the displacement
-    real(dp), intent(out) :: error, estimate    !! the latter is missing where the run has none
+    logical, intent(in) :: bounds_all           !! errors of all quantities; else of the displacement
+    real(dp), intent(out) :: error, estimate    !! the latter is missing if the run has none
     integer :: n
     n = min(response%finite_samples, fine%finite_samples)
     error = 0.0_dp
@@ -187,14 +186,14 @@ contains
   end subroutine find_parts
 
   subroutine find_reach(scene, monitor, tolerance, error)
-    !! Find the finest tolerance that can be reached, down to `converged_tolerance`.
-    !! **Errors**: `status_bad_input` where there is none.
+    !! Find the finest attainable tolerance, down to `converged_tolerance`.
+    !! **Errors**: `status_bad_input` if there is none.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     real(dp), intent(out) :: tolerance
     type(error_type), allocatable, intent(out) :: error
-    real(dp), parameter :: margin = 1.02_dp     ! what is reached is rounded elsewhere, and
-    integer, parameter :: most_tries = 8        ! depends a little on what is asked for
+    real(dp), parameter :: margin = 1.02_dp     ! the attainable tolerance is rounded elsewhere, and depends
+    integer, parameter :: most_tries = 8        ! slightly on the one requested
     real(dp) :: reached
     integer :: count, i
     tolerance = converged_tolerance

@@ -1,6 +1,6 @@
 module bw_price_list
-  !! What accuracy costs on a scene: rungs of two ladders, one of tolerances, one of fixed counts of modes, each with its
-  !! error and its seconds; what can be read off them; and the variables of DIR/<scene>.accuracy.nc.
+  !! The cost of accuracy for a scene: the rungs of two ladders, tolerances and fixed mode counts, each with its error
+  !! and run time; what follows from them; and the variables of DIR/<scene>.accuracy.nc.
   use bw_kinds, only: dp
   use bw_absent_effects, only: absent_words
   use bw_missing, only: is_missing, missing
@@ -25,11 +25,11 @@ module bw_price_list
   type, public :: rung_type
     integer :: ladder = by_tolerances
     integer :: status = rung_measured
-    real(dp) :: tolerance = missing       !! that was asked for; missing on the ladder of counts
-    integer :: mode_count = 0             !! modes that were summed; 0 where none were
+    real(dp) :: tolerance = missing       !! requested; missing on the ladder of counts
+    integer :: mode_count = 0             !! modes summed; 0 if none were
     integer :: method = not_summed
     real(dp) :: error = missing           !! largest difference from the converged run at the samples, over the peak
-    real(dp) :: estimate = missing        !! the run's own estimate of that
+    real(dp) :: estimate = missing        !! the run's own estimate of that error
     integer :: repeats = 0
     real(dp) :: seconds = missing         !! median
     real(dp) :: lower = missing, upper = missing        !! quartiles, s
@@ -38,14 +38,14 @@ module bw_price_list
 
   type, extends(study_values), public :: price_list
     type(rung_type), allocatable :: rungs(:)   !! ladder by ladder, from coarse to fine
-    logical :: bounds_all = .false.            !! errors are of all histories, each over its own peak; else of the displacement
+    logical :: bounds_all = .false.            !! errors cover all histories, each relative to its own peak; else the displacement
     real(dp) :: peak = 0.0_dp                  !! largest displacement of the converged run, m
-    real(dp) :: converged_tolerance = missing  !! that the converged run keeps
+    real(dp) :: converged_tolerance = missing  !! that the converged run meets
     integer :: converged_count = 0             !! modes of the converged run
-    real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
+    real(dp) :: converged_error = missing      !! its own estimate, over the peak: smaller errors cannot be measured
     real(dp) :: model_errors(size(absent_words)) = missing
-      !! what each effect that the scene leaves out would change, over the peak; estimates, missing if `bounds_all`
-    real(dp) :: reachable = missing            !! the smallest tolerance in reach; missing: all that were tried
+      !! estimated change by each effect that the scene leaves out, over the peak; missing if `bounds_all`
+    real(dp) :: reachable = missing            !! the smallest attainable tolerance; missing: all that were tried
   contains
     procedure :: put => put_prices
   end type price_list
@@ -53,7 +53,7 @@ module bw_price_list
 contains
 
   elemental logical function is_resolved(rung, converged_error)
-    !! Whether the measured error is the rung's own, and not the converged run's.
+    !! Return whether the measured error is the rung's own, and not that of the converged run.
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: converged_error
     is_resolved = .false.
@@ -62,7 +62,7 @@ contains
   end function is_resolved
 
   elemental logical function is_above_estimate(rung, reference_error)
-    !! Whether the true error is above the rung's estimate, by more than the run that it is measured against may be off.
+    !! Return whether the true error exceeds the rung's estimate by more than the error of the reference run.
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: reference_error   !! of the converged run, over the peak
     is_above_estimate = .false.
@@ -71,15 +71,15 @@ contains
   end function is_above_estimate
 
   elemental logical function beyond_model(rung, model_error)
-    !! Whether the rung's numbers are nearer to the model's answer than the model is to the beam.
+    !! Return whether the rung's numerical error is below the modelling error.
     type(rung_type), intent(in) :: rung
-    real(dp), intent(in) :: model_error       !! the largest of the list's
+    real(dp), intent(in) :: model_error       !! the largest in the list
     beyond_model = .false.
     if (.not. (is_missing(rung%error) .or. is_missing(model_error))) beyond_model = rung%error < model_error
   end function beyond_model
 
   pure integer function next_rung(rungs, i)
-    !! The next timed rung of the same ladder; 0 where there is none.
+    !! Return the next timed rung of the same ladder; 0 if there is none.
     type(rung_type), intent(in) :: rungs(:)
     integer, intent(in) :: i
     next_rung = 0
@@ -89,9 +89,9 @@ contains
   end function next_rung
 
   pure subroutine price_digits(rungs, seconds, growth)
-    !! What the next digit costs, from a tolerance to the next one: further seconds per factor of ten, and the same as a part
-    !! of the seconds at hand (0.25 is a quarter more time for each); missing where there is no next one, and on the ladder
-    !! of counts.
+    !! Find the cost of the next digit, from one tolerance to the next: additional seconds per factor of ten, and the
+    !! same relative to the present seconds (0.25: a quarter more). Missing on the last rung and on the ladder of
+    !! counts.
     type(rung_type), intent(in) :: rungs(:)
     real(dp), intent(out) :: seconds(:), growth(:)      !! (rungs)
     real(dp) :: digits
@@ -108,8 +108,8 @@ contains
   end subroutine price_digits
 
   pure function digit_noise(rungs) result(noise)
-    !! What of the price of the next digit the scatter of the repeats can make, s: the halves of what the middle half of both
-    !! rungs' repeats spans, per factor of ten; missing where there is no price.
+    !! Return the uncertainty of the cost of the next digit by the scatter of repeats, s: half the interquartile ranges
+    !! of both rungs, per factor of ten; missing if there is no cost.
     type(rung_type), intent(in) :: rungs(:)
     real(dp) :: noise(size(rungs))
     integer :: i, next
@@ -123,9 +123,9 @@ contains
   end function digit_noise
 
   pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
-    !! d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means that a
-    !! tenth of the error takes 10^0.05 times as long. Missing where the errors differ by less than a factor of ten: what they
-    !! say of a tenth would be guessed.
+    !! Return d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means
+    !! that a tenth of the error takes 10^0.05 times as long. Missing if the errors span less than a factor of ten, as
+    !! this would extrapolate.
     type(rung_type), intent(in) :: rungs(:)
     integer, intent(in) :: ladder
     real(dp), intent(in) :: converged_error
@@ -142,7 +142,7 @@ contains
   end function work_slope
 
   subroutine put_prices(self, file)
-    !! Put everything that was measured into the file.
+    !! Put all measured values into the file.
     class(price_list), intent(in) :: self
     type(study_file), intent(inout) :: file
     call file%put_text('machine', processor_name())
@@ -155,7 +155,7 @@ contains
   end subroutine put_prices
 
   subroutine put_rungs(file, list)
-    !! Put what each rung is.
+    !! Put the definition of each rung.
     type(study_file), intent(inout) :: file
     class(price_list), intent(in) :: list
     associate (rungs => list%rungs)
@@ -168,7 +168,7 @@ contains
   end subroutine put_rungs
 
   subroutine put_errors(file, list)
-    !! Put the true errors, the estimated ones, and their ratios.
+    !! Put true errors, estimated errors, and their ratios.
     type(study_file), intent(inout) :: file
     class(price_list), intent(in) :: list
     associate (rungs => list%rungs)
@@ -181,7 +181,7 @@ contains
   end subroutine put_errors
 
   subroutine put_seconds(file, list)
-    !! Put the times, and what follows from them.
+    !! Put run times and quantities derived from them.
     type(study_file), intent(inout) :: file
     class(price_list), intent(in) :: list
     real(dp), dimension(size(list%rungs)) :: seconds, growth
@@ -208,7 +208,7 @@ contains
   end subroutine put_seconds
 
   subroutine put_converged(file, list)
-    !! Put what the errors are measured against.
+    !! Put the reference of the errors.
     type(study_file), intent(inout) :: file
     class(price_list), intent(in) :: list
     call file%put_numbers('peak_displacement', '', 'm', 'largest displacement of the converged run', [list%peak])
@@ -227,7 +227,7 @@ contains
   end subroutine put_converged
 
   pure function what_is_bounded(list) result(words)
-    !! By a tolerance, and measured.
+    !! Name what a tolerance bounds and the study measures.
     class(price_list), intent(in) :: list
     character(:), allocatable :: words
     words = 'the displacement'
@@ -235,7 +235,7 @@ contains
   end function what_is_bounded
 
   elemental real(dp) function ratio(estimate, error)
-    !! The estimated error over the true one; missing where one of them is missing, or the true one is zero.
+    !! Return the estimated error over the true one; missing if either is missing or the true one is zero.
     real(dp), intent(in) :: estimate, error
     ratio = missing
     if (is_missing(estimate) .or. is_missing(error)) return

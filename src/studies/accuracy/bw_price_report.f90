@@ -1,5 +1,5 @@
 module bw_price_report
-  !! The printed list of what accuracy costs.
+  !! The printed report on the cost of accuracy.
   use bw_kinds, only: dp
   use bw_absent_effects, only: absent_words
   use bw_columns, only: right, short, table_of, text_table
@@ -16,7 +16,7 @@ module bw_price_report
 contains
 
   function price_report(list) result(text)
-    !! The tables of the study as they are printed.
+    !! Return the tables of the study as printed.
     type(price_list), intent(in) :: list
     character(:), allocatable :: text
     type(text_builder) :: lines
@@ -33,7 +33,7 @@ contains
   end function price_report
 
   subroutine report_converged(list, lines)
-    !! Say what the errors are measured against.
+    !! Report the reference of the errors.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     call lines%append_line('  Errors are the largest of '//what_is_bounded(list)//' over its peak'//peak_text()//', against a')
@@ -43,7 +43,7 @@ contains
     call lines%append_line('  smaller errors are shown as <')
   contains
     function peak_text() result(text)
-      !! Of the displacement.
+      !! Return the peak of the displacement as text.
       character(:), allocatable :: text
       text = ', '//shortest(list%peak, 4)//' m'
       if (list%bounds_all) text = ' (displacement:'//text(2:)//')'
@@ -51,7 +51,7 @@ contains
   end subroutine report_converged
 
   subroutine report_model(list, lines)
-    !! Say from which tolerance on the model's error is larger than the numerical one.
+    !! Report the tolerance below which the modelling error exceeds the numerical one.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     integer :: largest, i
@@ -94,11 +94,11 @@ contains
   end subroutine report_ladder
 
   subroutine put_rung(list, rung, table, next, lines)
-    !! The line of a rung.
+    !! Print the line of a rung.
     type(price_list), intent(in) :: list
     type(rung_type), intent(in) :: rung
     type(text_table), intent(in) :: table
-    character(*), intent(in) :: next               !! what the next digit costs
+    character(*), intent(in) :: next               !! cost of the next digit
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: cells
     integer :: i
@@ -118,7 +118,7 @@ contains
   end subroutine put_rung
 
   pure function reason(list, rung) result(text)
-    !! The words that stand in the place of a rung's numbers where it was not run.
+    !! Return the words that replace a rung's numbers if it was not run.
     type(price_list), intent(in) :: list
     type(rung_type), intent(in) :: rung
     character(:), allocatable :: text
@@ -134,7 +134,7 @@ contains
   end function reason
 
   subroutine report_slopes(list, lines)
-    !! Say what a further digit costs, by the straight line through all errors.
+    !! Report the cost of a further digit, by a straight line through all errors.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     real(dp) :: slope
@@ -150,9 +150,9 @@ contains
   end subroutine report_slopes
 
   pure function slope_words(ladder, slope) result(words)
-    !! What a tenth of the error takes on a ladder, by its slope.
+    !! Report the cost of a tenth of the error on a ladder, by its slope.
     character(*), intent(in) :: ladder
-    real(dp), intent(in) :: slope                 !! missing: it is not known
+    real(dp), intent(in) :: slope                 !! missing: unknown
     character(:), allocatable :: words
     if (is_missing(slope)) then
       words = '  '//ladder//' the errors differ too little to say how long a tenth of them takes'
@@ -169,18 +169,18 @@ contains
   end function times_words
 
   pure function next_text(seconds, growth, noise) result(text)
-    !! The columns on what the next digit costs; empty where that is not known.
+    !! Return the columns on the cost of the next digit; empty if unknown.
     real(dp), intent(in) :: seconds, growth, noise
     character(:), allocatable :: text
     text = ''
     if (is_missing(seconds)) return
     text = right('within noise', 18)
-    if (seconds <= noise) return       ! below zero too: a finer tolerance never sums fewer modes
+    if (seconds <= noise) return       ! also if negative: a finer tolerance never sums fewer modes
     text = right('+'//milliseconds(seconds)//' ms', 11)//right('+'//percent(growth), 7)
   end function next_text
 
   pure function error_text(error, least) result(text)
-    !! A true error; below the converged run's own it is only known to be smaller.
+    !! Format a true error; below that of the converged run only this bound is known.
     real(dp), intent(in) :: error, least
     character(:), allocatable :: text
     if (.not. is_missing(error) .and. error <= least .and. least > 0.0_dp) then
@@ -191,7 +191,7 @@ contains
   end function error_text
 
   pure function ratio_text(rung, least) result(text)
-    !! The estimate over the true error; a dash where that is not resolved.
+    !! Format the estimate over the true error; a dash if that is not resolved.
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: least
     character(:), allocatable :: text
@@ -201,14 +201,14 @@ contains
   end function ratio_text
 
   pure function milliseconds(seconds) result(text)
-    !! Seconds as milliseconds with three digits.
+    !! Format seconds as milliseconds with three digits.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     text = shortest(1000.0_dp*seconds, 3)
   end function milliseconds
 
   pure function percent(part) result(text)
-    !! A part of the whole in whole per cents.
+    !! Format a fraction in whole per cent.
     real(dp), intent(in) :: part
     character(:), allocatable :: text
     text = text_of(nint(100.0_dp*min(part, 1.0e6_dp)))//' %'

@@ -1,5 +1,5 @@
 module bw_effect_list
-  !! What the effects of a scene change, and those that it leaves out: one row for each.
+  !! The influence of the effects that a scene has and of those that it lacks: one row for each.
   use bw_hint, only: compared_modes
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
@@ -11,37 +11,37 @@ module bw_effect_list
   character(*), parameter, public :: state_words(*) = [character(12) :: 'off', 'on', 'not_combined']   !! by number
 
   type, public :: compared_case
-    !! What is compared of a case, SI; missing where it does not exist.
+    !! The compared quantities of a case, SI; missing if they do not exist.
     real(dp), dimension(compared_modes) :: angular_frequency = missing, phase_velocity = missing, group_velocity = missing
   end type compared_case
 
   type, public :: effect_row
-    !! One effect: the scene with it beside the scene without it, all else alike.
-    character(21) :: effect = ''                   !! what it is called
+    !! One effect: the scene with it and without it, all else equal.
+    character(21) :: effect = ''                   !! its name
     integer :: state = effect_not_combined
-    character(:), allocatable :: remark            !! with which values; where it is not combined, the reason
-    integer :: place_with = 0, place_without = 0   !! of the two scenes among those that are run; 0: not combined
+    character(:), allocatable :: remark            !! values used; if it is not combined, the reason
+    integer :: place_with = 0, place_without = 0   !! of the two scenes in the list of variants; 0: not combined
     type(compared_case) :: with, without
     real(dp), dimension(compared_modes) :: frequency_change = missing, phase_velocity_change = missing, &
       group_velocity_change = missing              !! with over without, less 1
-    integer :: matters_from = 0                    !! the first mode whose frequency changes by more than the tolerance; 0: none
+    integer :: matters_from = 0                    !! first mode whose frequency changes by more than the tolerance; 0: none
     real(dp) :: response_change = missing          !! largest difference of the displacement over the scene's peak
     real(dp) :: response_error = missing            !! estimated error of both displacements over that peak; missing: none
-    logical :: is_whole = .true.                   !! false: numbers of one of the two runs cannot be trusted, and are left out
+    logical :: is_whole = .true.                   !! false: numbers of a run cannot be trusted, and are omitted
     real(dp) :: seconds_with = missing, seconds_without = missing
   end type effect_row
 
   type, public :: effect_list
-    real(dp) :: tolerance = 0.0_dp                 !! what a change of a frequency or of the response is measured against
-    character(:), allocatable :: tolerance_source  !! where it comes from
-    integer :: mode_count = 0                      !! of the compared modes, those that the scene has
+    real(dp) :: tolerance = 0.0_dp                 !! threshold for a change of a frequency or of the response
+    character(:), allocatable :: tolerance_source  !! its source
+    integer :: mode_count = 0                      !! of the scene's modes that are compared
     type(effect_row), allocatable :: rows(:)
   end type effect_list
 
 contains
 
   pure subroutine compare_frequencies(row, tolerance)
-    !! The changes of a row whose two runs are done. Where one of them has no frequency at all nothing is known of what matters.
+    !! Find the changes of a row whose two runs are done. If a run has no frequencies, the significance is unknown.
     type(effect_row), intent(inout) :: row
     real(dp), intent(in) :: tolerance
     row%frequency_change = change(row%with%angular_frequency, row%without%angular_frequency)
@@ -53,7 +53,7 @@ contains
   end subroutine compare_frequencies
 
   elemental real(dp) function change(with, without)
-    !! Missing where one of the two does not exist, or the second is 0.
+    !! Return the relative change; missing if either value does not exist or the second is 0.
     real(dp), intent(in) :: with, without
     change = missing
     if (is_missing(with) .or. is_missing(without)) return
@@ -61,7 +61,7 @@ contains
   end function change
 
   elemental logical function matters(with, without, tolerance)
-    !! More than the tolerance, or a frequency that exists on one side alone.
+    !! Return whether a frequency changes by more than the tolerance, or exists on one side only.
     real(dp), intent(in) :: with, without, tolerance
     matters = is_missing(with) .neqv. is_missing(without)
     if (is_missing(with) .or. is_missing(without)) return
@@ -69,7 +69,7 @@ contains
   end function matters
 
   pure real(dp) function largest_change(changes) result(largest)
-    !! Of those that exist, with its sign; missing where none does.
+    !! Return the largest existing change, with its sign; missing if there is none.
     real(dp), intent(in) :: changes(:)
     integer :: k
     largest = missing

@@ -1,7 +1,7 @@
 module bw_effect_pairs
-  !! For each row of the table of effects two scenes, one with it and one without, all else as in the scene that is studied. One of
-  !! the two is that scene itself wherever it can be. An effect that is off is tried with a value that follows from the scene, which
-  !! the row's remark says.
+  !! Two scenes for each row of the table of effects, one with it and one without, all else as in the studied scene,
+  !! which is one of the two if possible. An effect that is off is tried with a value derived from the scene, stated in
+  !! the row's remark.
   use bw_constants, only: pi
   use bw_kinds, only: dp, qp
   use bw_beam_par, only: beam_mass, beam_par, beam_piece, pieces_of_beam
@@ -29,11 +29,11 @@ module bw_effect_pairs
   public :: pairs_of
 
   type, public :: compared_scenes
-    !! All rows, and every scene that they take, each once; the first is the one that is studied.
+    !! All rows, and every scene they need, each once; the first is the studied one.
     type(effect_row), allocatable :: rows(:)       !! in the order of the table
     type(scene_variants) :: variants
-    real(dp), private :: first_speed = missing     !! that of `find_first_speed`, rad/s; missing where it was not asked for yet
-    logical, private :: grows = .false.            !! there mode 1 grows
+    real(dp), private :: first_speed = missing     !! by `find_first_speed`, rad/s; missing until it is called
+    logical, private :: grows = .false.            !! mode 1 is unstable at that speed
   end type compared_scenes
 
 contains
@@ -45,9 +45,9 @@ contains
     character(:), allocatable :: text, reason
     integer :: place, i
     text = without_group(resolved_text(scene), 'spectrum')
-    if (.not. scene%modes%asked) text = with_value(text, 'modes', 'tolerance', '')    ! each variant relaxes its own
+    if (.not. scene%modes%asked) text = with_value(text, 'modes', 'tolerance', '')    ! each variant is relaxed by itself
     list%variants%file = scene%file
-    call list%variants%find(text, place, reason)   ! the scene that is studied has been read before and is not refused now
+    call list%variants%find(text, place, reason)   ! the studied scene was read before and is not refused here
     allocate (list%rows(size(effect_table)))
     do i = 1, size(effect_table)
       list%rows(i)%effect = effect_table(i)%name
@@ -57,7 +57,7 @@ contains
   end subroutine pairs_of
 
   pure function why_not_compared(scene, text, effect) result(reason)
-    !! Why an effect cannot be tried beside a scene; empty where it can.
+    !! Say why an effect cannot be compared for a scene; empty if it can.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
@@ -80,9 +80,9 @@ contains
   end function why_not_compared
 
   pure logical function any_group(text, groups, is_there)
-    !! Whether any of some groups is in a text, or is not.
+    !! Return whether any of several groups is in a text, or is absent from it.
     character(*), intent(in) :: text
-    character(*), intent(in) :: groups             !! by blanks
+    character(*), intent(in) :: groups             !! separated by blanks
     logical, intent(in) :: is_there
     type(string), allocatable :: names(:)
     integer :: i
@@ -94,7 +94,7 @@ contains
   end function any_group
 
   subroutine find_pair(scene, text, effect, list, row)
-    !! Fill the row of an effect with its two scenes. Where one is refused it says the first of the reader's reasons.
+    !! Fill the row of an effect with its two scenes, or with the reader's first reason if one is refused.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
@@ -114,7 +114,7 @@ contains
   end subroutine find_pair
 
   subroutine pair_groups(scene, text, effect, list, row, with, without)
-    !! An effect that groups switch: they are taken out where the scene has them all, else those that it lacks are added.
+    !! Pair the scenes of an effect defined by groups: remove them if the scene has them all, else add the missing ones.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
@@ -142,7 +142,7 @@ contains
   end subroutine pair_groups
 
   pure function without_groups(text, groups) result(edited)
-    !! The text without some groups and those that need them.
+    !! Return the text without several groups and those that depend on them.
     character(*), intent(in) :: text, groups
     character(:), allocatable :: edited
     type(string), allocatable :: names(:)
@@ -151,12 +151,12 @@ contains
     names = words_of(groups)
     do i = 1, size(names)
       edited = without_group(edited, names(i)%text)
-      if (names(i)%text == 'capture') edited = with_value(edited, 'modes', 'after', '')    ! there is one set of modes then
+      if (names(i)%text == 'capture') edited = with_value(edited, 'modes', 'after', '')    ! then there is one set of modes
     end do
   end function without_groups
 
   pure function without_dependents(text, groups) result(edited)
-    !! The text without the groups that need one of some groups.
+    !! Return the text without the groups that depend on any of several groups.
     character(*), intent(in) :: text, groups
     character(:), allocatable :: edited
     integer :: i
@@ -168,7 +168,7 @@ contains
   end function without_dependents
 
   pure function without_excluded(text, group) result(edited)
-    !! The text without the groups that exclude a group.
+    !! Return the text without the groups that exclude a group.
     character(*), intent(in) :: text, group
     character(:), allocatable :: edited
     integer :: i
@@ -179,7 +179,7 @@ contains
   end function without_excluded
 
   subroutine pair_values(scene, text, effect, list, row, with, without)
-    !! An effect that the value of a name switches.
+    !! Pair the scenes of an effect defined by the value of a name.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
@@ -199,8 +199,8 @@ contains
   end subroutine pair_values
 
   subroutine pair_pieces(scene, text, effect, list, row, with, without)
-    !! A beam of several pieces or one that tapers beside a uniform one, or one whose outer half is softer, or whose tip is thinner,
-    !! beside a uniform one.
+    !! Pair a beam of several pieces, or a tapered one, with its uniform mean; pair a uniform beam with one whose outer
+    !! half is softer, or whose tip is thinner.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(effect_type), intent(in) :: effect
@@ -248,7 +248,7 @@ contains
   end subroutine pair_pieces
 
   pure function mean_beam(beam) result(values)
-    !! A uniform beam of the length, mass and mean bending stiffness of one of several pieces, or one that tapers.
+    !! Return a uniform beam with the length, mass and mean bending stiffness of one with several pieces or taper.
     type(beam_par), intent(in) :: beam
     character(:), allocatable :: values
     type(beam_piece), allocatable :: inner(:), outer(:)
@@ -286,8 +286,8 @@ contains
   end function mean_beam
 
   subroutine find_values(scene, effect, list, values, remark)
-    !! Put the number with which an effect is tried where `@` stands in the values, and in the remark on them. What is measured by
-    !! the beam has three digits.
+    !! Replace `@` in the values and in the remark by the number with which an effect is tried. Numbers scaled by the
+    !! beam have three digits.
     type(scene_type), intent(in) :: scene          !! without the effect
     type(effect_type), intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
@@ -320,7 +320,7 @@ contains
   end subroutine find_values
 
   pure function unit_of(group, values) result(unit)
-    !! The unit of what values give.
+    !! Return the unit of the name that is set.
     character(*), intent(in) :: group
     character(*), intent(in) :: values             !! `name = value`
     character(:), allocatable :: unit
@@ -328,8 +328,8 @@ contains
   end function unit_of
 
   subroutine find_first_speed(scene, list)
-    !! Find the angular velocity at which mode 1 would be unstable, or, where there is none, one that belongs to the beam.
-    type(scene_type), intent(in) :: scene          !! that does not rotate
+    !! Find the angular velocity at which mode 1 becomes unstable or, if there is none, one typical of the beam.
+    type(scene_type), intent(in) :: scene          !! without rotation
     type(compared_scenes), intent(inout) :: list
     type(beam_units) :: units
     type(case_modes) :: modes
@@ -345,13 +345,13 @@ contains
   end subroutine find_first_speed
 
   pure real(dp) function sphere_inertia(scene) result(inertia)
-    !! The rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
+    !! Return the rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
     type(scene_type), intent(in) :: scene
     inertia = 0.4_dp*scene%impact%mass*sphere_radius(scene)**2
   end function sphere_inertia
 
   pure real(dp) function sphere_radius(scene) result(radius)
-    !! The radius of that sphere, m.
+    !! Return the radius of that sphere, m.
     type(scene_type), intent(in) :: scene
     radius = (0.75_dp*scene%impact%mass/pi/scene%beam%density)**(1.0_dp/3.0_dp)
   end function sphere_radius

@@ -1,5 +1,5 @@
 module bw_effect_report
-  !! What effects change, as a printed table and as the variables of DIR/<scene>.effects.nc.
+  !! The influence of effects as a printed table and as the variables of DIR/<scene>.effects.nc.
   use bw_kinds, only: dp
   use bw_columns, only: table_of, text_table
   use bw_effect_list, only: effect_list, effect_not_combined, effect_on, effect_row, largest_change, state_words
@@ -14,7 +14,7 @@ module bw_effect_report
   private
   public :: effect_report
 
-  integer, parameter :: middle = 3         !! a mode between the first and the last that is shown
+  integer, parameter :: middle = 3         !! a mode between the first and the last shown
   character(*), parameter :: by_mode = 'effect mode'   !! dimensions in the file
 
   type, extends(study_values), public :: effect_values
@@ -26,7 +26,7 @@ module bw_effect_report
 contains
 
   function effect_report(list) result(text)
-    !! The table as it is printed.
+    !! Return the printed table.
     type(effect_list), intent(in) :: list
     character(:), allocatable :: text
     type(text_builder) :: lines
@@ -59,10 +59,10 @@ contains
   end function effect_report
 
   subroutine put_effect(row, tolerance, last, table, lines)
-    !! The line of an effect: what it changes and costs, or why it is not combined with the scene.
+    !! Print the line of an effect: its influence and cost, or why it is not combined with the scene.
     type(effect_row), intent(in) :: row
     real(dp), intent(in) :: tolerance
-    integer, intent(in) :: last                    !! the last mode that is compared
+    integer, intent(in) :: last                    !! the last compared mode
     type(text_table), intent(in) :: table
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: cost
@@ -70,7 +70,7 @@ contains
       call table%put_row(lines, '  '//in_words(row%effect)//'|-', '   '//row%remark)
       return
     end if
-    cost = '-'                                     ! of a run that ends early
+    cost = '-'                                     ! a run ended early
     if (row%is_whole) cost = times(row%seconds_with, row%seconds_without)
     call table%put_row(lines, '  '//in_words(row%effect)//'|'//trim(merge('on ', 'off', row%state == effect_on))//'|'// &
                        signed(row%frequency_change(1))//'|'//signed(row%frequency_change(min(middle, last)))//'|'// &
@@ -80,7 +80,7 @@ contains
   end subroutine put_effect
 
   pure function verdict(row, tolerance) result(text)
-    !! The words on whether an effect matters; a dash where numbers that are left out would have to say so.
+    !! Say whether an effect matters; a dash if the numbers needed are omitted.
     type(effect_row), intent(in) :: row
     real(dp), intent(in) :: tolerance
     character(:), allocatable :: text
@@ -99,8 +99,8 @@ contains
   end function verdict
 
   pure function signed(change) result(text)
-    !! A relative change in per cent, with two digits and a sign; 0 for the rounding of two ways to find the same; a dash for
-    !! what does not exist.
+    !! Format a relative change in per cent, with two digits and a sign; 0 if it is rounding between two methods; a dash
+    !! if it does not exist.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
     real(dp), parameter :: rounding = 1.0e-12_dp
@@ -111,7 +111,7 @@ contains
   end function signed
 
   pure function part(change) result(text)
-    !! A change as a part of the peak, without a sign, since it has no direction.
+    !! Format a change relative to the peak, unsigned.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
     text = signed(change)
@@ -119,7 +119,7 @@ contains
   end function part
 
   pure function times(above, below) result(text)
-    !! How many times as long the scene takes with the effect; a dash where that is not known.
+    !! Format the ratio of run times with and without the effect; a dash if unknown.
     real(dp), intent(in) :: above, below
     character(:), allocatable :: text
     text = '-'
@@ -145,7 +145,7 @@ contains
   end subroutine put_effects
 
   subroutine put_modes(file, rows)
-    !! Put the frequencies with and without each effect, and what it changes.
+    !! Put the frequencies with and without each effect, and their changes.
     type(study_file), intent(inout) :: file
     type(effect_row), intent(in) :: rows(:)
     integer :: i
@@ -162,7 +162,7 @@ contains
   end subroutine put_modes
 
   subroutine put_costs(file, rows)
-    !! Put what each effect changes in the response, and what it costs.
+    !! Put the change of the response by each effect, and its cost.
     type(study_file), intent(inout) :: file
     type(effect_row), intent(in) :: rows(:)
     call file%put_numbers('response_change', 'effect', '1', &
@@ -180,7 +180,7 @@ contains
   end subroutine put_costs
 
   elemental real(dp) function ratio(above, below)
-    !! One time over another; missing where one of them is missing, or the second is not positive.
+    !! Return the ratio of two times; missing if either is missing or the second is not positive.
     real(dp), intent(in) :: above, below
     ratio = missing
     if (is_missing(above) .or. is_missing(below)) return
@@ -188,7 +188,7 @@ contains
   end function ratio
 
   pure function remarks_of(rows) result(text)
-    !! The remarks, one line for each effect that has one.
+    !! Return the remarks, one line for each effect that has one.
     type(effect_row), intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: i

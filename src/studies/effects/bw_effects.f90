@@ -1,5 +1,5 @@
 module bw_effects
-  !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
+  !! The influence and cost of each effect on a scene: the scene run with it and without it.
   use bw_kinds, only: dp, i8
   use bw_case_rows, only: values_of
   use bw_case_notes, only: why_untrusted
@@ -23,11 +23,11 @@ module bw_effects
   public :: compare_effects
 
   real(dp), parameter :: budget = 0.5_dp         !! s of repeats for each scene
-  real(dp), parameter :: noticeable = 0.01_dp    !! chosen: relative change that matters where a scene does not say which does
+  real(dp), parameter :: noticeable = 0.01_dp    !! chosen: relative change that matters if the scene has no tolerance
 
   type :: effects_study
-    type(timed_run), allocatable :: runs(:)      !! of the scenes that are compared, the first of which is studied
-    type(case_result), allocatable :: results(:) !! of the same scenes, as long as they are needed
+    type(timed_run), allocatable :: runs(:)      !! of the compared scenes, the first of which is studied
+    type(case_result), allocatable :: results(:) !! of the same scenes, as long as needed
     type(effect_list) :: list
     type(string), allocatable :: notes(:)
     logical :: trusted = .true.
@@ -36,8 +36,8 @@ module bw_effects
 contains
 
   subroutine compare_effects(scene, directory, overwrite, progress, outcome, error)
-    !! Compare, write DIRECTORY/<scene>.effects.nc, and say what was found.
-    !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
+    !! Compare, write DIRECTORY/<scene>.effects.nc, and report what was found.
+    !! **Errors**: `status_bad_file` if a file cannot be read or written or belongs to another scene.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
@@ -66,7 +66,7 @@ contains
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
     type(effects_study), intent(inout) :: state
-    logical, intent(out) :: whole                !! false where the monitor asked to stop
+    logical, intent(out) :: whole                !! false if the monitor asked to stop
     type(compared_scenes) :: scenes
     integer :: i
     call pairs_of(scene, scenes)
@@ -89,7 +89,7 @@ contains
   end subroutine compare
 
   subroutine start_list(scene, state)
-    !! Choose which modes are compared, and what their changes are measured against.
+    !! Choose the modes to compare, and the threshold for their changes.
     type(scene_type), intent(in) :: scene
     type(effects_study), intent(inout) :: state
     associate (list => state%list, result => state%results(1))
@@ -107,7 +107,7 @@ contains
   end subroutine start_list
 
   pure real(dp) function left_by_counts(result) result(error)
-    !! The error that a scene's counts leave in its displacement, over the peak; 0 where there is no estimate.
+    !! Return the truncation error of the displacement by the scene's counts, over the peak; 0 without an estimate.
     type(case_result), intent(in) :: result
     error = 0.0_dp
     if (.not. allocated(result%response)) return
@@ -116,7 +116,7 @@ contains
   end function left_by_counts
 
   pure real(dp) function peak_of(result) result(peak)
-    !! The largest displacement, m; 0 without a history.
+    !! Return the largest displacement, m; 0 without a history.
     type(case_result), intent(in) :: result
     peak = 0.0_dp
     if (.not. allocated(result%response)) return
@@ -149,7 +149,7 @@ contains
   end subroutine compare_pair
 
   subroutine run_scene_once(place, progress, state, whole)
-    !! Run a scene, unless its result is there. One that takes longer than its repeats may is timed by this run.
+    !! Run a scene, unless its result is known. The time of a run that exceeds the budget of its repeats is taken from this run.
     integer, intent(in) :: place
     class(progress_type), intent(inout), target :: progress
     type(effects_study), intent(inout) :: state
@@ -160,7 +160,7 @@ contains
   end subroutine run_scene_once
 
   type(compared_case) function compared(result) result(numbers)
-    !! What is compared of a case: the modes in force after the last event at t = 0.
+    !! Return the compared quantities of a case: its modes after the last event at t = 0.
     type(case_result), intent(in) :: result
     integer :: n
     n = min(compared_modes, result%modes%count)
@@ -173,10 +173,10 @@ contains
   end function compared
 
   pure subroutine compare_responses(with, without, peak, change)
-    !! The largest difference of two displacements over the peak, at the samples that are finite in both.
+    !! Find the largest difference of two displacements over the peak, at samples that are finite in both.
     type(case_result), intent(in) :: with, without
     real(dp), intent(in) :: peak                   !! of the scene's own, m
-    real(dp), intent(inout) :: change              !! stays missing where there are no two histories
+    real(dp), intent(inout) :: change              !! stays missing unless both histories exist
     integer :: finite
     if (.not. (allocated(with%response) .and. allocated(without%response))) return
     finite = min(with%response%finite_samples, without%response%finite_samples)
@@ -187,7 +187,7 @@ contains
   end subroutine compare_responses
 
   pure real(dp) function error_of_both(with, without, peak) result(error)
-    !! The estimated errors of two displacements over the peak, together; missing where one has no estimate.
+    !! Return the sum of estimated errors of two displacements over the peak; missing if one has no estimate.
     type(case_result), intent(in) :: with, without
     real(dp), intent(in) :: peak                   !! of the scene's own, m
     error = missing
@@ -197,7 +197,7 @@ contains
   end function error_of_both
 
   subroutine note_untrusted(state)
-    !! Note each run that has numbers which cannot be trusted, once: the rows that it belongs to, and why.
+    !! Note each run with untrusted numbers once: the rows it belongs to, and why.
     type(effects_study), intent(inout) :: state
     character(:), allocatable :: rows
     integer :: place, i
@@ -217,7 +217,7 @@ contains
   end subroutine note_untrusted
 
   subroutine forget(row, state)
-    !! Drop the histories that no later row needs: they may be large.
+    !! Release the histories that no later row needs, as they may be large.
     integer, intent(in) :: row
     type(effects_study), intent(inout) :: state
     integer :: place

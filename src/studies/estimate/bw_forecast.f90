@@ -1,6 +1,6 @@
 module bw_forecast
-  !! What a run of a scene would warn of, before it is run: the notes of its first and its last case, or, where they take longer than
-  !! there is time, those of few of their modes and samples.
+  !! Warnings expected of a run: the notes of its first and last case or, if these take too long, of runs with few modes
+  !! and samples.
   use bw_case_cost, only: case_bytes, case_counts, seconds_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
@@ -19,9 +19,9 @@ module bw_forecast
   private
   public :: forecast_notes, takes_at_most
 
-  integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is predicted
-  real(dp), parameter :: quick = 0.03_dp                     !! s: a case that is run as it is
-  real(dp), parameter :: most_seconds = 0.5_dp               !! s, for few modes
+  integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a predicted case
+  real(dp), parameter :: quick = 0.03_dp                     !! s: a case this short is run unchanged
+  real(dp), parameter :: most_seconds = 0.5_dp               !! s, with few modes
   integer(i8), parameter :: most_bytes = 1000000000_i8       !! of memory
 
   type, public :: forecast_type
@@ -33,19 +33,19 @@ module bw_forecast
 contains
 
   logical function takes_at_most(scene, planned, seconds) result(quickly)
-    !! By the model of costs.
+    !! Return whether a case takes at most so many seconds by the cost model.
     type(scene_type), intent(in) :: scene          !! without sweeps
-    integer, intent(in) :: planned                 !! modes that a tolerance takes
+    integer, intent(in) :: planned                 !! modes that a tolerance needs
     real(dp), intent(in) :: seconds
     quickly = seconds_of(case_counts(scene, planned)) <= seconds .and. case_bytes(scene) <= most_bytes
   end function takes_at_most
 
   subroutine forecast_notes(scene, layout, planned, monitor, forecast)
-    !! Of the first and the last case of a sweep: what is extreme is often the last.
+    !! Predict the notes of the first and the last case of a sweep, since extremes are often last.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    integer, intent(in) :: planned                 !! as that of `takes_at_most`
-    class(monitor_type), intent(inout) :: monitor  !! nothing is known where it asks to stop
+    integer, intent(in) :: planned                 !! as in `takes_at_most`
+    class(monitor_type), intent(inout) :: monitor  !! nothing is known if it asks to stop
     type(forecast_type), intent(out) :: forecast
     type(scene_type) :: one
     type(error_type), allocatable :: error
@@ -74,8 +74,8 @@ contains
   end subroutine forecast_notes
 
   subroutine try(scene, layout, monitor, kinds, notes)
-    !! Run a case and take its notes: all of them, or, of few modes, those on what its sampling rate hides or the others. Few modes
-    !! would raise errors, and know less than a run of where energy goes. Spectra, whose time is hard to foresee, warn of little.
+    !! Run a case and take its notes: all of them or, with few modes, either those on the sampling rate or the others. Few modes
+    !! would raise errors and hide where energy goes. Spectra are omitted: their time is hard to predict and they warn of little.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     class(monitor_type), intent(inout) :: monitor
@@ -90,7 +90,7 @@ contains
     logical :: whole
     simple = scene
     if (allocated(simple%spectrum)) deallocate (simple%spectrum)
-    simple%modes%modal_model = .false.              ! which warns of nothing
+    simple%modes%modal_model = .false.              ! it causes no warnings
     call run_case(simple, layout, watch, monitor, cache, result, whole)
     if (.not. whole) return
     do i = 1, size(result%notes)
@@ -102,7 +102,7 @@ contains
   end subroutine try
 
   pure function few_of(scene, part) result(few)
-    !! A scene of few modes and samples, without later contacts.
+    !! Return a scene of few modes and samples, without later contacts.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: part                   !! of the record
     type(scene_type) :: few

@@ -1,5 +1,5 @@
 module bw_time_estimate
-  !! How long a scene will take, from counts that are known before it is run.
+  !! The run time of a scene, estimated from counts known beforehand.
   use bw_case_cost, only: case_counts, cases_term, modes_seconds, numbers_term, run_term, seconds_of, shared_terms, term_count
   use bw_case_tolerance, only: plan_case
   use bw_error, only: error_type
@@ -13,27 +13,27 @@ module bw_time_estimate
   private
   public :: estimated_seconds, record_seconds, scene_counts
 
-  integer, parameter :: most_samples = 50                  !! cases of a sweep that are looked at; tolerances of fewer are planned
+  integer, parameter :: most_samples = 50                  !! cases of a sweep that are examined; tolerances of fewer are planned
   integer, parameter :: most_planned = 4
-  real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
+  real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, for any number of them
 
 contains
 
   real(dp) function estimated_seconds(scene, numbers, planned, monitor) result(seconds)
-    !! Wall time of all cases by one process on a core of its own, s.
+    !! Return the wall time of all cases by one process on a core of its own, s.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: numbers             !! of a case, in the result
-    integer, intent(in) :: planned                 !! as that of `scene_counts`
-    class(monitor_type), intent(inout), target :: monitor   !! the time means nothing where it asks to stop
+    integer, intent(in) :: planned                 !! as in `scene_counts`
+    class(monitor_type), intent(inout), target :: monitor   !! the time is invalid if it asks to stop
     seconds = seconds_of(scene_counts(scene, numbers, planned, monitor))
   end function estimated_seconds
 
   function scene_counts(scene, numbers, planned, monitor) result(counts)
-    !! How often there is each term of the cost model: in the first case of a sweep, and in others that lie all over it, each beside the
-    !! one before it, with which it may share modes.
+    !! Count each term of the cost model: in the first case of a sweep, and in others spread over it, each following its
+    !! neighbour, with which it may share modes.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: numbers
-    integer, intent(in) :: planned                 !! modes that the tolerance of a single case takes
+    integer, intent(in) :: planned                 !! modes that the tolerance of a single case needs
     class(monitor_type), intent(inout), target :: monitor
     real(dp) :: counts(term_count), others(term_count)
     type(scene_type) :: one
@@ -68,12 +68,12 @@ contains
   end function scene_counts
 
   pure real(dp) function record_seconds(scene, layout) result(seconds)
-    !! Of the lines of all cases of a record on one core, and of a fit of unknowns that explains them. Measured of 48 records of 1 to
-    !! 8 lines in 600 to 300 000 numbers, of larger ones of 20 lines, and of fits of beams of 1 to 10 pieces.
+    !! Return the time to find the lines of all cases of a record on one core, and to fit unknowns. Calibrated on 48 records
+    !! of 1 to 8 lines in 600 to 300 000 numbers, on larger ones of 20 lines, and on fits of beams of 1 to 10 pieces.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), parameter :: of_search = 0.05_dp, of_number = 3.0e-6_dp, of_solution = 1.0e-4_dp
-    integer, parameter :: solutions = 350          ! of the modes for an unknown
+    integer, parameter :: solutions = 350          ! mode solutions per unknown
     seconds = max(1, layout%cases)*(of_search + of_number*layout%points*layout%record%longest)
     if (size(scene%unknowns) > 0) seconds = seconds + size(scene%unknowns)*solutions*(of_solution + modes_seconds(scene))
   end function record_seconds

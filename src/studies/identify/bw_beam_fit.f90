@@ -1,5 +1,5 @@
 module bw_beam_fit
-  !! The unknowns that fit the lines best, from several starts, and any other place that fits as well.
+  !! The best fit of the unknowns to the lines, from several starts, and other fits that are as good.
   use bw_fit_problem, only: fit_problem, position_in
   use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, polish, search, choose_fit, unlikely
   use bw_kinds, only: dp
@@ -7,21 +7,21 @@ module bw_beam_fit
   private
   public :: fit_beam, refit_from
 
-  integer, parameter :: searched = 4             !! starts from which is searched: those that cost least at once
-  integer, parameter :: searched_on = 12         !! where what is found from these is in doubt
-  integer, parameter :: looks_each = 16                  !! places that are looked at, for each unknown
+  integer, parameter :: searched = 4             !! starts of full searches: those of least penalty
+  integer, parameter :: searched_on = 12         !! if the result of these is in doubt
+  integer, parameter :: looks_each = 16                  !! points evaluated for each unknown
   integer, parameter :: primes(12) = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
 
 contains
 
   subroutine fit_beam(problem, as_good, thorough, fit, others, near)
-    !! Find the best fit, at which the problem is left, and others that are as good.
+    !! Find the best fit, to which the problem is set, and others that are as good.
     type(fit_problem), intent(inout) :: problem
-    real(dp), intent(in) :: as_good              !! −2 ln of the likelihood over that of the best, up to which a fit is as good
-    logical, intent(in) :: thorough              !! look further where noise does not explain the misfit
+    real(dp), intent(in) :: as_good              !! difference in −2 ln likelihood from the best within which a fit is as good
+    logical, intent(in) :: thorough              !! search further if noise does not explain the misfit
     type(fit_type), intent(out) :: fit
     type(fit_type), allocatable, intent(out) :: others(:)
-    real(dp), intent(in), optional :: near(:)    !! a fit of fewer unknowns, than which this one is not worse, (unknowns)
+    real(dp), intent(in), optional :: near(:)    !! a fit of fewer unknowns, below which this one cannot fall, (unknowns)
     type(fit_type), allocatable :: fits(:)
     real(dp) :: starts(size(problem%unknowns), searched_on)
     integer :: i, n
@@ -48,9 +48,9 @@ contains
   end subroutine fit_beam
 
   subroutine choose_starts(problem, scatter, starts)
-    !! The scene's own values, and those of evenly spread points of the ranges that cost least.
+    !! Choose the scene's own values, and the points of least penalty of an even spread over the ranges.
     type(fit_problem), intent(inout) :: problem
-    real(dp), intent(in) :: scatter              !! τ is not below
+    real(dp), intent(in) :: scatter              !! lower bound of τ
     real(dp), intent(out) :: starts(:, :)        !! (unknowns, starts)
     real(dp), allocatable :: looks(:, :), penalty(:)
     logical :: changed
@@ -74,7 +74,7 @@ contains
   end subroutine choose_starts
 
   elemental real(dp) function radical_inverse(i, base) result(x)
-    !! Number i in a base, mirrored at the point: Halton's sequence.
+    !! Return number i in a base, mirrored at the point: Halton's sequence.
     integer, intent(in) :: i, base
     real(dp) :: digit
     integer :: left
@@ -89,8 +89,8 @@ contains
   end function radical_inverse
 
   subroutine leave_out_each(problem, fits, fit)
-    !! Look for a better fit from this one without one of its lines: one that is no mode, where a mode has no line, draws unknowns
-    !! to where it fits as one.
+    !! Look for a better fit from this one without one of its lines: a spurious line that is near an undetected mode
+    !! draws the unknowns away.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), allocatable, intent(inout) :: fits(:)
     type(fit_type), intent(inout) :: fit
@@ -112,13 +112,13 @@ contains
   end subroutine leave_out_each
 
   pure logical function is_doubtful(fit)
-    !! Noise does not explain it, or it explains no more lines than it has unknowns, and leaves others out.
+    !! Return whether noise does not explain a fit, or it explains no more lines than it has unknowns and omits others.
     type(fit_type), intent(in) :: fit
     is_doubtful = fit%tail < unlikely .or. (fit%spare < 1 .and. any(fit%mode_of == 0))
   end function is_doubtful
 
   subroutine refit_from(problem, v, fit)
-    !! The fit from a place that was found to be better than it.
+    !! Fit again from a better place.
     type(fit_problem), intent(inout) :: problem
     real(dp), intent(in) :: v(:)
     type(fit_type), intent(inout) :: fit
@@ -130,8 +130,8 @@ contains
   end subroutine refit_from
 
   subroutine find_others(problem, fits, fit, as_good, others)
-    !! Places apart from the fit that are about as probable: by the sum of squares with its τ where lines are taken for the same
-    !! modes, else by their penalty.
+    !! Find other places about as probable as the fit: by the sum of squares with its τ if the assignment of lines is
+    !! the same, else by the penalty.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:), fit
     real(dp), intent(in) :: as_good

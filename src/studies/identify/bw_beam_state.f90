@@ -1,6 +1,5 @@
 module bw_beam_state
-  !! One state of the beam whose numbers are sought: the lines that were measured in it, and its modes as they follow from the
-  !! unknowns.
+  !! One state of the identified beam: the lines measured in it, and its modes as functions of the unknowns.
   use bw_beam_units, only: beam_units, units_of
   use bw_double_double, only: dd
   use bw_error, only: error_type
@@ -18,48 +17,48 @@ module bw_beam_state
   private
   public :: amplitude_weights, state_of
 
-  real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation of a line from which it may be any mode
+  real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation from which a line may be any mode
   real(dp), parameter, public :: sensor_error = 0.01_dp
-    !! chosen: of the largest amplitude: sensors are seldom calibrated or placed better
+    !! chosen: relative to the largest amplitude: sensors are seldom calibrated or placed better
 
   type, public :: state_lines
     !! The lines of a record, in ascending order of frequency.
-    real(dp), allocatable :: frequency(:)        !! |z| = √(β² + δ²) [rad/s]: the mode's without its damping, (lines)
+    real(dp), allocatable :: frequency(:)        !! |z| = √(β² + δ²) [rad/s]: that of the mode without its damping, (lines)
     real(dp), allocatable :: deviation(:)        !! its standard deviation [rad/s], > 0, (lines)
     real(dp), allocatable :: decay(:)            !! δ [1/s], (lines)
     real(dp), allocatable :: decay_deviation(:)  !! > 0, (lines)
-    real(dp), allocatable :: strength(:)         !! over all sensors; unallocated: not known, (lines)
-    complex(dp), allocatable :: amplitude(:, :)  !! unallocated: not known where, or not comparable, (sensors, lines)
+    real(dp), allocatable :: strength(:)         !! over all sensors; unallocated: unknown, (lines)
+    complex(dp), allocatable :: amplitude(:, :)  !! unallocated: unknown places, or not comparable, (sensors, lines)
     real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
     real(dp), allocatable :: points(:)           !! ξ, (sensors)
-    integer, allocatable :: sensor(:)            !! numbers of these among those of the record, (sensors)
+    integer, allocatable :: sensor(:)            !! their numbers in the record, (sensors)
     logical :: bends = .false.                   !! sensors measure strain, else motion
-    logical :: over_blow = .false.               !! amplitudes are modal constants φ_sφ_f/M [1/kg] of a hammer's blow
+    logical :: over_blow = .false.               !! amplitudes are modal constants φ_sφ_f/M [1/kg] of a hammer blow
   end type state_lines
 
   type, public :: state_modes
     !! Modes by their numbers.
     integer, allocatable :: number(:)            !! ascending, (modes)
-    real(dp), allocatable :: frequency(:)        !! β [rad/s]; −√(−β²) of a mode that grows, (modes)
+    real(dp), allocatable :: frequency(:)        !! β [rad/s]; −√(−β²) of an unstable mode, (modes)
     real(dp), allocatable :: decay(:)            !! c/2 [1/s], (modes)
     real(dp), allocatable :: shape(:, :)         !! Φ, or curvature, at sensors whose amplitudes are known, (modes, sensors)
-    logical :: found = .false.                   !! false where these unknowns make no beam, or one whose modes are not found
+    logical :: found = .false.                   !! false if these unknowns make no beam, or its modes are not found
   end type state_modes
 
   type, public :: beam_state
     type(state_lines) :: lines
-    logical, allocatable :: is_harmonic(:)       !! lines that are known to be no modes, (lines)
-    real(dp), allocatable :: chance(:)           !! that a line is no mode, before any beam is asked, (lines)
-    integer, allocatable :: mode_of(:)           !! the mode that each line is taken for; 0: none, (lines)
-    integer :: most_modes = 0                    !! as many as the scene counts
-    logical, allocatable :: concerned(:)         !! by an unknown, (unknowns)
+    logical, allocatable :: is_harmonic(:)       !! lines known to be no modes, (lines)
+    real(dp), allocatable :: chance(:)           !! probability that a line is spurious, before modes are considered, (lines)
+    integer, allocatable :: mode_of(:)           !! the mode assigned to each line; 0: none, (lines)
+    integer :: most_modes = 0                    !! limit set by the scene
+    logical, allocatable :: concerned(:)         !! affected by an unknown, (unknowns)
     type(scene_type), private :: varied, one
-    real(dp), allocatable, private :: values(:)  !! of the unknowns that the last modes were found with
+    real(dp), allocatable, private :: values(:)  !! of the unknowns of the last modes found
     logical, private :: last_roughly = .false.
     type(state_modes), private :: last
     integer :: solutions = 0                     !! how often modes were found
-    class(monitor_type), pointer :: monitor => null()    !! no modes are found from when it asks to stop; unassociated: it never does
-    character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns where they start
+    class(monitor_type), pointer :: monitor => null()    !! no modes are found once it asks to stop; unassociated: never
+    character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns at their starts
   contains
     procedure :: modes_at
     procedure :: scene_at
@@ -71,9 +70,9 @@ module bw_beam_state
 contains
 
   type(beam_state) function state_of(scene, unknowns, lines) result(state)
-    !! A state without an assignment of its lines.
+    !! Return a state whose lines are not assigned yet.
     type(scene_type), intent(in) :: scene        !! without sweeps
-    type(identify_par), intent(in) :: unknowns(:)   !! those of group 0 do not concern this scene
+    type(identify_par), intent(in) :: unknowns(:)   !! those of group 0 do not affect this scene
     type(state_lines), intent(in) :: lines
     type(error_type), allocatable :: error
     state%lines = lines
@@ -90,16 +89,16 @@ contains
   end function state_of
 
   pure function amplitude_weights(amplitude, deviation, error) result(weight)
-    !! Inverse variances of the amplitudes of one line, (sensors).
+    !! Return inverse variances of the amplitudes of one line, (sensors).
     complex(dp), intent(in) :: amplitude(:)
     real(dp), intent(in) :: deviation(:)
-    real(dp), intent(in) :: error                !! beside the deviation, of the largest amplitude
+    real(dp), intent(in) :: error                !! further error, relative to the largest amplitude
     real(dp) :: weight(size(amplitude))
     weight = 1/(deviation**2 + (error*maxval(abs(amplitude)))**2)
   end function amplitude_weights
 
   pure logical function is_twin_of(self, other)
-    !! Whether the modes of one state are those of another, as in repeats.
+    !! Return whether two states have the same modes, as repeats do.
     class(beam_state), intent(in) :: self
     type(beam_state), intent(in) :: other
     is_twin_of = self%beam == other%beam .and. all(self%concerned .eqv. other%concerned) .and. &
@@ -112,8 +111,7 @@ contains
   end function is_twin_of
 
   pure function odds_left(self) result(odds)
-    !! How much more probably than not lines are modes that are taken for none, before any beam is asked; of those that hardly are
-    !! modes nothing.
+    !! Return the odds of unassigned lines to be modes, before modes are considered, without lines that hardly are.
     class(beam_state), intent(in) :: self
     real(dp), allocatable :: odds(:)
     odds = pack((1 - self%chance)/self%chance, self%mode_of == 0 .and. self%chance < 0.5_dp .and. .not. self%is_harmonic &
@@ -121,7 +119,7 @@ contains
   end function odds_left
 
   subroutine modes_at(self, values, number, modes, roughly)
-    !! Find modes; those that were found last are remembered.
+    !! Find modes; the last ones are cached.
     class(beam_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! ascending, ≤ most_modes
@@ -152,7 +150,7 @@ contains
   end subroutine modes_at
 
   subroutine scene_at(self, values, scene, error)
-    !! The scene with these values. **Errors**: they make none.
+    !! Return the scene with these values. **Errors**: they make none.
     class(beam_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(scene_type), intent(out) :: scene
@@ -161,12 +159,12 @@ contains
   end subroutine scene_at
 
   subroutine shapes_along(self, values, number, places, shapes)
-    !! What sensors of the kind that there are would see of modes along the whole beam.
+    !! Find shapes along the whole beam, as seen by sensors of the measured kind.
     class(beam_state), intent(in) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! of the modes, ascending
     real(dp), intent(in) :: places(:)            !! ξ
-    real(dp), allocatable, intent(out) :: shapes(:, :)   !! (modes, places); unallocated where there are none
+    real(dp), allocatable, intent(out) :: shapes(:, :)   !! (modes, places); unallocated if there are none
     type(beam_state) :: other
     type(state_modes) :: modes
     other = self

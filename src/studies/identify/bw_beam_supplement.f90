@@ -1,6 +1,6 @@
 module bw_beam_supplement
-  !! The beam of a scene held against the lines of its record, and its unknowns found from them: what the result of a record has
-  !! beside its lines.
+  !! Comparison of a scene's beam with the lines of its record, and identification of its unknowns: an addition to the
+  !! result of a record.
   use bw_corrected_models, only: find_corrections, corrected_model
   use bw_beam_state, only: beam_state, state_of
   use bw_calibration, only: calibration_text, factor_type, find_factors, knows_blows
@@ -39,13 +39,13 @@ module bw_beam_supplement
   private
 
   character, parameter :: nl = new_line('a')
-  integer, parameter :: shown_cases = 8          !! of a sweep, in the report
+  integer, parameter :: shown_cases = 8          !! of a sweep, printed
   integer, parameter :: harmonic = findloc(status_words == 'harmonic', .true., dim=1) - 1   !! bit of a line that is no mode
 
   type, extends(result_supplement), public :: beam_supplement
     type(scene_type) :: scene
     character(:), allocatable :: directory               !! of the results
-    type(scene_type), allocatable :: further(:)          !! scenes of other states of the beam, whose results are there
+    type(scene_type), allocatable :: further(:)          !! scenes of other states of the beam, whose results exist
   contains
     procedure :: attributes
     procedure :: rows
@@ -53,20 +53,20 @@ module bw_beam_supplement
   end type beam_supplement
 
   type :: record_set
-    !! All that is fitted together: the cases of the scene, then those of further scenes.
+    !! Everything fitted together: the cases of the scene, then those of further scenes.
     type(measured_scene), allocatable :: measured(:)     !! (cases of all scenes)
     type(result_lines), allocatable :: lines(:)          !! (the same)
     type(beam_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
     integer :: own = 0                                   !! cases of the scene itself
-    integer :: places = 0                                !! along the beam, of shapes that are written
-    type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: it is not
+    integer :: places = 0                                !! along the beam, for shapes that are written
+    type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: none
     real(dp), allocatable :: frequencies(:)              !! of that response, Hz
   end type record_set
 
 contains
 
   subroutine attributes(self, head)
-    !! What the findings rest on, and room for the identified scenes.
+    !! Add attributes that identify the data used, and room for the texts of identified scenes.
     class(beam_supplement), intent(in) :: self
     class(classic_head), intent(inout) :: head
     integer :: unknowns, i
@@ -80,14 +80,14 @@ contains
   end subroutine attributes
 
   subroutine rows(self, table)
-    !! Walk through the rows of what a beam says.
+    !! Walk through the rows of the beam's variables.
     class(beam_supplement), intent(in) :: self
     class(result_table), intent(inout) :: table
     call model_rows(table, size(self%scene%unknowns) > 0)
   end subroutine rows
 
   subroutine add(self, draft, monitor, notes, report, whole, error)
-    !! Put the modes beside the lines, and what was identified, into the result.
+    !! Put modes that match the lines, and identified values, into the result.
     !! **Errors**: a result cannot be read or written.
     class(beam_supplement), intent(inout) :: self
     class(result_table), intent(inout) :: draft
@@ -98,8 +98,8 @@ contains
     type(record_set) :: set
     type(model_findings) :: findings
     type(text_builder) :: lines
-    type(part_monitor), target :: listener               ! the fits tell of no progress
-    type(scene_type), allocatable :: identified(:)       ! the own cases with what was identified
+    type(part_monitor), target :: listener               ! the fits report no progress
+    type(scene_type), allocatable :: identified(:)       ! the scene's own cases with identified values
     type(error_type), allocatable :: none
     character(:), allocatable :: more
     real(dp) :: quantile
@@ -123,7 +123,7 @@ contains
       if (.not. are_lost(set%states)) then
         if (has(draft%layout, 'waves')) then
           allocate (identified(set%own))
-          do i = 1, set%own                       ! each makes a beam, since its modes were found
+          do i = 1, set%own                       ! each describes a beam, since its modes were found
             call set%states(i)%scene_at(findings%found%values, identified(i), none)
           end do
           call put_identified_waves(draft, identified, quantile, listener, more, lines)
@@ -149,10 +149,10 @@ contains
   end subroutine add
 
   subroutine read_all(self, draft, quantile, monitor, set, error)
-    !! The scenes and lines of all cases.
+    !! Read the scenes and lines of all cases.
     class(beam_supplement), intent(in) :: self
     character(*), intent(in) :: draft            !! the result of the scene itself
-    real(dp), intent(in) :: quantile             !! how many standard deviations half an interval is
+    real(dp), intent(in) :: quantile             !! half width of an interval in standard deviations
     class(monitor_type), intent(inout), target :: monitor
     type(record_set), intent(out) :: set
     type(error_type), allocatable, intent(inout) :: error
@@ -188,7 +188,7 @@ contains
   end subroutine read_all
 
   subroutine compare(set, findings, lines, notes)
-    !! Lines beside modes, case by case: nothing is unknown. Cases beyond the first are details.
+    !! Compare lines with modes, case by case, without unknowns. Cases after the first are details.
     type(record_set), intent(inout) :: set
     type(model_findings), intent(inout) :: findings
     type(text_builder), intent(inout) :: lines
@@ -243,7 +243,7 @@ contains
   end subroutine compare
 
   pure function case_text(set, c) result(text)
-    !! Which case, where there are several.
+    !! Name the case, if there are several.
     type(record_set), intent(in) :: set
     integer, intent(in) :: c
     character(:), allocatable :: text
@@ -254,7 +254,7 @@ contains
   end function case_text
 
   subroutine note_misfit(misfit, which, notes)
-    !! A model that does not explain the lines is told so.
+    !! Warn that a model does not explain the lines.
     type(misfit_type), intent(in) :: misfit
     character(*), intent(in) :: which
     character(:), allocatable, intent(inout) :: notes
@@ -264,7 +264,7 @@ contains
   end subroutine note_misfit
 
   subroutine report_lost(state, values, which, lines, notes)
-    !! No line is a mode.
+    !! Report that no line is a mode.
     type(beam_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)
     character(*), intent(in) :: which            !! case
@@ -277,7 +277,7 @@ contains
   end subroutine report_lost
 
   subroutine identify_beam(scene, quantile, set, findings, lines, notes)
-    !! All cases together, each of several a detail. Where no line is a mode nothing is identified: the unknowns are missing.
+    !! Identify the unknowns from all cases; each of several is a detail. If no line is a mode, they are missing.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: quantile
     type(record_set), intent(inout) :: set
@@ -329,7 +329,7 @@ contains
   end subroutine identify_beam
 
   subroutine check_calibration(set, found, lines, notes)
-    !! Say which sensors seem to be reversed or of another scale.
+    !! Report sensors that seem to be reversed or of another scale.
     type(record_set), intent(inout) :: set
     type(identification), intent(in) :: found
     type(text_builder), intent(inout) :: lines
@@ -345,7 +345,7 @@ contains
   end subroutine check_calibration
 
   subroutine forget(found, findings)
-    !! Nothing was identified.
+    !! Mark all unknowns as not identified.
     type(identification), intent(inout) :: found
     type(model_findings), intent(inout) :: findings
     found%explained = .false.
@@ -359,7 +359,7 @@ contains
   end subroutine forget
 
   subroutine list_scenes(scene, directory, set, findings, lines)
-    !! The identified scenes, the scene's own and the further ones, and where they will lie.
+    !! List the identified scenes, the scene's own and further ones, and their files.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     type(record_set), intent(in) :: set

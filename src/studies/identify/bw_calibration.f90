@@ -1,6 +1,6 @@
 module bw_calibration
-  !! Sensors and hammers that are reversed or of another scale, told by the modal constants that they measure: the real factor by
-  !! which those of a sensor are best those of the model.
+  !! Detection of sensors and hammers that are reversed or of another scale: the real factor between modal constants
+  !! measured by a sensor and those of the model, by least squares.
   use bw_beam_state, only: amplitude_weights, beam_state, sensor_error, state_modes
   use bw_fit_search, only: unlikely
   use bw_kinds, only: dp
@@ -13,7 +13,7 @@ module bw_calibration
   public :: calibration_text, find_factors, knows_blows
 
   type, public :: factor_type
-    !! Measured over modelled modal constants of a sensor.
+    !! The ratio of measured to modelled modal constants of a sensor.
     integer :: sensor = 0                        !! its number
     real(dp) :: value = 0.0_dp, deviation = huge(1.0_dp)
     real(dp), private :: weight = 0.0_dp         !! of the value
@@ -22,14 +22,14 @@ module bw_calibration
 contains
 
   pure logical function knows_blows(states)
-    !! All states have modal constants.
+    !! Return whether all states have modal constants.
     type(beam_state), intent(in) :: states(:)
     integer :: i
     knows_blows = size(states) > 0 .and. all([(states(i)%lines%over_blow, i=1, size(states))])
   end function knows_blows
 
   subroutine find_factors(states, values, factors)
-    !! The factors of all sensors: the mean over repeats, which share the errors of model and places.
+    !! Find the factors of all sensors: the mean over repeats, which share the errors of model and positions.
     type(beam_state), intent(inout) :: states(:) !! one or more repeats with modal constants, and their assignments
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(factor_type), allocatable, intent(out) :: factors(:)
@@ -58,7 +58,7 @@ contains
   end subroutine find_factors
 
   pure subroutine best_factors(amplitude, deviation, shape, factor, error)
-    !! Least squares of all lines; the error is a standard deviation, larger where the shapes fit worse than they should.
+    !! Fit one factor per sensor to all lines; its standard deviation grows if the shapes fit worse than expected.
     complex(dp), intent(in) :: amplitude(:, :)   !! modal constants, (sensors, lines)
     real(dp), intent(in) :: deviation(:, :)      !! of real and imaginary part, > 0, (sensors, lines)
     real(dp), intent(in) :: shape(:, :)          !! the model's modal constants, (lines, sensors)
@@ -77,14 +77,14 @@ contains
   end subroutine best_factors
 
   pure elemental logical function differs(factor, from)
-    !! A factor is not this number, by more than its error and that of calibration explain.
+    !! Return whether a factor differs from a number by more than its error and that of calibration.
     type(factor_type), intent(in) :: factor
     real(dp), intent(in) :: from
     differs = abs(factor%value - from) > normal_quantile(1 - unlikely/2)*hypot(factor%deviation, sensor_error*from)
   end function differs
 
   function calibration_text(factors, sensors, explained) result(text)
-    !! Which sensors seem to be reversed or, where the model explains the lines, of another scale; empty where none is.
+    !! Name sensors that seem to be reversed or, if the model explains the lines, of another scale; empty if there are none.
     type(factor_type), intent(in) :: factors(:)
     type(sensor_type), intent(in) :: sensors(:)
     logical, intent(in) :: explained
@@ -110,7 +110,7 @@ contains
   end function calibration_text
 
   pure function fault_text(what, factor, accelerates, only_reversed, explained) result(text)
-    !! What is wrong behind a semicolon, and the factor that corrects it; empty where nothing is sure.
+    !! Describe the fault after a semicolon, and the factor that corrects it; empty if uncertain.
     character(*), intent(in) :: what             !! seems to be …
     real(dp), intent(in) :: factor               !! measured over modelled modal constants
     logical, intent(in) :: accelerates           !! an acceleration is measured

@@ -1,6 +1,6 @@
 module bw_corrected_models
-  !! Which effect that the model leaves out, or which number that it gives, would correct its misfit: each is put into the scenes,
-  !! with unknowns of its own where it has a size, and everything is fitted again.
+  !! Corrections of a model that does not explain its lines: each missing effect or doubtful input is put into the
+  !! scenes, with unknowns of its own if it has a size, and everything is fitted again.
   use bw_beam_fit, only: fit_beam
   use bw_beam_state, only: beam_state
   use bw_fit_problem, only: fit_problem, position_in, problem_of, value_at
@@ -16,23 +16,23 @@ module bw_corrected_models
   public :: find_corrections
 
   type, public :: corrected_model
-    !! An effect that was put in, and how well the model fits with it.
+    !! An added effect, and how well the model fits with it.
     character(:), allocatable :: effect          !! in words
-    type(identify_par), allocatable :: unknowns(:)   !! that came with it
-    real(dp), allocatable :: values(:)           !! what they were fitted to
+    type(identify_par), allocatable :: unknowns(:)   !! that it added
+    real(dp), allocatable :: values(:)           !! their fitted values
     type(fit_type) :: fit
     integer, private :: candidate = 0
   end type corrected_model
 
-  real(dp), parameter, public :: helpful = 0.9_dp  !! chosen: of τ; what leaves more is no help
+  real(dp), parameter, public :: helpful = 0.9_dp  !! chosen: of τ; a correction that leaves more does not help
 
 contains
 
   subroutine find_corrections(measured, found, corrections)
-    !! All effects that can be put in, those that leave least first. Where none explains the lines, also two of those that take most
-    !! off the misfit, if the two take more off it than either.
+    !! Try all possible corrections, sorted by remaining misfit. If none explains the lines, try pairs of the best ones
+    !! too; a pair counts only if it reduces the misfit more than either.
     type(measured_scene), intent(in) :: measured(:)
-    type(identification), intent(in) :: found    !! without them
+    type(identification), intent(in) :: found    !! without corrections
     type(corrected_model), allocatable, intent(out) :: corrections(:)
     integer, parameter :: most_combined = 4
     type(correction_candidate), allocatable :: candidates(:)
@@ -64,7 +64,7 @@ contains
   end subroutine find_corrections
 
   subroutine fit_two(measured, first, second, one, found, corrected, possible)
-    !! The fit with two effects, from that with the first.
+    !! Fit two effects, starting from the fit with the first.
     type(measured_scene), intent(in) :: measured(:)
     type(correction_candidate), intent(in) :: first, second
     type(corrected_model), intent(in) :: one           !! with the first
@@ -75,7 +75,7 @@ contains
     type(measured_scene), allocatable :: variant(:), both(:)
     integer :: k
     call put_in(first, measured, variant, possible)
-    call list_candidates(variant(1)%scene, further)            ! a body has another number where there is one more
+    call list_candidates(variant(1)%scene, further)            ! a body has another number after one was added
     k = findloc(further%effect, second%effect, dim=1)
     possible = possible .and. k > 0
     if (possible) call put_in(further(k), variant, both, possible)
@@ -85,18 +85,18 @@ contains
   end subroutine fit_two
 
   subroutine fit_again(candidate, variant, found, before, measured, corrected)
-    !! The fit with one more effect; lines that are no modes without any are none with it.
+    !! Fit with one more effect; lines that are no modes without effects stay so.
     type(correction_candidate), intent(in) :: candidate
     type(measured_scene), intent(in) :: variant(:)
     type(identification), intent(in) :: found
     type(fit_type), intent(in) :: before         !! without this effect
-    type(measured_scene), intent(in) :: measured(:)            !! without any
+    type(measured_scene), intent(in) :: measured(:)            !! without effects
     type(corrected_model), intent(out) :: corrected
     type(fit_problem) :: problem
     type(beam_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
-    real(dp), allocatable :: near(:)             ! where it is the model without the effect, at its fit
-    integer, allocatable :: added(:)             ! unknowns of all effects, the last ones of the first scene
+    real(dp), allocatable :: near(:)             ! start: the model without the effect, at its fit
+    integer, allocatable :: added(:)             ! unknowns of all effects, the last of the first scene
     logical :: thorough
     integer :: i, n, last
     call states_of(variant, states)
@@ -106,7 +106,7 @@ contains
       n = n + size(states(i)%is_harmonic)
     end do
     problem = problem_of(states, all_unknowns(variant))
-    thorough = count(candidate%unknown /= '') > 1 .and. .not. allocated(variant(1)%scene%stiffening)     ! there modes are dear
+    thorough = count(candidate%unknown /= '') > 1 .and. .not. allocated(variant(1)%scene%stiffening)     ! then modes are expensive
     last = size(variant(1)%scene%unknowns)
     n = last - count(candidate%unknown /= '')
     near = position_in(problem%unknowns(n + 1:last), candidate%neutral(:last - n))
@@ -119,7 +119,7 @@ contains
   end subroutine fit_again
 
   pure subroutine insert(corrections, corrected)
-    !! One more, in its place.
+    !! Insert a correction in its place.
     type(corrected_model), allocatable, intent(inout) :: corrections(:)
     type(corrected_model), intent(in) :: corrected
     type(corrected_model), allocatable :: more(:)
@@ -136,7 +136,7 @@ contains
   end subroutine insert
 
   pure logical function is_better(one, other)
-    !! The one that leaves less: by τ, then by what it took of unknowns, then by amplitudes, then by χ².
+    !! Order corrections by τ, then by the number of unknowns, then by amplitudes, then by χ².
     type(corrected_model), intent(in) :: one, other
     is_better = one%fit%scatter < other%fit%scatter
     if (abs(one%fit%scatter - other%fit%scatter) > 0.0_dp) return

@@ -1,6 +1,6 @@
 module bw_correction_candidates
-  !! What may be wrong with a model that does not explain its lines: effects that it leaves out, and numbers that it gives. Each
-  !! is put into the scenes as text, with unknowns of its own where it has a size.
+  !! Candidate errors of a model that does not explain its lines: missing effects and doubtful inputs. Each is put into
+  !! the scenes as text, with unknowns of its own if it has a size.
   use bw_effect_table, only: added, correction_table, correction_type, effect_number, effect_table, given, toggled
   use bw_error, only: error_type
   use bw_input_name, only: name_length
@@ -23,19 +23,19 @@ module bw_correction_candidates
   type, public :: correction_candidate
     !! A row of the table of corrections for a scene.
     character(40) :: effect = ''                 !! in words
-    character(name_length) :: group = ''         !! that it is about
-    logical :: added = .false.                   !! the group comes new, else the scene has it
+    character(name_length) :: group = ''         !! that it concerns
+    logical :: added = .false.                   !! the group is new, else the scene has it
     character(name_length) :: place = ''         !! the group as unknowns name it
-    character(32) :: values = ''                 !! what else is set: `name = value`
-    character(name_length) :: unknown(2) = ''    !! its numbers that are unknown
+    character(32) :: values = ''                 !! further settings: `name = value`
+    character(name_length) :: unknown(2) = ''    !! names of its unknowns
     real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges
-    real(dp) :: neutral(2) = 0.0_dp              !! with these it is the model that it corrects
+    real(dp) :: neutral(2) = 0.0_dp              !! values without effect on the model
   end type correction_candidate
 
 contains
 
   subroutine list_candidates(scene, candidates)
-    !! The corrections that a scene can have, with ranges about what would matter to its beam.
+    !! List the corrections possible for a scene, with ranges that matter to its beam.
     type(scene_type), intent(in) :: scene
     type(correction_candidate), allocatable, intent(out) :: candidates(:)
     type(correction_candidate) :: candidate
@@ -49,7 +49,7 @@ contains
   end subroutine list_candidates
 
   subroutine fit_to_scene(correction, scene, candidate, possible)
-    !! A correction in the numbers of a scene.
+    !! Scale a correction to a scene.
     type(correction_type), intent(in) :: correction
     type(scene_type), intent(in) :: scene
     type(correction_candidate), intent(out) :: candidate
@@ -104,7 +104,7 @@ contains
   end subroutine fit_to_scene
 
   pure subroutine toggle(scene, candidate)
-    !! Switch an effect over that a value switches.
+    !! Toggle an effect defined by a value.
     type(scene_type), intent(in) :: scene
     type(correction_candidate), intent(inout) :: candidate
     character(:), allocatable :: text, value
@@ -120,7 +120,7 @@ contains
   end subroutine toggle
 
   subroutine put_in(candidate, measured, variant, possible)
-    !! The scenes with it, where all of them can have it.
+    !! Put a correction into all scenes, if all allow it.
     type(correction_candidate), intent(in) :: candidate
     type(measured_scene), intent(in) :: measured(:)
     type(measured_scene), allocatable, intent(out) :: variant(:)
@@ -146,7 +146,7 @@ contains
   end subroutine put_in
 
   function changed(candidate, text) result(edited)
-    !! A scene with the group or the values. What a number is does not matter where it is unknown, but that it is there.
+    !! Return a scene's text with the group or the values. The value of an unknown is arbitrary, but it must be present.
     type(correction_candidate), intent(in) :: candidate
     character(*), intent(in) :: text
     character(:), allocatable :: edited, values
@@ -171,7 +171,7 @@ contains
   end function changed
 
   pure function first_body_numbered(text) result(edited)
-    !! The only body is the first of two from here on.
+    !! Number the only body 1, since a second follows.
     character(*), intent(in) :: text
     character(:), allocatable :: edited
     character(*), parameter :: only = '''body%', first = '''body(1)%'
@@ -185,7 +185,7 @@ contains
   end function first_body_numbered
 
   pure function unknowns_text(candidate) result(text)
-    !! Its `&identify` groups.
+    !! Return its `&identify` groups.
     type(correction_candidate), intent(in) :: candidate
     character(:), allocatable :: text
     integer :: i

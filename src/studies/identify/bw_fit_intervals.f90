@@ -1,8 +1,8 @@
 module bw_fit_intervals
-  !! What can be believed of unknowns that were fitted: intervals by profile likelihood, and how they go with each other.
+  !! Confidence intervals of fitted unknowns by profile likelihood, and correlations between them.
   !!
-  !! The interval of an unknown reaches to where the least sum of squares over all others is larger by the square of the
-  !! quantile. What the others are there is remembered: both ends fit alike.
+  !! The interval of an unknown ends where the least sum of squares over all others has grown by the square of the
+  !! quantile. The values of the others there are stored: all ends fit equally well.
   use bw_fit_problem, only: fit_problem
   use bw_fit_search, only: fit_type
   use bw_kinds, only: dp
@@ -12,23 +12,23 @@ module bw_fit_intervals
   public :: find_intervals
 
   type, public :: interval_type
-    !! Of one unknown; all places are v, −1 … 1 in the range.
+    !! The interval of one unknown; all positions are v, −1 … 1 in the range.
     real(dp) :: low = -1.0_dp, high = 1.0_dp
-    logical :: low_open = .true., high_open = .true.   !! the end is that of the range, not the record's
+    logical :: low_open = .true., high_open = .true.   !! the end is set by the range, not by the record
     real(dp), allocatable :: at_low(:), at_high(:)     !! all unknowns there, (unknowns)
   end type interval_type
 
   type, public :: belief_type
     type(interval_type), allocatable :: intervals(:)   !! (unknowns)
-    real(dp), allocatable :: correlation(:, :)         !! 0 beside unknowns that the record says nothing of, (unknowns, unknowns)
-    real(dp), allocatable :: deviation(:)              !! of v, where residuals are taken for linear, (unknowns)
-    real(dp), allocatable :: better(:)                 !! a place that was met on the way and fits better; unallocated: none
+    real(dp), allocatable :: correlation(:, :)         !! 0 for unknowns that the record does not constrain, (unknowns, unknowns)
+    real(dp), allocatable :: deviation(:)              !! of v, with linearised residuals, (unknowns)
+    real(dp), allocatable :: better(:)                 !! a better fit met on the way; unallocated: none
   end type belief_type
 
 contains
 
   subroutine find_intervals(problem, fit, quantile, belief)
-    !! Intervals and correlations about a fit; the problem is at it before and after.
+    !! Find intervals and correlations about a fit; the problem is set to it before and after.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fit
     real(dp), intent(in) :: quantile             !! of the normal distribution, two-sided
@@ -48,8 +48,8 @@ contains
   end subroutine find_intervals
 
   subroutine find_covariance(problem, belief)
-    !! (JᵀJ + 1)⁻¹: the 1 is what the range itself says of v, 0 ± 1, so that there is an inverse though the record may say nothing of
-    !! some direction.
+    !! Find (JᵀJ + 1)⁻¹: the 1 is the prior of the range, v = 0 ± 1, so that the inverse exists even in directions that
+    !! the record does not constrain.
     type(fit_problem), intent(inout) :: problem
     type(belief_type), intent(inout) :: belief
     real(dp), allocatable :: jacobian(:, :), information(:, :), covariance(:, :)
@@ -71,7 +71,7 @@ contains
   end subroutine find_covariance
 
   subroutine invert(matrix, inverse)
-    !! By Cholesky's factor, each unknown in units of its own.
+    !! Invert by Cholesky's factor, scaled by the diagonal.
     real(dp), intent(in) :: matrix(:, :)         !! symmetric, positive definite
     real(dp), allocatable, intent(out) :: inverse(:, :)
     real(dp) :: unit(size(matrix, 1))
@@ -90,9 +90,9 @@ contains
   end subroutine invert
 
   subroutine follow(problem, fit, i, way, quantile, belief, end, is_open, place)
-    !! Go from the fit to one side until the least sum of squares has grown by the square of the quantile. Its root grows
-    !! about linearly, so that secants get there in a few steps; but where another unknown comes to the end of its range it bends
-    !! sharply, and what lies between is halved where a secant does not.
+    !! Move from the fit to one side until the least sum of squares has grown by the square of the quantile. The root of
+    !! the growth is nearly linear, so that a few secant steps suffice; it has a kink where another unknown reaches the
+    !! end of its range, and there bisection is the fallback.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fit
     integer, intent(in) :: i                     !! the unknown
@@ -103,7 +103,7 @@ contains
     logical, intent(out) :: is_open
     real(dp), allocatable, intent(out) :: place(:)
     real(dp), parameter :: near = 0.01_dp
-    real(dp), parameter :: lower = 0.01_dp       !! sum of squares that makes a place a better fit
+    real(dp), parameter :: lower = 0.01_dp       !! decrease of the sum of squares that makes a place a better fit
     integer, parameter :: most_steps = 20
     real(dp) :: t, inner, outer, g, g_inner, g_outer, room, share, width
     integer :: step
@@ -139,7 +139,7 @@ contains
     end = fit%v(i) + way*t
   contains
     real(dp) function growth_at(distance) result(growth)
-      !! √ of how much larger the least sum of squares is.
+      !! Return the root of the growth of the least sum of squares.
       real(dp), intent(in) :: distance
       real(dp), allocatable :: residuals(:)
       integer :: j

@@ -1,11 +1,11 @@
 module bw_fit_problem
-  !! Residuals of all measured lines against the modes of their beams: what is made least when unknowns are fitted.
+  !! The least-squares problem of the unknowns: residuals between measured lines and the modes of their beams.
   !!
-  !! An unknown x of a range is v = −1 … 1, linear in x, or in ln x where the range spans decades. A line's residual is
-  !! (f_line − f)/√(s² + τ²f_line²): s its standard deviation, τ what the model is off by besides. Decays have residuals
-  !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
-  !! whose own complex amplitude is the one that fits them best; over a measured blow they are modal constants, which have none.
-  !! Amplitudes err by a share of the largest one beside their noise, as frequencies do by τ.
+  !! An unknown x is mapped from its range to v = −1 … 1, linearly in x, or in ln x if the range spans decades. A line's
+  !! residual is (f_line − f)/√(s² + τ²f_line²), with its standard deviation s and the model's relative scatter τ.
+  !! Decays have residuals if damping is unknown. Complex amplitudes of a line at several sensors have residuals against
+  !! the mode's shape times the complex factor that fits best; modal constants of a measured blow need no such factor.
+  !! Amplitudes have an error relative to the largest one beside their noise, as frequencies have τ.
   use bw_beam_state, only: amplitude_weights, beam_state, sensor_error, state_modes, vague
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
@@ -16,17 +16,17 @@ module bw_fit_problem
   public :: problem_of, position_in, value_at, is_at_end
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
-  real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines from which modes are found roughly, to 1e-3 of it
+  real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines above which modes are found to 1e-3 of it only
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
   type, extends(residual_problem), public :: fit_problem
     type(identify_par), allocatable :: unknowns(:)
     type(beam_state), allocatable :: states(:)
     real(dp) :: scatter = 0.0_dp                 !! τ
-    real(dp) :: amplitude_error = sensor_error   !! beside their noise, of the largest amplitude of a line
+    real(dp) :: amplitude_error = sensor_error   !! beside noise, relative to the largest amplitude of a line
     logical :: fits_decay = .false.
-    logical, private :: roughly = .false.        !! modes need fewer digits than they have at most
+    logical, private :: roughly = .false.        !! modes need fewer digits than available
     real(dp), allocatable :: v(:)                !! of all unknowns, (unknowns)
-    integer, allocatable :: free(:)              !! the unknowns that are changed
+    integer, allocatable :: free(:)              !! the unknowns that vary
     integer, allocatable, private :: twin(:)     !! the first state with the same modes, (states)
     integer :: evaluations = 0
   contains
@@ -44,7 +44,7 @@ module bw_fit_problem
 contains
 
   type(fit_problem) function problem_of(states, unknowns) result(problem)
-    !! What is fitted, before it is. Decays are where numbers of the damping are unknown.
+    !! Set up the problem. Decays have residuals if damping parameters are unknown.
     type(beam_state), intent(in) :: states(:)
     type(identify_par), intent(in) :: unknowns(:)
     integer :: i, j
@@ -64,7 +64,7 @@ contains
   end function problem_of
 
   elemental real(dp) function value_at(unknown, v) result(x)
-    !! The unknown itself.
+    !! Return the value of an unknown.
     type(identify_par), intent(in) :: unknown
     real(dp), intent(in) :: v
     real(dp) :: way
@@ -78,7 +78,7 @@ contains
   end function value_at
 
   elemental real(dp) function position_in(unknown, x) result(v)
-    !! The place of a value in the range of its unknown, −1 … 1.
+    !! Return the position of a value in the range of its unknown, −1 … 1.
     type(identify_par), intent(in) :: unknown
     real(dp), intent(in) :: x
     if (unknown%logarithmic) then
@@ -90,21 +90,21 @@ contains
   end function position_in
 
   elemental logical function is_at_end(v)
-    !! An unknown is at an end of its range.
+    !! Return whether an unknown is at an end of its range.
     real(dp), intent(in) :: v
-    real(dp), parameter :: end = 0.999_dp        !! of half the range, from which it is its end
+    real(dp), parameter :: end = 0.999_dp        !! fraction of half the range that counts as its end
     is_at_end = abs(v) > end
   end function is_at_end
 
   pure function values_of_problem(self) result(values)
-    !! The unknowns themselves.
+    !! Return the values of all unknowns.
     class(fit_problem), intent(in) :: self
     real(dp) :: values(size(self%unknowns))
     values = value_at(self%unknowns, self%v)
   end function values_of_problem
 
   pure integer function count_residuals(self) result(count)
-    !! One for each line that is a mode, one for its decay where damping is unknown, and two for its amplitude at each sensor.
+    !! Count residuals: one per line that is a mode, one per decay if damping is unknown, two per amplitude at a sensor.
     class(fit_problem), intent(in) :: self
     integer :: i
     count = self%count_tested()
@@ -116,7 +116,7 @@ contains
   end function count_residuals
 
   pure integer function count_tested(self) result(count)
-    !! The residuals by which a model is tested, which stand before those of amplitudes: the errors of these are not known well.
+    !! Count the residuals that test a model. They precede those of amplitudes, whose errors are poorly known.
     class(fit_problem), intent(in) :: self
     integer :: i
     count = 0
@@ -126,7 +126,7 @@ contains
   end function count_tested
 
   pure integer function amplitude_freedom(self) result(freedom)
-    !! Residuals of amplitudes, less the complex amplitude of each line whose blow is not known.
+    !! Return residuals of amplitudes, less the complex factor of each line whose blow is unknown.
     class(fit_problem), intent(in) :: self
     integer :: i
     freedom = self%count() - self%count_tested()
@@ -138,14 +138,14 @@ contains
   end function amplitude_freedom
 
   pure integer function counted(mode_of)
-    !! Lines that are modes.
+    !! Count the lines that are modes.
     integer, intent(in) :: mode_of(:)
     counted = count(mode_of > 0)
   end function counted
 
   subroutine find_residuals(self, v, residuals)
-    !! The residuals of all lines, those that are no modes apart, in the order of states and lines; decays behind frequencies,
-    !! amplitudes behind all of these.
+    !! Find the residuals of all lines that are modes, in the order of states and lines; decays follow frequencies,
+    !! amplitudes come last.
     class(fit_problem), intent(inout) :: self
     real(dp), intent(in) :: v(:)                 !! of the free unknowns
     real(dp), intent(out) :: residuals(:)
@@ -188,7 +188,7 @@ contains
   end subroutine find_residuals
 
   subroutine modes_of_twin(self, i, values, number, modes)
-    !! Modes of state i: what twins need is found for all of them together.
+    !! Find modes of state i, for all its twins together.
     type(fit_problem), intent(inout) :: self
     integer, intent(in) :: i
     real(dp), intent(in) :: values(:)
@@ -208,12 +208,12 @@ contains
   end subroutine modes_of_twin
 
   pure subroutine put_amplitudes(amplitude, deviation, shape, over_blow, error, residuals)
-    !! Residuals of the amplitudes of one line, real and imaginary parts. Its own complex amplitude is the one that fits best, unless
-    !! the blow is known.
+    !! Put residuals of the amplitudes of one line, real and imaginary parts. The complex factor is fitted unless the
+    !! blow is known.
     complex(dp), intent(in) :: amplitude(:)      !! (sensors)
     real(dp), intent(in) :: deviation(:), shape(:)
     logical, intent(in) :: over_blow             !! amplitudes are modal constants
-    real(dp), intent(in) :: error                !! beside the deviation, of the largest amplitude
+    real(dp), intent(in) :: error                !! beside the deviation, relative to the largest amplitude
     real(dp), intent(out) :: residuals(:)        !! (2 sensors)
     complex(dp) :: scale, left(size(amplitude))
     real(dp) :: weight(size(amplitude))
@@ -228,12 +228,12 @@ contains
   end subroutine put_amplitudes
 
   subroutine pairs(self, records, band)
-    !! The lines of all states, and their modes as the unknowns are, up to those above the highest line.
+    !! Return the lines of all states, and their modes at the present unknowns, to somewhat above the highest line.
     class(fit_problem), intent(inout) :: self
     type(pairing), allocatable, intent(out) :: records(:)
     type(frequency_band), intent(out) :: band
     integer, parameter :: at_once = 4
-    real(dp), parameter :: beyond = 1.1_dp       !! times the highest line, up to where modes are looked for
+    real(dp), parameter :: beyond = 1.1_dp       !! times the highest line: limit of the modes sought
     type(state_modes) :: modes
     real(dp) :: low, high
     integer :: i, k, n, lines
@@ -275,11 +275,11 @@ contains
   end subroutine pairs
 
   subroutine match(self, least, penalty, changed)
-    !! Assign lines to modes where the unknowns are, and set τ: both as they cost least.
+    !! Assign lines to modes at the present unknowns and set τ, both by least penalty.
     class(fit_problem), intent(inout) :: self
-    real(dp), intent(in) :: least                !! τ is not below
+    real(dp), intent(in) :: least                !! lower bound of τ
     real(dp), intent(out) :: penalty
-    logical, intent(out) :: changed              !! the assignment is another
+    logical, intent(out) :: changed              !! the assignment has changed
     type(pairing), allocatable :: records(:)
     type(frequency_band) :: band
     integer :: i
@@ -295,10 +295,10 @@ contains
   end subroutine match
 
   subroutine minimise(self, residuals, quick)
-    !! Change the free unknowns until the sum of squares is least; the assignment stays.
+    !! Vary the free unknowns to minimise the sum of squares at a fixed assignment.
     class(fit_problem), intent(inout) :: self
     real(dp), allocatable, intent(out) :: residuals(:)
-    logical, intent(in) :: quick                 !! to a thousandth of the sum, else to all digits
+    logical, intent(in) :: quick                 !! converge to a thousandth of the sum, else fully
     real(dp), parameter :: rough = 1.0e-4_dp, fine = 1.0e-9_dp
     real(dp) :: v(size(self%free))
     v = self%v(self%free)
@@ -314,7 +314,7 @@ contains
   end subroutine minimise
 
   pure logical function is_coarse(self, scatter)
-    !! No line asks for many digits of modes.
+    !! Return whether no line needs accurate modes.
     class(fit_problem), intent(in) :: self
     real(dp), intent(in) :: scatter              !! τ
     integer :: i
@@ -327,7 +327,7 @@ contains
   end function is_coarse
 
   subroutine find_derivatives(self, jacobian)
-    !! Derivatives of the residuals by all unknowns, where these are, by central differences.
+    !! Find derivatives of the residuals by all unknowns, by central differences.
     class(fit_problem), intent(inout) :: self
     real(dp), allocatable, intent(out) :: jacobian(:, :)     !! (residuals, unknowns)
     real(dp), parameter :: step = 1.0e-5_dp

@@ -1,11 +1,11 @@
 module bw_fit_search
-  !! From one place to the fit nearest by, and from several fits to the one that counts.
+  !! Local search for a fit, and the choice among several fits.
   !!
-  !! Lines are assigned, unknowns fitted, and lines assigned anew until nothing changes, with a scatter τ of the model that is
-  !! large at first. In the end τ is 0 if the noise of the lines explains what is left of them; else it is as large as to explain
-  !! it (Mandel & Paule: the sum of squares is its number of degrees of freedom), so that lines that were measured to many more
-  !! digits than the model has do not outweigh all others. The error of amplitudes is set likewise, and is that of sensors at least:
-  !! a model whose shapes or a hammer whose scale is wrong does not draw unknowns away from what frequencies say.
+  !! Assignment of lines and fit of unknowns alternate until nothing changes, with a scatter τ of the model that is
+  !! large at first. In the end τ is 0 if the noise of the lines explains the residuals; else it makes the sum of
+  !! squares equal to its degrees of freedom (Mandel & Paule), so that very accurate lines do not outweigh all others.
+  !! The error of amplitudes is set likewise, and is at least that of sensors: wrong shapes or a wrong scale of the
+  !! hammer do not bias what frequencies determine.
   use bw_beam_state, only: sensor_error
   use bw_fit_problem, only: fit_problem, is_at_end
   use bw_kinds, only: dp
@@ -15,25 +15,25 @@ module bw_fit_search
   public :: add_fit, explain, is_near, misfit_of, place, polish, search, choose_fit
 
   real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
-  real(dp), parameter, public :: first_scatter = 0.05_dp !! τ is not below, where a search begins
-  integer, parameter :: halvings = 40            !! of a logarithm
-  real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are one
+  real(dp), parameter, public :: first_scatter = 0.05_dp !! lower bound of τ at the start of a search
+  integer, parameter :: halvings = 40            !! of a logarithmic interval
+  real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are the same
 
   type, public :: misfit_type
     !! How well modes explain lines.
-    real(dp) :: chi_squared = 0.0_dp             !! Σ((f_line − f)/s)², and what lines cost that are taken for no modes
-    integer :: freedom = 0                       !! degrees of freedom of that
+    real(dp) :: chi_squared = 0.0_dp             !! Σ((f_line − f)/s)², and penalties of lines taken for no modes
+    integer :: freedom = 0                       !! degrees of freedom of χ²
     real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone
     real(dp) :: scatter = 0.0_dp                 !! τ
-    real(dp) :: amplitude_error = sensor_error   !! of the largest amplitude of a line
-    integer :: aside = 0                         !! lines that are taken for no modes and may well be some
+    real(dp) :: amplitude_error = sensor_error   !! relative to the largest amplitude of a line
+    integer :: aside = 0                         !! lines taken for no modes that may well be some
   end type misfit_type
 
   type, extends(misfit_type), public :: fit_type
-    !! A place that fits, and its misfit where that is least.
+    !! A fit, and its misfit if it is a minimum.
     real(dp), allocatable :: v(:)                !! of the unknowns in their ranges, (unknowns)
     integer, allocatable :: mode_of(:)           !! of the lines of all states, one state after another; 0: no mode
-    real(dp) :: penalty = huge(1.0_dp)             !! −2 ln of its likelihood, apart from a constant
+    real(dp) :: penalty = huge(1.0_dp)             !! −2 ln likelihood, up to a constant
     integer :: spare = 0                         !! residuals less unknowns
     real(dp) :: sum = 0.0_dp                     !! of squares with τ
     real(dp), allocatable :: residuals(:)        !! with τ
@@ -42,7 +42,7 @@ module bw_fit_search
 contains
 
   subroutine search(problem, fits)
-    !! Assign and fit in turn from where the unknowns are; one more fit.
+    !! Alternate assignment and fit from the present unknowns, and append the result.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), allocatable, intent(inout) :: fits(:)
     real(dp), parameter :: finer(2) = [first_scatter, 0.1_dp*first_scatter]
@@ -59,7 +59,7 @@ contains
   end subroutine search
 
   subroutine polish(problem, fits)
-    !! The same from a place where lines are about right.
+    !! Do the same from a place where the assignment is nearly right.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), allocatable, intent(inout) :: fits(:)
     integer, parameter :: most_rounds = 6
@@ -78,7 +78,7 @@ contains
   end subroutine polish
 
   subroutine choose_fit(problem, fits, fit)
-    !! The fit that costs least, with τ = 0; where noise does not explain what is left, with the τ that does.
+    !! Choose the fit of least penalty with τ = 0 or, if noise does not explain its residuals, with the τ that does.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:)
     type(fit_type), intent(inout) :: fit
@@ -105,11 +105,11 @@ contains
   end subroutine choose_fit
 
   subroutine take_least(problem, fits, fit)
-    !! Fit at this τ from where the problem is, and from all fits that take the same lines for the same modes.
+    !! Fit at this τ from the present place and from all fits with the same assignment.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fits(:)
     type(fit_type), intent(inout) :: fit
-    real(dp), parameter :: same = 1.0e-4_dp      !! of half the range: nothing is gained by another fit from there
+    real(dp), parameter :: same = 1.0e-4_dp      !! of half the range: another fit from there gains nothing
     real(dp), allocatable :: best(:), residuals(:)
     integer :: i, j
     call problem%minimise(fit%residuals, .false.)
@@ -127,12 +127,11 @@ contains
   end subroutine take_least
 
   type(misfit_type) function misfit_of(problem, residuals) result(misfit)
-    !! How well modes explain lines where the problem is. An unknown at the end of its range fits nothing; a line that may be a mode
-    !! and is taken for none costs what makes it improbable that it is none; and what is left where nothing should be is judged
-    !! like what is left of one deviate.
+    !! Find the misfit of the present fit. An unknown at the end of its range takes no degree of freedom; a line that may be a
+    !! mode and is taken for none counts as a residual of square 2 ln odds. Below one degree of freedom the test assumes one.
     type(fit_problem), intent(in) :: problem
     real(dp), intent(in) :: residuals(:)         !! with τ = 0
-    real(dp), allocatable :: odds(:)             ! of lines that are taken for no modes to be modes
+    real(dp), allocatable :: odds(:)             ! of lines taken for no modes to be modes
     integer :: i
     odds = [(problem%states(i)%odds_left(), i=1, size(problem%states))]
     misfit%aside = size(odds)
@@ -142,7 +141,7 @@ contains
   end function misfit_of
 
   subroutine explain(problem)
-    !! Set τ so that the sum of squares of what is tested, where the unknowns are, is its number of degrees of freedom.
+    !! Set τ so that the sum of squares of the tested residuals equals its degrees of freedom.
     type(fit_problem), intent(inout) :: problem
     real(dp) :: low, high, residuals(problem%count())
     integer :: i, freedom
@@ -158,7 +157,7 @@ contains
   end subroutine explain
 
   subroutine explain_amplitudes(problem)
-    !! Set the error of amplitudes likewise; it is not below that of sensors.
+    !! Set the error of amplitudes likewise; at least that of sensors.
     type(fit_problem), intent(inout) :: problem
     real(dp) :: low, high, residuals(problem%count())
     integer :: i, freedom, tested
@@ -166,7 +165,7 @@ contains
     freedom = problem%amplitude_freedom()
     tested = problem%count_tested()
     low = log(sensor_error)
-    high = -low                                  ! a scale may be wrong a hundredfold
+    high = -low                                  ! a scale may be wrong by a factor of 100
     do i = 1, halvings
       call problem%find_residuals(problem%v(problem%free), residuals)
       if (i == 1 .and. sum(residuals(tested + 1:)**2) <= freedom) return
@@ -177,7 +176,7 @@ contains
   end subroutine explain_amplitudes
 
   subroutine place(problem, fit)
-    !! Bring the problem to a fit: its unknowns and its assignment.
+    !! Set the problem to a fit: its unknowns and its assignment.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fit
     integer :: i, n
@@ -192,7 +191,7 @@ contains
   end subroutine place
 
   subroutine place_at(problem, fit)
-    !! The fit that the problem is at.
+    !! Store the present fit of the problem.
     type(fit_problem), intent(in) :: problem
     type(fit_type), intent(inout) :: fit
     integer :: i
@@ -203,13 +202,13 @@ contains
   end subroutine place_at
 
   pure logical function is_near(one, other)
-    !! Two fits are the same place.
+    !! Return whether two fits are the same place.
     type(fit_type), intent(in) :: one, other
     is_near = maxval(abs(one%v - other%v)) < merged
   end function is_near
 
   subroutine add_fit(fits, fit)
-    !! One more fit in a list. (Array constructors of such types leak in gfortran 12.)
+    !! Append a fit to a list. (Array constructors of such types leak in gfortran 12.)
     type(fit_type), allocatable, intent(inout) :: fits(:)
     type(fit_type), intent(in) :: fit
     type(fit_type), allocatable :: more(:)
