@@ -1,8 +1,9 @@
 module bw_constants
   !! Numbers that mathematics gives.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  real(dp), parameter, public :: pi = acos(-1.0_dp)
+  real(qp), parameter, public :: qp_pi = acos(-1.0_qp)
+  real(dp), parameter, public :: pi = real(qp_pi, dp)
   real(dp), parameter, public :: two_pi = 2.0_dp*pi
 end module bw_constants

@@ -3,6 +3,7 @@ module bw_scene_scales
   !! length l, its mass and the time l²/h (bw_beam_units). Where these lie far inside the range of numbers, and so does every input
   !! in these units, products of a few of them are numbers too, and no formula has to ask.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of, sections_of_beam
+  use bw_constants, only: qp_pi
   use bw_input_name, only: has_unit, in_range, is_simulated, place_of
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: input_value, position_of
@@ -19,7 +20,6 @@ module bw_scene_scales
   real(qp), parameter :: finest = 1.0e15_qp         !! parts of the beam's length that a place in double precision tells apart
   real(qp), parameter :: told_apart = 1.0e30_qp     !! what the 32 digits of extended precision still hold of a piece beside another
   real(qp), parameter :: longest_phase = 1.0e18_qp  !! rad: what 32 digits leave of it is right to 1e-13
-  real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 
   type :: own_units
     !! Of a beam, SI.
@@ -197,7 +197,7 @@ contains
     real(qp) :: highest                           ! mode of a beam as fast as its fastest piece, rad/s
     pieces = sections_of_beam(scene%beam)
     highest = sqrt(maxval(pieces%youngs_modulus*second_moment_of(pieces)*pieces%length/piece_mass(pieces)))/own%length**2 &
-      *(pi*max(scene%modes%before, scene%modes%after))**2
+      *(qp_pi*max(scene%modes%before, scene%modes%after))**2
     if (highest*scene%response%duration <= longest_phase) return
     call messages%add(scene%groups(position_of(scene%groups, 'response'))%line_of('duration'), 'response%duration', &
                       'is so long that the phase of the highest mode is lost; accepted: up to '// &

@@ -35,7 +35,7 @@ module bw_contact_changes
   private
   public :: follow_contacts
 
-  type :: now_type
+  type :: contact_progress
     integer :: configuration = 1
     type(carried_type) :: carried
     logical, allocatable :: there(:)                 !! bodies that the beam carries, (bodies)
@@ -44,7 +44,7 @@ module bw_contact_changes
     type(acting_loads), allocatable :: loads         !! in terms of modes and mass; unallocated: none
     type(beam_state) :: state                        !! after the capture, at the start of its last segment
     type(contact_run) :: run
-  end type now_type
+  end type contact_progress
 
 contains
 
@@ -58,7 +58,7 @@ contains
     type(lasting_contacts), intent(out) :: contacts
     type(placed_loads), intent(in), optional :: loads   !! N; absent: none
     type(step_type), allocatable :: steps(:)
-    type(now_type) :: now
+    type(contact_progress) :: now
     type(dd) :: time
     integer :: i
     if (allocated(motion%notes)) deallocate (motion%notes)          ! those of a run with fewer modes
@@ -119,7 +119,7 @@ contains
     !! Start the motion of a beam without a striking mass, at rest or not.
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(in) :: first
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     type(beam_state) :: state
     allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0))
@@ -135,7 +135,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: summed                    !! modes summed
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(placed_loads), intent(in), optional :: loads
     now%flexibility = flexibility_of(scene, motion, now%configuration, now%carried, summed, now%bodies)
@@ -150,7 +150,7 @@ contains
     type(step_type), intent(in) :: step
     type(dd), intent(in) :: time
     type(case_motion), intent(inout) :: motion
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), target :: monitor
     type(placed_loads), intent(in), optional :: loads
@@ -218,7 +218,7 @@ contains
     type(carried_type), intent(in) :: carried
     type(dd), intent(in) :: time
     type(case_motion), intent(in) :: motion
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(in) :: contacts
     type(beam_state), intent(out) :: later
     type(event_type), intent(inout) :: event
@@ -284,7 +284,7 @@ contains
   subroutine project_octave(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
     !! Project the motion onto the next octave of modes after a change.
     type(configuration_type), intent(in) :: wide(:)  !! with that octave
-    type(now_type), intent(in) :: now
+    type(contact_progress), intent(in) :: now
     integer, intent(in) :: next                      !! configuration after the change
     integer, intent(in) :: count                     !! modes of it that take part
     logical, intent(in) :: is(:)                     !! bodies that the beam carries then, (bodies)
@@ -352,7 +352,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(demand_type), intent(in) :: demand
     type(case_motion), intent(in) :: motion
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), target :: monitor
     type(placed_loads), intent(in), optional :: loads
@@ -391,7 +391,7 @@ contains
     type(case_motion), intent(in) :: motion
     type(dd), intent(in) :: time
     type(lasting_contacts), intent(in) :: contacts
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     class(monitor_type), intent(inout) :: monitor    !! the state is invalid if it requests a stop
     associate (last => contacts%segments(size(contacts%segments)), state => now%state)
       associate (set => motion%modes%configuration(last%configuration)%set)
@@ -441,7 +441,7 @@ contains
 
   pure subroutine add_segment(now, later, time, error, beyond, contacts)
     !! Append a segment of free motion about the equilibrium.
-    type(now_type), intent(inout) :: now
+    type(contact_progress), intent(inout) :: now
     type(beam_state), intent(in) :: later
     type(dd), intent(in) :: time
     real(dp), intent(in) :: error(:, :), beyond(:, :)   !! see segment_type

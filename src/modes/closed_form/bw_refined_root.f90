@@ -6,6 +6,7 @@ module bw_refined_root
   !! Sines of binary64 angles in double-double are power series in an eighth of the angle, followed three times by sin
   !! 2y = 2 sin y (1 − v), 1 − cos 2y = 2 sin² y, with v = 1 − cos y in place of the cosine: near 0 it keeps the digits
   !! that 1 − v would lose. Errors are below 1e-31, absolutely.
+  use bw_constants, only: qp_pi
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-), operator(/)
   use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
   use bw_kinds, only: dp, qp
@@ -13,7 +14,6 @@ module bw_refined_root
   private
   public :: is_coarse, refine_roots, refined_root, sine_and_versine
 
-  real(qp), parameter :: pi = acos(-1.0_qp)
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots lose digits
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   integer, parameter :: first_far = 25               !! first mode with sech α below 2e-33
@@ -164,7 +164,7 @@ contains
     real(qp) :: delta, c, sign
     real(dp) :: coarse, slope
     delta = root%remainder
-    alpha = (root%k - 0.5_qp)*pi + delta
+    alpha = (root%k - 0.5_qp)*qp_pi + delta
     c = alpha*to_quad(mass_ratio(root))
     sign = merge(1, -1, mod(root%k, 2) == 0)
     call light_equation(root%k, root%gamma, root%remainder, coarse, slope)
@@ -177,7 +177,7 @@ contains
     real(qp) :: delta, u, tau, sign
     real(dp) :: coarse, slope
     delta = root%remainder
-    alpha = (root%k - 0.75_qp)*pi + delta
+    alpha = (root%k - 0.75_qp)*qp_pi + delta
     u = 1.0_qp/alpha/to_quad(mass_ratio(root))
     tau = secant(alpha)*exp(-alpha)          ! 1 − tanh α
     sign = merge(1, -1, mod(root%k, 2) == 0)

@@ -36,12 +36,12 @@ module bw_piece_overlap
     real(dp), allocatable :: root(:, :)          !! deflection and turning at the root, (2, modes)
   end type piece_modes
 
-  type :: change_type
+  type :: joint_change
     !! The attachments at a joint that `onto` has in addition; joint 0 is the root.
     integer :: joint = 0
     real(dp) :: mass = 0.0_dp, inertia = 0.0_dp
     real(dp) :: stiffness = 0.0_dp, turning_stiffness = 0.0_dp
-  end type change_type
+  end type joint_change
 
 contains
 
@@ -55,7 +55,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
     real(dp) :: sums(size(onto%lambda))
     integer, parameter :: most = 512, most_parts = 4096   ! modes, and their pieces, whose data stay in the cache
-    type(change_type), allocatable :: changed(:)
+    type(joint_change), allocatable :: changed(:)
     integer :: batch, first, last
     batch = max(1, min(most, most_parts/size(onto%system%piece)))
     changed = changes_between(onto, from)
@@ -79,7 +79,7 @@ contains
     !! Find the sums; see `overlap_sums`.
     type(piece_modes), intent(in) :: onto, from
     real(dp), intent(in) :: amplitude(:)
-    type(change_type), intent(in) :: changed(:)  !! joints at which the beams differ
+    type(joint_change), intent(in) :: changed(:)  !! joints at which the beams differ
     logical, intent(in) :: with_mass
     real(dp), intent(out) :: sums(:)
     class(monitor_type), intent(inout), optional :: monitor
@@ -103,8 +103,8 @@ contains
   pure function changes_between(onto, from) result(changed)
     !! Return the joints at which the beams differ.
     type(piece_modes), intent(in) :: onto, from
-    type(change_type), allocatable :: changed(:)
-    type(change_type) :: change
+    type(joint_change), allocatable :: changed(:)
+    type(joint_change) :: change
     integer :: j
     allocate (changed(0))
     associate (root => onto%system%beam%root, root_too => from%system%beam%root)
@@ -114,7 +114,7 @@ contains
     if (differs(change)) changed = [change]
     do j = 1, size(onto%system%beam%joint)
       associate (joint => onto%system%beam%joint(j), joint_too => from%system%beam%joint(j))
-        change = change_type(j, joint%mass%hi - joint_too%mass%hi, joint%inertia%hi - joint_too%inertia%hi, &
+        change = joint_change(j, joint%mass%hi - joint_too%mass%hi, joint%inertia%hi - joint_too%inertia%hi, &
                              joint%stiffness%hi - joint_too%stiffness%hi, &
                              joint%turning_stiffness%hi - joint_too%turning_stiffness%hi)
       end associate
@@ -122,7 +122,7 @@ contains
     end do
   contains
     pure logical function differs(change)
-      type(change_type), intent(in) :: change
+      type(joint_change), intent(in) :: change
       differs = any([change%mass, change%inertia, change%stiffness, change%turning_stiffness] /= 0.0_dp)
     end function differs
   end function changes_between
@@ -145,7 +145,7 @@ contains
     !! Find ⟨Φ_k, φ_i⟩ for all k.
     type(piece_modes), intent(in) :: onto, from
     integer, intent(in) :: i
-    type(change_type), intent(in) :: changed(:)
+    type(joint_change), intent(in) :: changed(:)
     logical, intent(in) :: with_mass
     type(piece_part), intent(inout) :: parts(:, :)   !! motions of `onto` used in integrals so far, (pieces, k)
     logical, intent(inout) :: known(:)           !! which of these exist, (k)

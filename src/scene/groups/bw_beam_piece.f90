@@ -3,6 +3,7 @@ module bw_beam_piece
   !!
   !! Every number of a section that tapers is linear in x, from 0 at the inner end of the piece to 1 at its outer end. So mass and
   !! stiffness are polynomials in x, which are found in extended precision from what was given: no product of doubles overflows there.
+  use bw_constants, only: qp_pi
   use bw_kinds, only: dp, qp
   use bw_missing, only: is_missing, missing
   implicit none (type, external)
@@ -26,7 +27,6 @@ module bw_beam_piece
       !! ρA and EI were given: they stand as ρ and E, beside an area and a second moment of 1
   end type beam_piece
 
-  real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 
 contains
 
@@ -34,7 +34,7 @@ contains
     !! A [m²] in extended precision, from what was given.
     type(beam_piece), intent(in) :: piece
     area = piece%area
-    if (piece%round) area = pi/4*real(piece%diameter, qp)**2
+    if (piece%round) area = qp_pi/4*real(piece%diameter, qp)**2
     if (.not. is_missing(piece%width)) area = real(piece%width, qp)*piece%height
   end function area_of
 
@@ -42,7 +42,7 @@ contains
     !! I [m⁴] in extended precision, from what was given.
     type(beam_piece), intent(in) :: piece
     second_moment = piece%second_moment
-    if (piece%round) second_moment = pi/64*real(piece%diameter, qp)**4
+    if (piece%round) second_moment = qp_pi/64*real(piece%diameter, qp)**4
     if (.not. is_missing(piece%width)) second_moment = piece%width*real(piece%height, qp)**3/12
   end function second_moment_of
 
@@ -130,7 +130,7 @@ contains
     real(qp), allocatable :: law(:)
     if (inner%round) then
       law = linear(inner%diameter, outer%diameter)
-      law = pi/4*product_of(law, law)
+      law = qp_pi/4*product_of(law, law)
     else if (.not. is_missing(inner%width)) then
       law = product_of(linear(inner%width, outer%width), linear(inner%height, outer%height))
     else
@@ -144,7 +144,7 @@ contains
     if (inner%round) then
       side = linear(inner%diameter, outer%diameter)
       side = product_of(side, side)
-      law = pi/64*product_of(side, side)
+      law = qp_pi/64*product_of(side, side)
     else if (.not. is_missing(inner%width)) then
       side = linear(inner%height, outer%height)
       law = product_of(linear(inner%width, outer%width), product_of(side, product_of(side, side)))/12

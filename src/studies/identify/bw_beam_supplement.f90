@@ -2,7 +2,7 @@ module bw_beam_supplement
   !! Comparison of a scene's beam with the lines of its record, and identification of its unknowns: an addition to the
   !! result of a record.
   use bw_corrected_models, only: find_corrections, corrected_model
-  use bw_beam_state, only: beam_state, state_of
+  use bw_measured_state, only: measured_state, state_of
   use bw_calibration, only: calibration_text, factor_type, find_factors, knows_blows
   use bw_classic_head, only: classic_head
   use bw_error, only: error_type
@@ -56,7 +56,7 @@ module bw_beam_supplement
     !! Everything fitted together: the cases of the scene, then those of further scenes.
     type(measured_scene), allocatable :: measured(:)     !! (cases of all scenes)
     type(result_lines), allocatable :: lines(:)          !! (the same)
-    type(beam_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
+    type(measured_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
     integer :: own = 0                                   !! cases of the scene itself
     integer :: places = 0                                !! along the beam, for shapes that are written
     type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: none
@@ -193,12 +193,12 @@ contains
     type(model_findings), intent(inout) :: findings
     type(text_builder), intent(inout) :: lines
     character(:), allocatable, intent(inout) :: notes
-    type(beam_state) :: state
+    type(measured_state) :: state
     type(identify_par) :: none(0)
     type(identification) :: found                !! without unknowns
     type(text_builder), allocatable :: own(:)    !! sections, (cases)
     type(corrected_model), allocatable :: corrections(:)
-    type(beam_state) :: states(1)
+    type(measured_state) :: states(1)
     type(factor_type), allocatable :: factors(:)
     type(string) :: calibration(1)
     type(notes_type) :: calibrations
@@ -265,7 +265,7 @@ contains
 
   subroutine report_lost(state, values, which, lines, notes)
     !! Report that no line is a mode.
-    type(beam_state), intent(inout) :: state
+    type(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)
     character(*), intent(in) :: which            !! case
     type(text_builder), intent(inout) :: lines

@@ -1,7 +1,7 @@
 module bw_calibration
   !! Detection of sensors and hammers that are reversed or of another scale: the real factor between modal constants
   !! measured by a sensor and those of the model, by least squares.
-  use bw_beam_state, only: amplitude_weights, beam_state, sensor_error, state_modes
+  use bw_measured_state, only: amplitude_weights, measured_state, sensor_error, state_modes
   use bw_fit_search, only: unlikely
   use bw_kinds, only: dp
   use bw_quantile, only: normal_quantile
@@ -23,14 +23,14 @@ contains
 
   pure logical function knows_blows(states)
     !! Return whether all states have modal constants.
-    type(beam_state), intent(in) :: states(:)
+    type(measured_state), intent(in) :: states(:)
     integer :: i
     knows_blows = size(states) > 0 .and. all([(states(i)%lines%over_blow, i=1, size(states))])
   end function knows_blows
 
   subroutine find_factors(states, values, factors)
     !! Find the factors of all sensors: the mean over repeats, which share the errors of model and positions.
-    type(beam_state), intent(inout) :: states(:) !! one or more repeats with modal constants, and their assignments
+    type(measured_state), intent(inout) :: states(:) !! one or more repeats with modal constants, and their assignments
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(factor_type), allocatable, intent(out) :: factors(:)
     type(state_modes) :: modes

@@ -2,7 +2,7 @@ module bw_corrected_models
   !! Corrections of a model that does not explain its lines: each missing effect or doubtful input is put into the
   !! scenes, with unknowns of its own if it has a size, and everything is fitted again.
   use bw_beam_fit, only: fit_beam
-  use bw_beam_state, only: beam_state
+  use bw_measured_state, only: measured_state
   use bw_fit_problem, only: fit_problem, position_in, problem_of, value_at
   use bw_fit_search, only: fit_type
   use bw_identification, only: identification
@@ -93,7 +93,7 @@ contains
     type(measured_scene), intent(in) :: measured(:)            !! without effects
     type(corrected_model), intent(out) :: corrected
     type(fit_problem) :: problem
-    type(beam_state), allocatable :: states(:)
+    type(measured_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
     real(dp), allocatable :: near(:)             ! start: the model without the effect, at its fit
     integer, allocatable :: added(:)             ! unknowns of all effects, the last of the first scene

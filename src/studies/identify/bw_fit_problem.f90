@@ -6,7 +6,7 @@ module bw_fit_problem
   !! Decays have residuals if damping is unknown. Complex amplitudes of a line at several sensors have residuals against
   !! the mode's shape times the complex factor that fits best; modal constants of a measured blow need no such factor.
   !! Amplitudes have an error relative to the largest one beside their noise, as frequencies have τ.
-  use bw_beam_state, only: amplitude_weights, beam_state, sensor_error, state_modes, vague
+  use bw_measured_state, only: amplitude_weights, measured_state, sensor_error, state_modes, vague
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
@@ -20,7 +20,7 @@ module bw_fit_problem
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
   type, extends(residual_problem), public :: fit_problem
     type(identify_par), allocatable :: unknowns(:)
-    type(beam_state), allocatable :: states(:)
+    type(measured_state), allocatable :: states(:)
     real(dp) :: scatter = 0.0_dp                 !! τ
     real(dp) :: amplitude_error = sensor_error   !! beside noise, relative to the largest amplitude of a line
     logical :: fits_decay = .false.
@@ -45,7 +45,7 @@ contains
 
   type(fit_problem) function problem_of(states, unknowns) result(problem)
     !! Set up the problem. Decays have residuals if damping parameters are unknown.
-    type(beam_state), intent(in) :: states(:)
+    type(measured_state), intent(in) :: states(:)
     type(identify_par), intent(in) :: unknowns(:)
     integer :: i, j
     problem%unknowns = unknowns

@@ -6,7 +6,7 @@ module bw_fit_search
   !! squares equal to its degrees of freedom (Mandel & Paule), so that very accurate lines do not outweigh all others.
   !! The error of amplitudes is set likewise, and is at least that of sensors: wrong shapes or a wrong scale of the
   !! hammer do not bias what frequencies determine.
-  use bw_beam_state, only: sensor_error
+  use bw_measured_state, only: sensor_error
   use bw_fit_problem, only: fit_problem, is_at_end
   use bw_kinds, only: dp
   use bw_quantile, only: chi_squared_tail

@@ -2,7 +2,7 @@ module bw_identification
   !! From measured lines to the beam: the unknowns with their intervals, what the record does not fix, and whether the model
   !! explains the lines.
   use bw_beam_fit, only: fit_beam, refit_from
-  use bw_beam_state, only: beam_state
+  use bw_measured_state, only: measured_state
   use bw_fit_intervals, only: belief_type, find_intervals, interval_type
   use bw_fit_problem, only: fit_problem, is_at_end, problem_of, value_at
   use bw_fit_search, only: fit_type, place, unlikely
@@ -41,7 +41,7 @@ contains
 
   subroutine identify(states, unknowns, quantile, found)
     !! Fit the unknowns to the lines of all states.
-    type(beam_state), intent(inout) :: states(:) !! their assignments are those of the fit in the end
+    type(measured_state), intent(inout) :: states(:) !! their assignments are those of the fit in the end
     type(identify_par), intent(in) :: unknowns(:)
     real(dp), intent(in) :: quantile             !! of the normal distribution: intervals reach so far, two-sided
     type(identification), intent(out) :: found

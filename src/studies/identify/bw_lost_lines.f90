@@ -1,7 +1,7 @@
 module bw_lost_lines
   !! Lines none of which is a mode of the beam: nothing is identified from them. Where they lie beside its modes, and the factor
   !! that would bring them there, tell what is wrong: of 1000 the unit of time.
-  use bw_beam_state, only: beam_state, state_modes, vague
+  use bw_measured_state, only: measured_state, state_modes, vague
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_line_assignment, only: assign, frequency_band, pairing
@@ -16,14 +16,14 @@ contains
 
   pure logical function are_lost(states)
     !! No line of any state is taken for a mode.
-    type(beam_state), intent(in) :: states(:)
+    type(measured_state), intent(in) :: states(:)
     integer :: i
     are_lost = all([(all(states(i)%mode_of == 0), i=1, size(states))])
   end function are_lost
 
   function lost_text(state, values) result(text)
     !! Where the lines of a state lie, where the first modes do, and which factor would make modes of how many of them.
-    type(beam_state), intent(inout) :: state
+    type(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)            !! of the unknowns
     character(:), allocatable :: text
     type(state_modes) :: modes

@@ -1,6 +1,6 @@
 module bw_measured_damping
   !! The damping ratio of a beam from the lines that are its modes: what `&damping ratio` of an identified scene is.
-  use bw_beam_state, only: beam_state
+  use bw_measured_state, only: measured_state
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_quantile, only: normal_quantile
@@ -14,7 +14,7 @@ contains
   pure type(pooled_value) function measured_damping(states, taken, confidence, false_alarm) result(ratio)
     !! The ratio that all modes share, δ/√(β² + δ²) of each line, with what modes scatter about it beyond the errors of their
     !! lines. `missing` where no line is a mode, or the interval holds 0.
-    type(beam_state), intent(in) :: states(:)    !! with assignments
+    type(measured_state), intent(in) :: states(:)    !! with assignments
     logical, intent(in) :: taken(:)              !! states of the scene in question, (states)
     real(dp), intent(in) :: confidence, false_alarm   !! as those of `pooled_number`
     real(dp), parameter :: unknown = 1.0_dp      ! deviation of a ratio that says nothing of it

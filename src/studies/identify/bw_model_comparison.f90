@@ -1,6 +1,6 @@
 module bw_model_comparison
   !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
-  use bw_beam_state, only: beam_state, state_modes, vague
+  use bw_measured_state, only: measured_state, state_modes, vague
   use bw_fit_problem, only: fit_problem, problem_of
   use bw_fit_search, only: explain, misfit_of, misfit_type, unlikely
   use bw_identify_par, only: identify_par
@@ -27,7 +27,7 @@ contains
 
   subroutine match_lines(state, misfit)
     !! Assign the lines of one state of which nothing is unknown.
-    type(beam_state), intent(inout) :: state
+    type(measured_state), intent(inout) :: state
     type(misfit_type), intent(out) :: misfit
     type(fit_problem) :: problem
     type(identify_par) :: none(0)
@@ -48,7 +48,7 @@ contains
   subroutine compare_case(measured, state, values, places, compared)
     !! Lines beside the modes that they are taken for.
     type(result_lines), intent(in) :: measured
-    type(beam_state), intent(inout) :: state     !! with its assignment
+    type(measured_state), intent(inout) :: state     !! with its assignment
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: places                !! along the beam, of shapes; 0: none are wanted
     type(compared_lines), intent(out) :: compared
@@ -82,7 +82,7 @@ contains
 
   pure function why_none(state, k) result(words)
     !! Why a line is hardly a mode before any beam is asked.
-    type(beam_state), intent(in) :: state
+    type(measured_state), intent(in) :: state
     integer, intent(in) :: k
     character(24) :: words
     words = ''

@@ -1,7 +1,7 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_corrected_models, only: helpful, corrected_model
-  use bw_beam_state, only: sensor_error
+  use bw_measured_state, only: sensor_error
   use bw_columns, only: right, short, table_of, text_table, to_its_error, to_width
   use bw_constants, only: two_pi
   use bw_fit_search, only: misfit_type, unlikely

@@ -1,6 +1,6 @@
 module bw_modelled_response
   !! What the beam's model says of the frequency responses that a hammer's blow measures.
-  use bw_beam_state, only: beam_state
+  use bw_measured_state, only: measured_state
   use bw_beam_units, only: units_of
   use bw_case_frequency, only: find_frequency_response
   use bw_case_modes, only: case_mode_cache
@@ -22,7 +22,7 @@ contains
   subroutine find_modelled_response(state, values, sensors, frequency, monitor, response)
     !! The response of each sensor to a force of 1 N where the hammer strikes, with the scene's own damping. It is missing at 0 Hz, for
     !! strains, and where these unknowns make no beam.
-    type(beam_state), intent(inout) :: state
+    type(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(sensor_type), intent(in) :: sensors(:)  !! with places
     real(dp), intent(in) :: frequency(:)         !! Hz, rising from 0

@@ -1,6 +1,6 @@
 module bw_result_lines
   !! The lines of a record from its finished result.
-  use bw_beam_state, only: state_lines
+  use bw_measured_state, only: state_lines
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing

@@ -2,7 +2,7 @@ module bw_scene_states
   !! The states of a beam from scenes and their lines. The unknowns of the first scene are those of all: a number of another scene
   !! is the same unknown where the scene gives a value to its name. What a further scene calls unknown itself is one of this
   !! scene alone.
-  use bw_beam_state, only: beam_state, state_lines, state_of
+  use bw_measured_state, only: measured_state, state_lines, state_of
   use bw_identify_par, only: identify_par
   use bw_input_values, only: positions_of
   use bw_monitor, only: monitor_type
@@ -25,7 +25,7 @@ contains
   subroutine states_of(measured, states)
     !! One state for each scene.
     type(measured_scene), intent(in) :: measured(:)      !! the first has the `&identify` groups
-    type(beam_state), allocatable, intent(out) :: states(:)
+    type(measured_state), allocatable, intent(out) :: states(:)
     integer :: i
     allocate (states(size(measured)))
     do i = 1, size(measured)

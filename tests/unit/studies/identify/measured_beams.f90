@@ -1,7 +1,7 @@
 module measured_beams
   !! Beams of scenes whose lines are known: the exact modes of the true beam, each moved by a normal deviate of its own
   !! standard deviation. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
-  use bw_beam_state, only: beam_state, state_lines, state_modes, state_of
+  use bw_measured_state, only: measured_state, state_lines, state_modes, state_of
   use bw_error, only: error_type
   use bw_identification, only: identification, identify
   use bw_kinds, only: dp
@@ -39,7 +39,7 @@ contains
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: count
     type(state_modes) :: modes
-    type(beam_state) :: state
+    type(measured_state) :: state
     integer :: k
     state = state_of(scene, scene%unknowns, lines_of([real(dp) ::], [real(dp) ::]))
     call state%modes_at(values, [(k, k=1, count)], modes)
@@ -64,7 +64,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(state_lines), intent(in) :: lines
     type(identification), intent(out) :: found
-    type(beam_state) :: states(1)
+    type(measured_state) :: states(1)
     states(1) = state_of(scene, scene%unknowns, lines)
     call identify(states, scene%unknowns, quantile, found)
   end subroutine find_unknowns

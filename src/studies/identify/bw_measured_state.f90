@@ -1,4 +1,4 @@
-module bw_beam_state
+module bw_measured_state
   !! One state of the identified beam: the lines measured in it, and its modes as functions of the unknowns.
   use bw_beam_units, only: beam_units, units_of
   use bw_double_double, only: dd
@@ -45,7 +45,7 @@ module bw_beam_state
     logical :: found = .false.                   !! false if these unknowns make no beam, or its modes are not found
   end type state_modes
 
-  type, public :: beam_state
+  type, public :: measured_state
     type(state_lines) :: lines
     logical, allocatable :: is_harmonic(:)       !! lines known to be no modes, (lines)
     real(dp), allocatable :: chance(:)           !! probability that a line is spurious, before modes are considered, (lines)
@@ -65,11 +65,11 @@ module bw_beam_state
     procedure :: shapes_along
     procedure :: is_twin_of
     procedure :: odds_left
-  end type beam_state
+  end type measured_state
 
 contains
 
-  type(beam_state) function state_of(scene, unknowns, lines) result(state)
+  type(measured_state) function state_of(scene, unknowns, lines) result(state)
     !! Return a state whose lines are not assigned yet.
     type(scene_type), intent(in) :: scene        !! without sweeps
     type(identify_par), intent(in) :: unknowns(:)   !! those of group 0 do not affect this scene
@@ -99,8 +99,8 @@ contains
 
   pure logical function is_twin_of(self, other)
     !! Return whether two states have the same modes, as repeats do.
-    class(beam_state), intent(in) :: self
-    type(beam_state), intent(in) :: other
+    class(measured_state), intent(in) :: self
+    type(measured_state), intent(in) :: other
     is_twin_of = self%beam == other%beam .and. all(self%concerned .eqv. other%concerned) .and. &
       (allocated(self%lines%points) .eqv. allocated(other%lines%points)) .and. (self%lines%bends .eqv. other%lines%bends) &
       .and. (self%lines%over_blow .eqv. other%lines%over_blow)
@@ -112,7 +112,7 @@ contains
 
   pure function odds_left(self) result(odds)
     !! Return the odds of unassigned lines to be modes, before modes are considered, without lines that hardly are.
-    class(beam_state), intent(in) :: self
+    class(measured_state), intent(in) :: self
     real(dp), allocatable :: odds(:)
     odds = pack((1 - self%chance)/self%chance, self%mode_of == 0 .and. self%chance < 0.5_dp .and. .not. self%is_harmonic &
                 .and. self%lines%deviation <= vague*self%lines%frequency)
@@ -120,7 +120,7 @@ contains
 
   subroutine modes_at(self, values, number, modes, roughly)
     !! Find modes; the last ones are cached.
-    class(beam_state), intent(inout) :: self
+    class(measured_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! ascending, ≤ most_modes
     type(state_modes), intent(out) :: modes
@@ -151,7 +151,7 @@ contains
 
   subroutine scene_at(self, values, scene, error)
     !! Return the scene with these values. **Errors**: they make none.
-    class(beam_state), intent(inout) :: self
+    class(measured_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(scene_type), intent(out) :: scene
     type(error_type), allocatable, intent(out) :: error
@@ -160,12 +160,12 @@ contains
 
   subroutine shapes_along(self, values, number, places, shapes)
     !! Find shapes along the whole beam, as seen by sensors of the measured kind.
-    class(beam_state), intent(in) :: self
+    class(measured_state), intent(in) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! of the modes, ascending
     real(dp), intent(in) :: places(:)            !! ξ
     real(dp), allocatable, intent(out) :: shapes(:, :)   !! (modes, places); unallocated if there are none
-    type(beam_state) :: other
+    type(measured_state) :: other
     type(state_modes) :: modes
     other = self
     other%last%found = .false.
@@ -177,7 +177,7 @@ contains
 
   subroutine solve(state, values, number, roughly, modes)
     !! Find modes of the scene with these values.
-    class(beam_state), intent(inout) :: state
+    class(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: number(:)
     logical, intent(in) :: roughly
@@ -216,4 +216,4 @@ contains
     if (allocated(set%damping)) modes%decay = 0.5_dp*set%damping(place)*units%frequency
   end subroutine solve
 
-end module bw_beam_state
+end module bw_measured_state
