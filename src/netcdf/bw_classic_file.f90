@@ -1,6 +1,6 @@
 module bw_classic_file
-  !! A NetCDF file in classic format whose numbers have their places, so that any process can put its own or read those of others,
-  !! of one variable or of one case.
+  !! A classic NetCDF file whose numbers have known places, so that any process can put its own or read those of others,
+  !! by variable or by case.
   use bw_classic_head, only: classic_head
   use bw_kinds, only: dp, i8
   use bw_number_file, only: number_file
@@ -8,8 +8,8 @@ module bw_classic_file
   implicit none (type, external)
   private
 
-  integer, parameter :: small_row = 512              !! numbers of a case that are read with their neighbours'
-  integer(i8), parameter :: at_once = 262144         !! bytes that are copied at a time, or those of a case
+  integer, parameter :: small_row = 512              !! numbers of a case below which neighbouring cases are read together
+  integer(i8), parameter :: at_once = 262144         !! bytes copied at a time, or those of a case
 
   type, public :: classic_file
     type(classic_head) :: head
@@ -21,7 +21,7 @@ module bw_classic_file
 contains
 
   pure integer function variable(self, name) result(v)
-    !! The number of a variable; 0 where the file has none of that name.
+    !! Return the number of a variable; 0 if the file has none of that name.
     class(classic_file), intent(in) :: self
     character(*), intent(in) :: name
     do v = self%head%count, 1, -1
@@ -30,14 +30,14 @@ contains
   end function variable
 
   pure integer function length_of(self, dimension) result(length)
-    !! The length of a dimension; 0 where the file has none of that name.
+    !! Return the length of a dimension; 0 if the file has none of that name.
     class(classic_file), intent(in) :: self
     character(*), intent(in) :: dimension
     length = sum(pack(self%head%lengths, self%head%dimension_names == dimension))
   end function length_of
 
   pure integer(i8) function place_of(self, variable, case) result(place)
-    !! Where the numbers of a variable begin, of one that depends on the case those of a case.
+    !! Return the offset of a variable's numbers, or of those of a case if it depends on the case.
     class(classic_file), intent(in) :: self
     integer, intent(in) :: variable          !! its number
     integer(i8), intent(in) :: case          !! from 1
@@ -45,7 +45,7 @@ contains
   end function place_of
 
   function get(self, name, case) result(values)
-    !! The numbers of a variable of reals or integers, of one that depends on the case those of a case, as the file holds them.
+    !! Get the numbers of a variable, or those of a case if it depends on the case, as stored.
     class(classic_file), intent(inout) :: self
     character(*), intent(in) :: name
     integer(i8), intent(in) :: case
@@ -57,10 +57,10 @@ contains
   end function get
 
   subroutine get_column(self, variable, element, first, values)
-    !! Get one of the numbers that a variable has in each case, of neighbouring cases.
+    !! Get one of the numbers that a variable has in each of several consecutive cases.
     class(classic_file), intent(inout) :: self
     integer, intent(in) :: variable          !! its number
-    integer, intent(in) :: element           !! which of its numbers, from 1
+    integer, intent(in) :: element           !! index of the number, from 1
     integer(i8), intent(in) :: first         !! case
     real(dp), intent(out), contiguous :: values(:)
     real(dp), allocatable :: all(:)
@@ -79,8 +79,8 @@ contains
   end subroutine get_column
 
   subroutine copy_rows(self, other, variable, cases)
-    !! Take the numbers or letters that a variable has in some cases from another file with the same places. They are written
-    !! when the file is.
+    !! Copy a variable's numbers or letters in some cases from another file of the same layout. They are written with
+    !! the file.
     class(classic_file), intent(inout) :: self, other
     integer, intent(in) :: variable          !! its number
     integer, intent(in) :: cases(:)          !! ascending
@@ -104,7 +104,7 @@ contains
   end subroutine copy_rows
 
   subroutine set_text(self, name, text)
-    !! Put a text of the file into the room that was kept for it, cut where it is longer.
+    !! Put a text of the file into its reserved room, cut if it is longer.
     class(classic_file), intent(inout) :: self
     character(*), intent(in) :: name, text
     integer(i8) :: place
@@ -114,7 +114,7 @@ contains
   end subroutine set_text
 
   subroutine get_text(self, name, text)
-    !! Get a text of the file that has room of its own.
+    !! Get a text of the file that has reserved room.
     class(classic_file), intent(inout) :: self
     character(*), intent(in) :: name
     character(:), allocatable, intent(out) :: text

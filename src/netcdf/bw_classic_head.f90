@@ -1,10 +1,10 @@
 module bw_classic_head
-  !! The head of a NetCDF file in classic format, byte for byte as its specification has it (NetCDF Users Guide, File Format
-  !! Specifications): dimensions, attributes and variables, each variable with the place where its numbers begin, one behind the
-  !! other. It is laid out once, and then never grows.
+  !! The head of a classic NetCDF file, byte for byte as specified (NetCDF Users Guide, File Format Specifications):
+  !! dimensions, attributes and variables, each with the offset of its numbers, stored one after another. It is laid out
+  !! once and then never grows.
   !!
-  !! The NetCDF library writes the same bytes, but tells no place, and processes that share a file have to know them; and to load
-  !! it takes longer than most scenes do. Only what has a fixed place is written here: no records.
+  !! The NetCDF library writes the same bytes, but does not report offsets, which processes that share a file need; loading it
+  !! also takes longer than most scenes. Only variables with a fixed place are supported, no record dimension.
   use bw_kinds, only: i4, i8
   use bw_missing, only: missing
   use bw_text, only: text_builder
@@ -12,32 +12,32 @@ module bw_classic_head
   private
 
   integer, parameter, public :: letters = 2, wholes = 4, reals = 6       !! NetCDF's types: char, int, double
-  integer, parameter, public :: bytes_of(letters:reals) = [1, 2, 4, 4, 8]       !! of each, short and float between them
+  integer, parameter, public :: bytes_of(letters:reals) = [1, 2, 4, 4, 8]       !! per value, short and float being between them
   integer, parameter :: list_of_dimensions = 10, list_of_variables = 11, list_of_attributes = 12     !! tags
-  integer(i8), parameter, public :: most_bytes = 2_i8**32 - 4            !! of a variable where sizes have 32 bits
+  integer(i8), parameter, public :: most_bytes = 2_i8**32 - 4            !! of a variable if sizes have 32 bits
 
   type, public :: variable_type
     character(:), allocatable :: name
     integer :: kind = reals
     integer, allocatable :: dimensions(:)  !! in the file's order, the last fastest
     integer(i8) :: count = 1               !! numbers or letters
-    integer(i8) :: room = 1                !! how many of them each case has; of one that has none of cases, all
+    integer(i8) :: room = 1                !! numbers per case; all of them if it does not depend on the case
     integer(i8) :: step = 0                !! bytes from one case to the next
-    integer(i8) :: place = 0               !! of its first byte in the file; once it is laid out
+    integer(i8) :: place = 0               !! offset in the file, after `lay_out`
     integer :: width = 8                   !! bytes of a number
-    integer, private :: at = 0             !! where its place stands among the bytes of all variables
+    integer, private :: at = 0             !! position of its offset in the bytes of all variables
   end type variable_type
 
   type, public :: classic_head
     integer :: width = 4                                 !! bytes of a size: 8 where a variable has more than `most_bytes`
-    integer :: count = 0                                 !! how many variables there are
+    integer :: count = 0                                 !! number of variables
     character(64), allocatable :: dimension_names(:)
     integer, allocatable :: lengths(:)                   !! of dimensions
     type(variable_type), allocatable :: variables(:)
-    integer(i8) :: bytes = 0                             !! of the whole file; once it is laid out
+    integer(i8) :: bytes = 0                             !! length of the file, after `lay_out`
     type(text_builder), private :: of_file, of_variable, all_variables       !! attributes, and variables with theirs
     integer, private :: of_file_count = 0, of_variable_count = 0
-    character(32), allocatable, private :: text_names(:) !! texts of the file that may change, where they lie and how long they are
+    character(32), allocatable, private :: text_names(:) !! texts of the file that may change, with their offsets and lengths
     integer, allocatable, private :: text_places(:), text_lengths(:)
   contains
     procedure :: add_dimension, dimensions_of, add_variable, add_text, add_room, add_wholes, add_fill
@@ -58,9 +58,9 @@ contains
   end subroutine add_dimension
 
   pure function dimensions_of(self, names) result(numbers)
-    !! The numbers of dimensions, in the order of their names; 0 where there is none of that name.
+    !! Return the numbers of dimensions in the order of their names; 0 for an unknown name.
     class(classic_head), intent(in) :: self
-    character(*), intent(in) :: names      !! by spaces
+    character(*), intent(in) :: names      !! separated by spaces
     integer, allocatable :: numbers(:)
     integer :: first, gap
     allocate (numbers(0))
@@ -73,12 +73,12 @@ contains
   end function dimensions_of
 
   subroutine add_variable(self, name, kind, dimensions, cases)
-    !! Add a variable; attributes of variables that are added then are its own.
+    !! Add a variable; attributes added after it are its own.
     class(classic_head), intent(inout) :: self
     character(*), intent(in) :: name
     integer, intent(in) :: kind            !! `letters`, `wholes` or `reals`
-    integer, intent(in) :: dimensions(:)   !! numbers, in the file's order; none of a scalar
-    integer, intent(in) :: cases           !! how many cases have their own numbers of it, the first dimension; else 1
+    integer, intent(in) :: dimensions(:)   !! numbers, in the file's order; empty for a scalar
+    integer, intent(in) :: cases           !! length of the first dimension if it counts cases; else 1
     type(variable_type), allocatable :: longer(:)
     integer(i8) :: count
     integer :: d
@@ -101,7 +101,7 @@ contains
   end subroutine add_variable
 
   subroutine end_variable(self)
-    !! All attributes of the last variable are there.
+    !! Complete the last variable, whose attributes are all there.
     class(classic_head), intent(inout) :: self
     if (self%count == 0) return
     associate (variable => self%variables(self%count))
@@ -134,15 +134,15 @@ contains
   end subroutine add_attribute
 
   subroutine add_text(self, name, text, of_file)
-    !! Add a text.
+    !! Add a text attribute.
     class(classic_head), intent(inout) :: self
     character(*), intent(in) :: name, text
-    logical, intent(in), optional :: of_file       !! absent: of the last variable
+    logical, intent(in), optional :: of_file       !! absent: belongs to the last variable
     call self%add_attribute(present(of_file), name, letters, text)
   end subroutine add_text
 
   subroutine add_room(self, name, length)
-    !! Add a text of the file that is put later: `find_text` tells where. Until then it is zeros.
+    !! Reserve room for a text of the file, which `find_text` locates. It is zeros until it is put.
     class(classic_head), intent(inout) :: self
     character(*), intent(in) :: name
     integer, intent(in) :: length
@@ -154,11 +154,11 @@ contains
   end subroutine add_room
 
   subroutine add_wholes(self, name, values, of_file)
-    !! Add integers.
+    !! Add an attribute of integers.
     class(classic_head), intent(inout) :: self
     character(*), intent(in) :: name
     integer(i4), intent(in) :: values(:)
-    logical, intent(in), optional :: of_file       !! absent: of the last variable
+    logical, intent(in), optional :: of_file       !! absent: belongs to the last variable
     character(4*size(values)) :: bytes
     integer :: i
     do i = 1, size(values)
@@ -168,22 +168,22 @@ contains
   end subroutine add_wholes
 
   subroutine add_fill(self)
-    !! Say which number of the last variable stands for none.
+    !! Add the fill value of the last variable.
     class(classic_head), intent(inout) :: self
     call self%add_attribute(.false., '_FillValue', reals, in_bytes(transfer(missing, 0_i8), 8))
   end subroutine add_fill
 
   subroutine lay_out(self, bytes)
-    !! Give every variable and every text of the file its place.
+    !! Assign offsets to all variables and texts of the file.
     class(classic_head), intent(inout) :: self
-    character(:), allocatable, intent(out) :: bytes      !! the head, as it stands at the beginning of the file
+    character(:), allocatable, intent(out) :: bytes      !! the head, as at the beginning of the file
     type(text_builder) :: dimensions
     integer :: before, v
     call self%end_variable()
     do v = 1, size(self%lengths)
       call dimensions%append(name_bytes(trim(self%dimension_names(v)), self%width)//in_bytes(int(self%lengths(v), i8), self%width))
     end do
-    bytes = 'CDF'//char(merge(2, 5, self%width == 4))//in_bytes(0_i8, self%width)// &       ! no records
+    bytes = 'CDF'//char(merge(2, 5, self%width == 4))//in_bytes(0_i8, self%width)// &       ! no record dimension
             list_bytes(list_of_dimensions, size(self%lengths), self%width)//dimensions%text()// &
             list_bytes(list_of_attributes, self%of_file_count, self%width)
     if (allocated(self%text_places)) self%text_places = self%text_places + len(bytes)
@@ -201,7 +201,7 @@ contains
   end subroutine lay_out
 
   pure subroutine find_text(self, name, place, length)
-    !! Where a text of the file lies that may change, and how many bytes it has.
+    !! Find the offset and length of a text of the file that may change.
     class(classic_head), intent(in) :: self
     character(*), intent(in) :: name
     integer(i8), intent(out) :: place
@@ -213,7 +213,7 @@ contains
   end subroutine find_text
 
   pure subroutine blank_texts(self, bytes)
-    !! Make the head of a file what it was before its texts were put.
+    !! Reset the changeable texts in the head of a file.
     class(classic_head), intent(in) :: self
     character(*), intent(inout) :: bytes
     integer :: i
@@ -224,20 +224,20 @@ contains
   end subroutine blank_texts
 
   pure integer(i8) function padded(bytes)
-    !! So many bytes, filled up to words of four.
+    !! Round a number of bytes up to words of four.
     integer(i8), intent(in) :: bytes
     padded = 4*((bytes + 3)/4)
   end function padded
 
   pure function padded_bytes(bytes) result(all)
-    !! Bytes, and zeros up to words of four.
+    !! Pad bytes with zeros to words of four.
     character(*), intent(in) :: bytes
     character(:), allocatable :: all
     all = bytes//repeat(char(0), int(padded(len(bytes, i8))) - len(bytes))
   end function padded_bytes
 
   pure function in_bytes(number, width) result(bytes)
-    !! An integer in so many bytes, the most significant first.
+    !! Return an integer in so many bytes, big-endian.
     integer(i8), intent(in) :: number
     integer, intent(in) :: width
     character(width) :: bytes
@@ -248,7 +248,7 @@ contains
   end function in_bytes
 
   pure function name_bytes(name, width) result(bytes)
-    !! A name, behind its length.
+    !! Return a name, preceded by its length.
     character(*), intent(in) :: name
     integer, intent(in) :: width
     character(:), allocatable :: bytes
@@ -256,7 +256,7 @@ contains
   end function name_bytes
 
   pure function list_bytes(tag, count, width) result(bytes)
-    !! What a list begins with.
+    !! Return the beginning of a list.
     integer, intent(in) :: tag, count, width
     character(:), allocatable :: bytes
     bytes = in_bytes(int(merge(tag, 0, count > 0), i8), 4)//in_bytes(int(count, i8), width)

@@ -1,5 +1,5 @@
 module bw_classic_reader
-  !! The head of a classic NetCDF file, read as far as one needs to know whose result it is, and whether the file is whole.
+  !! The head of a classic NetCDF file, read as far as needed to identify its result and to detect a truncated file.
   use bw_classic_head, only: bytes_of, letters, reals
   use bw_descriptors, only: read_bytes
   use bw_kinds, only: i1, i8
@@ -7,13 +7,13 @@ module bw_classic_reader
   implicit none (type, external)
   private
 
-  integer(i8), parameter :: most = 2_i8**40      !! of anything: more is damage
-  integer(i8), parameter :: at_once = 65536      !! bytes that are read of a file, at first
+  integer(i8), parameter :: most = 2_i8**40      !! of any count: more is damage
+  integer(i8), parameter :: at_once = 65536      !! bytes read first
 
   type, public :: classic_reader
-    logical :: is_sound = .false.                !! the head is whole and makes sense
-    integer(i8) :: length = 0                    !! how long the file has to be
-    integer(i8) :: place = 0, bytes = 0          !! of the numbers of the variable that was asked for; 0: it is not there
+    logical :: is_sound = .false.                !! the head is complete and valid
+    integer(i8) :: length = 0                    !! expected length of the file
+    integer(i8) :: place = 0, bytes = 0          !! of the numbers of the requested variable; 0: absent
     type(string), allocatable, private :: names(:), texts(:)        !! of the file
     integer, private :: at = 0, width = 4
   contains
@@ -26,13 +26,13 @@ module bw_classic_reader
 contains
 
   subroutine read_file(self, descriptor, bytes, variable, start, problem)
-    !! Read the head of a file; where it has none that makes sense it is not sound.
+    !! Read the head of a file; it is not sound if invalid.
     class(classic_reader), intent(out) :: self
     integer, intent(in) :: descriptor
     integer(i8), intent(in) :: bytes                         !! of the file
     character(*), intent(in) :: variable
     character(:), allocatable, intent(out) :: start          !! first bytes of the file
-    integer, intent(out) :: problem                          !! that of `bw_files`
+    integer, intent(out) :: problem                          !! as in `bw_files`
     integer(i1), allocatable :: letters(:)
     integer(i8) :: wanted, have
     wanted = at_once
@@ -51,7 +51,7 @@ contains
   end subroutine read_file
 
   subroutine read_head(self, start, variable)
-    !! Read a head from the first bytes of a file; where these are too few it is not sound.
+    !! Parse a head from the first bytes of a file; it is not sound if they are too few.
     class(classic_reader), intent(out) :: self
     character(*), intent(in) :: start, variable
     character(:), allocatable :: word, skipped
@@ -61,7 +61,7 @@ contains
     self%is_sound = any(word == ['CDF'//char(2), 'CDF'//char(5)])
     self%at = len(word)
     if (word == 'CDF'//char(5)) self%width = 8
-    i = self%number(start, self%width)                ! of records
+    i = self%number(start, self%width)                ! record dimension
     do i = 1, self%number(start, 4, self%width)       ! dimensions
       skipped = self%name(start)//self%next(start, int(self%width, i8))
       if (.not. self%is_sound) return
@@ -71,7 +71,7 @@ contains
       word = self%name(start)
       skipped = self%next(start, self%width*self%number(start, self%width))       ! its dimensions
       call self%read_attributes(start, .false.)
-      bytes = self%number(start, 4, self%width)       ! behind the type
+      bytes = self%number(start, 4, self%width)       ! after the type
       place = self%number(start, 8)
       if (.not. self%is_sound) return
       self%length = max(self%length, place + bytes)
@@ -81,7 +81,7 @@ contains
   end subroutine read_head
 
   subroutine read_attributes(self, start, of_file)
-    !! Read a list of attributes; those of the file are kept.
+    !! Parse a list of attributes; those of the file are stored.
     class(classic_reader), intent(inout) :: self
     character(*), intent(in) :: start
     logical, intent(in) :: of_file
@@ -100,7 +100,7 @@ contains
   end subroutine read_attributes
 
   function text_of(self, name) result(text)
-    !! A text of the file; empty where it has none of that name.
+    !! Return a text of the file; empty if it has none of that name.
     class(classic_reader), intent(in) :: self
     character(*), intent(in) :: name
     character(:), allocatable :: text
@@ -112,7 +112,7 @@ contains
   end function text_of
 
   function name(self, start) result(text)
-    !! The next name, behind its length.
+    !! Parse the next name, preceded by its length.
     class(classic_reader), intent(inout) :: self
     character(*), intent(in) :: start
     character(:), allocatable :: text
@@ -120,7 +120,7 @@ contains
   end function name
 
   function next(self, start, length) result(bytes)
-    !! The next bytes, up to the end of a word of four behind them; nothing where they are not there.
+    !! Return the next bytes, and skip the padding to words of four; empty if they are not there.
     class(classic_reader), intent(inout) :: self
     character(*), intent(in) :: start
     integer(i8), intent(in) :: length
@@ -133,11 +133,11 @@ contains
   end function next
 
   integer(i8) function number(self, start, width, width_behind)
-    !! The next integer of so many bytes, at most `most`; 0 where it is not there.
+    !! Parse the next integer of so many bytes, at most `most`; 0 if it is not there.
     class(classic_reader), intent(inout) :: self
     character(*), intent(in) :: start
     integer, intent(in) :: width
-    integer, intent(in), optional :: width_behind     !! bytes of one behind it, which is the one that is wanted
+    integer, intent(in), optional :: width_behind     !! bytes of a second integer, which is the one returned
     character(:), allocatable :: bytes
     integer :: i
     bytes = self%next(start, int(width, i8))

@@ -1,8 +1,8 @@
 module bw_netcdf_reading
-  !! NetCDF files that somebody else may have written, read with sizes of 64 bits by the C library, which the first call loads;
-  !! netCDF-Fortran has 32 bits, and no texts of the string type, which h5py and netCDF4 write. The type and the length of an
-  !! attribute are asked for before it is read. Files, dimensions and variables have C's numbers, from 0; a `status` is NetCDF's,
-  !! 0 where all is well, and nothing is done after another. A file that crashes the library ends the program, which names it.
+  !! Reading of any NetCDF file with 64-bit sizes by the C library, which the first call loads; netCDF-Fortran has 32
+  !! bits and lacks the string type, which h5py and netCDF4 write. The type and length of an attribute are checked
+  !! before it is read. Files, dimensions and variables have C's numbers, from 0; `status` is NetCDF's, 0 for success,
+  !! and no call is made after an error. A file that crashes the library ends the program, which names it.
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_char, c_ptr, c_size_t
   use bw_kinds, only: dp, i8
   use bw_netcdf_path, only: plain_path
@@ -11,12 +11,12 @@ module bw_netcdf_reading
   public :: close_netcdf, find_variable, is_classic, open_netcdf, read_dimensions, read_number, read_numbers, read_text
   public :: read_variable, status_text
 
-  integer, parameter, public :: all_is_well = 0, of_the_file = -1      !! the latter: in place of a variable's number
+  integer, parameter, public :: all_is_well = 0, of_the_file = -1      !! the latter replaces a variable's number
   integer, parameter, public :: no_memory = -61                        !! a status
-  integer, parameter :: longest_name = 256                             !! as NetCDF allows
+  integer, parameter :: longest_name = 256                             !! limit of NetCDF
   integer(c_int), parameter :: no_such_attribute = -43
   integer(c_int), parameter :: of_char = 2, of_float = 5, of_string = 12, last_plain = 11      !! types
-  integer, parameter :: bytes_of(last_plain) = [1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8]               !! each type
+  integer, parameter :: bytes_of(last_plain) = [1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8]               !! of each type
 
   type, public :: netcdf_dimension
     character(:), allocatable :: name
@@ -28,7 +28,7 @@ module bw_netcdf_reading
     integer, allocatable :: dimensions(:)        !! numbers of the file's dimensions, the fastest last
     logical :: is_numeric = .false.
     logical :: is_single = .false.               !! in single precision
-    integer :: bytes = 0                         !! of a number or a letter; 0 of what a file defines
+    integer :: bytes = 0                         !! of a number or letter; 0 for a user-defined type
   end type netcdf_variable
 
   interface
@@ -125,8 +125,8 @@ contains
 
   subroutine open_netcdf(path, file, status)
     !! Open a file to read.
-    character(*), intent(in) :: path             !! one that `has_backslash` denies
-    integer, intent(out) :: file                 !! below 0 where it cannot be
+    character(*), intent(in) :: path             !! without backslash, see `has_backslash`
+    integer, intent(out) :: file                 !! below 0 if it cannot be opened
     integer, intent(out) :: status
     integer(c_int) :: opened
     status = int(nc_open(plain_path(path), 0_c_int, opened))
@@ -135,14 +135,14 @@ contains
   end subroutine open_netcdf
 
   subroutine close_netcdf(file)
-    !! Close a file; nothing is done where it could not be opened.
+    !! Close a file, if it was opened.
     integer, intent(in) :: file
     integer(c_int) :: ignored
     if (file >= 0) ignored = nc_close(int(file, c_int))
   end subroutine close_netcdf
 
   logical function is_classic(file)
-    !! The file is in one of the formats before HDF5, in which nothing tells that its end was cut off.
+    !! Return whether a file has a format before HDF5, which does not reveal truncation.
     integer, intent(in) :: file
     integer(c_int) :: format
     is_classic = .false.
@@ -150,14 +150,14 @@ contains
   end function is_classic
 
   function status_text(status) result(text)
-    !! The library's words for a status.
+    !! Return the library's message for a status.
     integer, intent(in) :: status
     character(:), allocatable :: text
     text = c_text(nc_strerror(int(status, c_int)))
   end function status_text
 
   subroutine read_dimensions(file, dimensions, variables, status)
-    !! All dimensions of a file, and room for its variables.
+    !! Read all dimensions of a file, and allocate its variables.
     integer, intent(in) :: file
     type(netcdf_dimension), allocatable, intent(out) :: dimensions(:)
     type(netcdf_variable), allocatable, intent(out) :: variables(:)
@@ -180,7 +180,7 @@ contains
   end subroutine read_dimensions
 
   subroutine read_variable(file, number, variable, status)
-    !! What a variable is.
+    !! Read the properties of a variable.
     integer, intent(in) :: file, number
     type(netcdf_variable), intent(out) :: variable
     integer, intent(inout) :: status
@@ -198,13 +198,13 @@ contains
   end subroutine read_variable
 
   pure logical function is_plain(type)
-    !! A type of numbers, none of texts, and none that a file defines.
+    !! Return whether a type is a built-in type of numbers.
     integer(c_int), intent(in) :: type
     is_plain = type >= 1 .and. type <= last_plain .and. type /= of_char
   end function is_plain
 
   integer function find_variable(file, name) result(number)
-    !! The number of a variable; below 0 where there is none.
+    !! Return the number of a variable; below 0 if there is none.
     integer, intent(in) :: file
     character(*), intent(in) :: name
     integer(c_int) :: found
@@ -213,7 +213,7 @@ contains
   end function find_variable
 
   subroutine read_numbers(file, variable, first, count, values, status)
-    !! A part of a variable as reals of double precision.
+    !! Read a part of a variable in double precision.
     integer, intent(in) :: file, variable
     integer(i8), intent(in) :: first(:), count(:)    !! along each dimension, from 1; the fastest last
     real(dp), intent(inout) :: values(*)         !! as many as the product of the counts
@@ -224,7 +224,7 @@ contains
   end subroutine read_numbers
 
   subroutine read_text(file, variable, name, text, status)
-    !! An attribute that is one text, of either type, without blanks behind it; empty where there is none.
+    !! Read an attribute that is one text of either type, without trailing blanks; empty if there is none.
     integer, intent(in) :: file, variable        !! the latter may be `of_the_file`
     character(*), intent(in) :: name
     character(:), allocatable, intent(out) :: text
@@ -251,11 +251,11 @@ contains
   end subroutine read_text
 
   subroutine read_number(file, variable, name, number, there, status)
-    !! An attribute that is one number.
+    !! Read an attribute that is one number.
     integer, intent(in) :: file, variable
     character(*), intent(in) :: name
-    real(dp), intent(inout) :: number            !! left alone unless `there` is 1
-    integer(i8), intent(out) :: there            !! how many numbers it has; 0: there is none; below 0: it has others than numbers
+    real(dp), intent(inout) :: number            !! unchanged unless `there` is 1
+    integer(i8), intent(out) :: there            !! its length; 0: absent; below 0: not numeric
     integer, intent(inout) :: status
     real(c_double) :: value(1)
     integer(c_int) :: type
@@ -271,7 +271,7 @@ contains
   end subroutine read_number
 
   subroutine look_at_attribute(file, variable, name, type, length, status)
-    !! The type and the length of an attribute; both 0 where there is none.
+    !! Get the type and length of an attribute; both 0 if it is absent.
     integer, intent(in) :: file, variable
     character(*), intent(in) :: name
     integer(c_int), intent(out) :: type
@@ -288,7 +288,7 @@ contains
   end subroutine look_at_attribute
 
   function c_text(address) result(text)
-    !! A text of C.
+    !! Return a C string.
     type(c_ptr), intent(in) :: address
     character(:), allocatable :: text
     character(c_char), pointer :: letters(:)

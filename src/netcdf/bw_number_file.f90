@@ -1,7 +1,7 @@
 module bw_number_file
-  !! A file whose numbers have their places: reals of eight bytes and integers of four, the most significant byte first, and
-  !! texts. What is written lies with the system and survives the process; `flush` brings it onto the disk. After a refusal
-  !! of the system nothing more is written, and `problem` is that of `bw_files`.
+  !! A file whose numbers have known places: big-endian reals of eight bytes and integers of four, and texts. Written
+  !! data is held by the system and survives the process; `flush` brings it to the disk. After a failure nothing more is
+  !! written, and `problem` is as in `bw_files`.
   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_loc, c_null_ptr, c_ptr
   use bw_descriptors, only: close_file, flush_file, look_at_open, new_file, open_file, read_bytes, to_change
   use bw_error, only: error_type, fail, status_bad_file
@@ -37,7 +37,7 @@ module bw_number_file
 contains
 
   subroutine make(self, path, bytes, reserved, error)
-    !! Make a file of that length, of which the disk keeps room for the first bytes.
+    !! Create a file of that length, and reserve disk space for its first bytes.
     !! **Errors**: something of that name is there, the disk has not the room, or the system refuses it; then nothing is left.
     class(number_file), intent(inout) :: self
     character(*), intent(in) :: path
@@ -55,7 +55,7 @@ contains
   end subroutine make
 
   subroutine open_numbers(self, path, shared, bytes, error)
-    !! Open a file that is there, to read and to write.
+    !! Open an existing file for reading and writing.
     !! **Errors**: the system refuses it.
     class(number_file), intent(inout) :: self
     character(*), intent(in) :: path
@@ -76,30 +76,30 @@ contains
   end subroutine open_numbers
 
   subroutine hold(self)
-    !! Keep other processes from putting numbers until `write` has written those that follow. Where the file system has no locks,
-    !! rows between which others have theirs are written one by one.
+    !! Keep other processes from putting numbers until `write` has written those that follow. On a file system without
+    !! locks, rows interleaved with those of others are written one by one.
     class(number_file), intent(inout) :: self
     if (self%problem == 0 .and. self%is_shared) self%problem = bw_hold(self%buffer)
   end subroutine hold
 
   subroutine note(self, problem)
-    !! Keep the first problem.
+    !! Store the first problem.
     class(number_file), intent(inout) :: self
     integer, intent(in) :: problem
     if (self%problem == 0) self%problem = problem
   end subroutine note
 
   subroutine put_numbers(self, place, width, values)
-    !! Put numbers from a place on.
+    !! Put numbers from an offset on.
     class(number_file), intent(inout) :: self
     integer(i8), intent(in) :: place                 !! bytes, from 0
-    integer, intent(in) :: width                     !! `real_width`, or `whole_width`: then they are put as integers
+    integer, intent(in) :: width                     !! `real_width`, or `whole_width` to put integers
     real(dp), intent(in), contiguous, target :: values(:)
     if (self%problem == 0) self%problem = bw_put(self%buffer, place, int(width, c_int), c_loc(values), size(values, kind=i8))
   end subroutine put_numbers
 
   subroutine put_text(self, place, text)
-    !! Put letters from a place on.
+    !! Put letters from an offset on.
     class(number_file), intent(inout) :: self
     integer(i8), intent(in) :: place
     character(*), intent(in), target :: text
@@ -107,7 +107,7 @@ contains
   end subroutine put_text
 
   subroutine get_numbers(self, place, width, values)
-    !! Get the numbers that lie from a place on.
+    !! Get numbers from an offset on.
     class(number_file), intent(inout) :: self
     integer(i8), intent(in) :: place
     integer, intent(in) :: width
@@ -116,7 +116,7 @@ contains
   end subroutine get_numbers
 
   subroutine get_text(self, place, text)
-    !! Get the letters that lie from a place on; blanks where the file ends before.
+    !! Get letters from an offset on; blanks after the end of the file.
     class(number_file), intent(inout) :: self
     integer(i8), intent(in) :: place
     character(*), intent(out) :: text
@@ -131,14 +131,14 @@ contains
   end subroutine get_text
 
   subroutine write_gathered(self)
-    !! Hand to the system what was put so far.
+    !! Pass the gathered data to the system.
     class(number_file), intent(inout) :: self
     if (self%problem == 0) self%problem = bw_write_gathered(self%buffer)
   end subroutine write_gathered
 
   subroutine flush_numbers(self, error)
-    !! Bring all that was put onto the disk.
-    !! **Errors**: that is refused, or was before; or the file is no longer there under its name.
+    !! Bring all data to the disk.
+    !! **Errors**: the system refuses it, now or before; or the file has lost its name.
     class(number_file), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     type(path_state) :: mine, named
@@ -155,7 +155,7 @@ contains
   end subroutine flush_numbers
 
   subroutine close_numbers(self)
-    !! Close the file; what was not flushed is kept as far as the system keeps it.
+    !! Close the file; data not flushed is kept as far as the system keeps it.
     class(number_file), intent(inout) :: self
     integer :: ignored
     if (c_associated(self%buffer)) then

@@ -1,6 +1,6 @@
 module bw_case_rows
-  !! What a result holds of a case: a row for each variable, with its values in SI. A case itself has its masses in m_i and its
-  !! velocities in the approach velocity V.
+  !! The variables of a case in a result: a row for each, with values in SI. A case itself has masses in units of m_i
+  !! and velocities in units of the approach velocity V.
   use bw_beam_units, only: beam_units, in_joules, in_newton_seconds
   use bw_case_result, only: answer_type, case_result, contact_result, load_result
   use bw_event, only: event_type, event_words
@@ -35,14 +35,14 @@ module bw_case_rows
     modal_row('growth_rate', 's-1', 'growth rate, the real part of the eigenvalue'), &
     modal_row('modal_mass', 'kg', 'modal mass'), &
     modal_row('phase_velocity', 'm s-1', 'phase velocity'), &
-    modal_row('group_velocity', 'm s-1', 'group velocity')]     !! what a set of modes has, alone or as one of several
+    modal_row('group_velocity', 'm s-1', 'group velocity')]     !! variables of each mode set
 
 contains
 
   subroutine case_rows(table, result)
-    !! All rows that depend on the case.
+    !! Walk through all rows that depend on the case.
     class(result_table), intent(inout) :: table
-    type(case_result), intent(in), target :: result    !! empty where the rows are defined
+    type(case_result), intent(in), target :: result    !! empty while rows are defined
     class(mode_set), pointer :: modes, before
     modes => null()
     before => null()
@@ -79,12 +79,12 @@ contains
   end subroutine case_rows
 
   subroutine modal_rows(table, units, modes, dimension, equations)
-    !! What any set of modes has.
+    !! Walk through the rows of any mode set.
     class(result_table), intent(inout) :: table
     type(beam_units), intent(in) :: units
     class(mode_set), pointer, intent(in) :: modes
     character(*), intent(in) :: dimension
-    character(*), intent(in) :: equations(:)           !! the paper's, of each of `of_modes`
+    character(*), intent(in) :: equations(:)           !! of the paper, for each of `of_modes`
     integer :: i
     do i = 1, size(of_modes)
       if (table%real_row(trim(of_modes(i)%name), dimension, trim(of_modes(i)%units), trim(of_modes(i)%long_name), equations(i), &
@@ -94,7 +94,7 @@ contains
   end subroutine modal_rows
 
   subroutine configuration_rows(table, result)
-    !! The modes of all configurations of a beam that changes in time, and when each begins first.
+    !! Put the modes of all configurations of a beam that changes in time, and their first beginnings.
     class(result_table), intent(inout) :: table
     type(case_result), intent(in) :: result
     integer :: i
@@ -108,7 +108,7 @@ contains
   end subroutine configuration_rows
 
   function starts_of(result) result(seconds)
-    !! Missing of one that does not begin before the record ends.
+    !! Return when each configuration begins; missing if not before the end of the record.
     type(case_result), intent(in) :: result
     real(dp), allocatable :: seconds(:)
     integer :: c, i
@@ -120,7 +120,7 @@ contains
   end function starts_of
 
   function all_modes(result, name) result(values)
-    !! Of every configuration, (modes, configurations).
+    !! Return values of every configuration, (modes, configurations).
     type(case_result), intent(in) :: result
     character(*), intent(in) :: name
     real(dp), allocatable :: values(:, :)
@@ -137,7 +137,7 @@ contains
   end function all_modes
 
   pure function modal_values(modes, units, name) result(values)
-    !! One of `of_modes` in SI; missing of modes that have none.
+    !! Return one of `of_modes` in SI; missing for modes that lack it.
     class(mode_set), intent(in) :: modes
     type(beam_units), intent(in) :: units
     character(*), intent(in) :: name
@@ -163,7 +163,7 @@ contains
   end function modal_values
 
   function shapes_of(modes, points) result(shapes)
-    !! Mode shapes at evenly spaced places, (places, modes).
+    !! Return mode shapes at evenly spaced places, (places, modes).
     class(mode_set), intent(in) :: modes
     integer, intent(in) :: points
     real(dp), allocatable :: shapes(:, :)
@@ -172,7 +172,7 @@ contains
   end function shapes_of
 
   subroutine impact_rows(table, result, modes, before)
-    !! The state just after the impact, and the angular velocities above which beam and mass are unstable.
+    !! Put the state just after the impact, and the critical angular velocities of beam and mass.
     class(result_table), intent(inout) :: table
     type(case_result), intent(in) :: result
     class(mode_set), pointer, intent(in) :: modes, before
@@ -195,7 +195,7 @@ contains
   end subroutine impact_rows
 
   pure real(dp) function critical_speed(result, modes) result(speed)
-    !! rad/s; missing where no angular velocity makes a mode grow.
+    !! Return the critical angular velocity, rad/s; missing if no speed makes a mode unstable.
     type(case_result), intent(in) :: result
     class(mode_set), intent(in) :: modes
     speed = missing
@@ -204,12 +204,12 @@ contains
   end function critical_speed
 
   subroutine event_rows(table, events, units, velocity, lever)
-    !! Every event, in the order of time; its kind is 0 behind the last.
+    !! Put all events in the order of time; their kind is 0 after the last.
     class(result_table), intent(inout) :: table
     type(event_type), intent(in), optional :: events(:)
     type(beam_units), intent(in) :: units
     real(dp), intent(in) :: velocity                   !! of approach
-    real(dp), intent(in) :: lever                      !! from the axis of a hub that is free to where the mass strikes, m
+    real(dp), intent(in) :: lever                      !! distance of the struck point from the axis of a free hub, m
     character(*), parameter :: angular = 'angular momentum about the axis, less that of the even rotation'
     if (table%real_row('event_time', 'event', 's', 'time of the event')) call table%put(events%time)
     if (table%real_row('event_end', 'event', 's', 'end of the event')) call table%put(events%end_time)
@@ -237,7 +237,7 @@ contains
   end subroutine event_rows
 
   subroutine contact_rows(table, contact)
-    !! The force of contacts that last, and how much the mass rebounds.
+    !! Put the force of lasting contacts, and the rebound of the mass.
     class(result_table), intent(inout) :: table
     type(contact_result), intent(in), optional :: contact
     if (table%real_row('restitution', '', '1', 'velocity at which mass and beam separate after the first contact over that at '// &
@@ -260,7 +260,7 @@ contains
   end subroutine contact_rows
 
   subroutine load_rows(table, loads)
-    !! What loads were applied.
+    !! Put the applied loads.
     class(result_table), intent(inout) :: table
     type(load_result), intent(in), optional :: loads
     if (table%real_row('applied_force', 'force', 'N', 'largest magnitude of the force')) call table%put(loads%applied_force)
@@ -272,7 +272,7 @@ contains
   end subroutine load_rows
 
   subroutine history_rows(table, response)
-    !! Histories, their largest values and their errors.
+    !! Put histories, their peaks and their errors.
     class(result_table), intent(inout) :: table
     type(response_type), intent(in), optional :: response
     if (table%real_row('largest_displacement', 'point', 'm', 'largest sample of the displacement', needs='simulated', &
@@ -316,7 +316,7 @@ contains
   end subroutine history_rows
 
   subroutine put_stress_errors(table, response)
-    !! Those of the moments, M c/I; fill where there are none.
+    !! Put errors of stresses: those of moments times c/I; fill if there are none.
     class(result_table), intent(inout) :: table
     type(response_type), intent(in) :: response
     if (allocated(response%bending_moment_error)) then
@@ -327,7 +327,7 @@ contains
   end subroutine put_stress_errors
 
   pure function stresses_of(response) result(stress)
-    !! M c/I, (samples, points).
+    !! Return stresses M c/I, (samples, points).
     type(response_type), intent(in) :: response
     real(dp), allocatable :: stress(:, :)
     integer :: p
@@ -338,7 +338,7 @@ contains
   end function stresses_of
 
   subroutine answer_rows(table, answer)
-    !! The response to a harmonic force.
+    !! Put the response to a harmonic force.
     class(result_table), intent(inout) :: table
     type(answer_type), intent(in), optional :: answer
     character(*), parameter :: name = 'frequency_response_', of_answer = ' of the response to a force of 1 N: the '
@@ -368,7 +368,7 @@ contains
   end subroutine answer_rows
 
   pure function largest_of(histories) result(largest)
-    !! The largest magnitude that is known at each point; missing where none is.
+    !! Return the largest known magnitude at each point; missing if none is known.
     real(dp), intent(in) :: histories(:, :)            !! (samples, points)
     real(dp) :: largest(size(histories, 2))
     integer :: p
@@ -381,7 +381,7 @@ contains
   end function largest_of
 
   pure function times_of_largest(histories, sampling) result(times)
-    !! When the largest magnitude that is known comes first at each point, s; missing where none is.
+    !! Return when the largest known magnitude first occurs at each point, s; missing if none is known.
     real(dp), intent(in) :: histories(:, :)            !! (samples, points)
     type(sampling_type), intent(in) :: sampling
     real(dp) :: times(size(histories, 2))
@@ -394,7 +394,7 @@ contains
   end function times_of_largest
 
   subroutine measured_rows(table, measured)
-    !! Waves measured in the histories without any knowledge of the modes, and the bounds of their errors.
+    !! Put waves measured in the histories without knowledge of the modes, and their error bounds.
     class(result_table), intent(inout) :: table
     type(measured_type), intent(in), optional :: measured
     if (row('angular_frequency', 'rad s-1', 'angular frequency', '')) call table%put(measured%angular_frequency)
@@ -421,8 +421,8 @@ contains
   end subroutine measured_rows
 
   function values_of(result, name) result(values)
-    !! The values of a variable of reals by its name, in SI; all of them missing where no modes were found.
-    !! **Limits**: one that the case has, a scalar or over modes, events or peaks.
+    !! Return the values of a real variable by its name, in SI; all missing if no modes were found. **Limits**: a scalar
+    !! of the case, or one over modes, events or peaks.
     type(case_result), intent(in) :: result
     character(*), intent(in) :: name
     real(dp), allocatable :: values(:)

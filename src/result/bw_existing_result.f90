@@ -1,6 +1,5 @@
 module bw_existing_result
-  !! What a command finds where its result will lie. Only what has been read is judged: a file that cannot be read is not
-  !! thereby one of another scene.
+  !! Check of a file already in the place of a result. A file that cannot be read is not taken for one of another scene.
   use bw_case_result, only: case_done
   use bw_classic_reader, only: classic_reader
   use bw_descriptors, only: close_file, open_file, read_bytes, to_read
@@ -19,18 +18,18 @@ module bw_existing_result
 
   type, public :: existing_result
     !! A finished result of the same scene and version, if there is one.
-    logical :: is_there = .false.                  !! there is nothing to do
-    integer(i8) :: not_trusted = 0                 !! how many of its cases hold numbers that cannot be trusted
+    logical :: is_there = .false.                  !! nothing is left to do
+    integer(i8) :: not_trusted = 0                 !! number of its cases with numbers that cannot be trusted
     character(:), allocatable :: report            !! its attributes of these names
     character(:), allocatable :: notes
   end type existing_result
 
-  character(*), parameter :: hdf5 = char(137)//'HDF'    !! how results of format 1 begin
+  character(*), parameter :: hdf5 = char(137)//'HDF'    !! first bytes of results of format 1
 
 contains
 
   pure subroutine check_result_path(path, error)
-    !! Make sure that a result can have this path.
+    !! Check that a result can have this path.
     !! **Errors**: NetCDF would look for it elsewhere.
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
@@ -39,15 +38,15 @@ contains
   end subroutine check_result_path
 
   subroutine look_at_existing(path, scene, overwrite, existing, error, study, checksums)
-    !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
-    !! **Errors**: also where it cannot be read, or is locked.
+    !! Keep a finished result of the same scene and version; refuse any other unless it may be replaced.
+    !! **Errors**: also if it cannot be read, or is locked.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     logical, intent(in) :: overwrite
     type(existing_result), intent(out) :: existing
     type(error_type), allocatable, intent(out) :: error
-    character(*), intent(in), optional :: study    !! the study whose result it is; absent: a run's
-    character(*), intent(in), optional :: checksums   !! of the files of its record or of its loads; absent: there are none
+    character(*), intent(in), optional :: study    !! the study that makes the result; absent: a run
+    character(*), intent(in), optional :: checksums   !! of the files of its record or loads; absent: none
     type(path_state) :: state
     integer :: problem, descriptor, ignored
     call check_result_path(path, error)
@@ -69,7 +68,7 @@ contains
   end subroutine look_at_existing
 
   subroutine judge(path, descriptor, length, scene, overwrite, existing, error, study, checksums)
-    !! Find out what a file is.
+    !! Identify a file.
     !! **Errors**: as above.
     character(*), intent(in) :: path
     integer, intent(in) :: descriptor
@@ -81,7 +80,7 @@ contains
     character(*), intent(in), optional :: study, checksums
     type(classic_reader) :: reader
     character(:), allocatable :: start, of_design
-    integer(i1), allocatable :: statuses(:)        ! bytes of integers of four, the most significant first
+    integer(i1), allocatable :: statuses(:)        ! big-endian integers of four bytes
     integer(i8) :: have
     integer :: problem
     of_design = ''
@@ -98,7 +97,7 @@ contains
       allocate (statuses(merge(reader%bytes, 0_i8, existing%is_there)))
       problem = read_bytes(descriptor, reader%place, statuses, have)
       if (problem /= 0) call cannot_be_read(error, path, problem)
-      existing%not_trusted = count(statuses(4:have:4) /= case_done, kind=i8)      ! studies have none
+      existing%not_trusted = count(statuses(4:have:4) /= case_done, kind=i8)      ! studies have no statuses
       if (.not. existing%is_there .and. .not. overwrite) call fail(error, status_bad_file, path// &
         ': is there already, of another scene or version; --overwrite replaces it')
     else if (index(start, hdf5) == 1 .and. .not. overwrite) then

@@ -1,6 +1,6 @@
 module bw_file_rows
-  !! What a result holds beside its cases: the coordinates and every number of the scene, which are known before any case is
-  !! run, and what is known when all are done.
+  !! The variables of a result beside its cases: coordinates and all numbers of the scene, known before any case is run,
+  !! and values known when all are done.
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_classic_head, only: classic_head
   use bw_kinds, only: dp, i8
@@ -26,15 +26,15 @@ module bw_file_rows
   integer, parameter :: at_once = 65536                       !! numbers of a swept input in memory
 
   type :: series_type
-    !! Numbers that a sweep runs through.
-    real(dp), allocatable :: values(:)    !! again and again
-    integer :: each = 1                   !! how many times each in a row
+    !! The values of a swept input.
+    real(dp), allocatable :: values(:)    !! repeated as often as needed
+    integer :: each = 1                   !! consecutive cases with the same value
   end type series_type
 
 contains
 
   subroutine add_dimensions(layout, head)
-    !! The dimensions that a result has.
+    !! Add the dimensions of a result.
     type(result_layout), intent(in) :: layout
     type(classic_head), intent(inout) :: head
     integer :: i
@@ -46,11 +46,11 @@ contains
   end subroutine add_dimensions
 
   subroutine coordinate_rows(table, scene)
-    !! Coordinates, and what is known of the sensors of a record.
+    !! Put coordinates, and properties of a record's sensors.
     class(result_table), intent(inout) :: table
     type(scene_type), intent(in) :: scene
     character(*), parameter :: along = 'place along the beam, x/l'
-    character(:), allocatable :: begin                  ! what happens at t = 0
+    character(:), allocatable :: begin                  ! the event at t = 0
     logical :: of_record
     integer :: j
     of_record = table%layout%of_record
@@ -98,7 +98,7 @@ contains
   end subroutine coordinate_rows
 
   pure function points_of(scene) result(points)
-    !! Where histories are wanted, or the answer to a force; both have the same points.
+    !! Return the points of histories or harmonic responses, which are the same.
     type(scene_type), intent(in) :: scene
     real(dp), allocatable :: points(:)
     if (allocated(scene%response)) then
@@ -109,10 +109,10 @@ contains
   end function points_of
 
   subroutine count_row(table, name, long_name, words)
-    !! A coordinate that counts from 1.
+    !! Put a coordinate that counts from 1.
     class(result_table), intent(inout) :: table
     character(*), intent(in) :: name, long_name
-    character(*), intent(in), optional :: words(:)    !! what the numbers stand for
+    character(*), intent(in), optional :: words(:)    !! the meaning of each number
     integer :: first, last, i
     if (.not. table%whole_row(name, name, long_name, words, 1)) return
     do first = 1, table%length_of(name), at_once
@@ -122,7 +122,7 @@ contains
   end subroutine count_row
 
   subroutine sensor_rows(table, sensors)
-    !! What is known of the sensors of a record, and of its parts.
+    !! Put the sensors of a record, and its parts.
     class(result_table), intent(inout) :: table
     type(sensor_type), intent(in) :: sensors(:)
     type(string), dimension(size(sensors)) :: names, units
@@ -142,7 +142,7 @@ contains
   end subroutine sensor_rows
 
   pure function swept_names(scene) result(names)
-    !! Variables of the swept inputs, by spaces.
+    !! Return the variables of swept inputs, separated by spaces.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: names
     type(numeric_input), allocatable :: inputs(:)
@@ -161,24 +161,24 @@ contains
   end function swept_names
 
   pure function swept_variable(input, i) result(name)
-    !! The variable of one swept number, as `beam_length`, or of one of several `body_mass_2`: one that has the dimension `case`
-    !! alone, so that all that depends on the case can have it as a coordinate.
+    !! Return the variable of one swept number, such as `beam_length`, or `body_mass_2` for one of several: its only
+    !! dimension is `case`, so that it can be a coordinate of all that depends on the case.
     type(numeric_input), intent(in) :: input
-    integer, intent(in) :: i                          !! which of its numbers
+    integer, intent(in) :: i                          !! index of the number
     character(:), allocatable :: name
     name = input_variable(input)
     if (input%dimension /= '') name = name//'_'//text_of(i)
   end function swept_variable
 
   pure function input_variable(input) result(name)
-    !! The variable of an input, as `beam_length`, with all its numbers.
+    !! Return the variable of an input, such as `beam_length`, with all its numbers.
     type(numeric_input), intent(in) :: input
     character(:), allocatable :: name
     name = trim(input%group)//'_'//trim(input%name)
   end function input_variable
 
   subroutine input_rows(table, scene)
-    !! Every number of the resolved scene, scalar or along pieces or bodies, and (case) where swept.
+    !! Put every number of the resolved scene, scalar or along pieces or bodies, and (case) if swept.
     class(result_table), intent(inout) :: table
     type(scene_type), intent(in) :: scene
     type(numeric_input), allocatable :: inputs(:)
@@ -208,14 +208,14 @@ contains
   end subroutine input_rows
 
   logical function input_row(table, input, name, dimensions, meaning, is_complete) result(wanted)
-    !! The row of an input.
+    !! Define or request the row of an input.
     class(result_table), intent(inout) :: table
     type(numeric_input), intent(in) :: input
     character(*), intent(in) :: name, dimensions, meaning
     logical, intent(in) :: is_complete
     character(:), allocatable :: unit
     unit = trim(input%unit)
-    if (unit == '') unit = '1'                          ! that of what the input names
+    if (unit == '') unit = '1'                          ! unit of the input that it names
     if (input%is_integer) then
       wanted = table%whole_row(name, dimensions, meaning)
     else
@@ -224,11 +224,11 @@ contains
   end function input_row
 
   subroutine put_swept(table, scene, input, first, last)
-    !! What some numbers of an input run through from case to case.
+    !! Put the values of some numbers of an input for all cases.
     class(result_table), intent(inout) :: table
     type(scene_type), intent(in) :: scene
     type(numeric_input), intent(in) :: input
-    integer, intent(in) :: first, last                  !! which of its numbers
+    integer, intent(in) :: first, last                  !! range of its numbers
     type(series_type) :: series(first:last)
     integer :: i
     do i = first, last
@@ -242,7 +242,7 @@ contains
   end subroutine put_swept
 
   subroutine put_series(table, series, cases)
-    !! Put a row for each case, with a number of each series.
+    !! Put a row for each case, with one number of each series.
     class(result_table), intent(inout) :: table
     type(series_type), intent(in) :: series(:)
     integer, intent(in) :: cases
@@ -261,19 +261,19 @@ contains
   end subroutine put_series
 
   subroutine end_rows(table, seconds, over)
-    !! What is known when all cases are done.
+    !! Put values known when all cases are done.
     class(result_table), intent(inout) :: table
     real(dp), intent(in) :: seconds(:)                  !! (stages)
-    type(over_cases), intent(in) :: over                !! all cases; empty where the rows are defined, and where there is one
+    type(over_cases), intent(in) :: over                !! all cases; empty while rows are defined, and for one case
     if (table%real_row('stage_seconds', 'stage', 's', 'wall time of the stage over all cases')) call table%put(seconds)
     call pooled_rows(table, over%pooled)
     call quantile_rows(table, over%quantiles)
   end subroutine end_rows
 
   subroutine quantile_rows(table, quantiles)
-    !! The quantiles of what a design sums up, and how many cases have them.
+    !! Put quantiles of the summaries of a design, and the number of cases behind them.
     class(result_table), intent(inout) :: table
-    type(case_quantiles), intent(in), optional :: quantiles(:)   !! of each summary; absent where the rows are defined
+    type(case_quantiles), intent(in), optional :: quantiles(:)   !! of each summary; absent while rows are defined
     integer :: s
     do s = 1, size(table%summaries)
       associate (summary => table%summaries(s))
@@ -287,7 +287,7 @@ contains
   end subroutine quantile_rows
 
   subroutine pooled_rows(table, pooled)
-    !! The lines that repeats of a record share.
+    !! Put the lines shared by repeats of a record.
     class(result_table), intent(inout) :: table
     type(pooled_lines), intent(in), optional :: pooled
     character(*), parameter :: next = 'half the interval that holds what one more repeat measures', &

@@ -1,5 +1,5 @@
 module bw_model_rows
-  !! What a result holds of the modal model of a case (bw_modal_model): a row for each variable.
+  !! The modal model of a case (bw_modal_model) in a result: a row for each variable.
   use bw_case_result, only: modal_model
   use bw_result_table, only: result_table
   implicit none (type, external)
@@ -9,7 +9,7 @@ module bw_model_rows
 contains
 
   subroutine model_rows(table, model)
-    !! The modal model.
+    !! Put the modal model.
     class(result_table), intent(inout) :: table
     type(modal_model), intent(in), optional :: model
     character(*), parameter :: at_points = 'mode point', by_force = 'point_too point', &

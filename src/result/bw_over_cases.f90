@@ -1,5 +1,5 @@
 module bw_over_cases
-  !! What all cases of a result say together.
+  !! Statistics over all cases of a result.
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_order, only: place_ranks
@@ -11,23 +11,23 @@ module bw_over_cases
   public :: quantiles_of_cases
 
   integer, parameter :: most_numbers = 2**22      !! in memory at a time
-  integer, parameter :: block = 4096              !! cases that are read together
+  integer, parameter :: block = 4096              !! cases read together
 
   type, public :: case_quantiles
-    !! Of one variable, those of each of its numbers by itself.
-    real(dp), allocatable :: values(:, :)         !! missing where no case has the number, (numbers, quantiles)
-    integer, allocatable :: cases(:)              !! that have the number, (numbers)
+    !! Quantiles of one variable, separately for each of its numbers.
+    real(dp), allocatable :: values(:, :)         !! missing if no case has the number, (numbers, quantiles)
+    integer, allocatable :: cases(:)              !! cases with the number, (numbers)
   end type case_quantiles
 
   type, public :: over_cases
-    type(pooled_lines), allocatable :: pooled             !! unallocated: its cases are no repeats
+    type(pooled_lines), allocatable :: pooled             !! unallocated: the cases are no repeats
     type(case_quantiles), allocatable :: quantiles(:)     !! in the order of the table's summaries; unallocated: no design
   end type over_cases
 
 contains
 
   subroutine quantiles_of_cases(table, quantiles)
-    !! The quantiles of everything that a design sums up, over all cases of a draft that is open.
+    !! Find quantiles of all summaries of a design over the cases of an open draft.
     class(result_table), intent(inout) :: table
     type(case_quantiles), allocatable, intent(out) :: quantiles(:)
     real(dp), allocatable :: columns(:, :), rows(:)
@@ -59,10 +59,10 @@ contains
   end subroutine quantiles_of_cases
 
   pure subroutine find_quantiles(values, quantiles, cases)
-    !! Linear between the numbers in their order, of which the first is quantile 0 and the last 1.
-    real(dp), intent(in) :: values(:)             !! missing ones are left out
+    !! Interpolate linearly between the sorted numbers, of which the first is quantile 0 and the last 1.
+    real(dp), intent(in) :: values(:)             !! missing ones are ignored
     real(dp), intent(out) :: quantiles(:)
-    integer, intent(out) :: cases                 !! that are not missing
+    integer, intent(out) :: cases                 !! those not missing
     real(dp), allocatable :: order(:)
     real(dp) :: places(size(quantiles))
     integer :: below(size(quantiles)), above(size(quantiles))

@@ -1,5 +1,5 @@
 module bw_record_rows
-  !! What a result holds of a record beside frequencies and waves: a row for each variable, with its values in SI.
+  !! The variables of a record beside frequencies and waves: a row for each, with values in SI.
   use bw_case_result, only: record_result
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -14,9 +14,9 @@ module bw_record_rows
 contains
 
   subroutine record_rows(table, record)
-    !! All of them.
+    !! Walk through all rows of a record.
     class(result_table), intent(inout) :: table
-    type(record_result), intent(in), optional :: record      !! absent where the rows are defined
+    type(record_result), intent(in), optional :: record      !! absent while rows are defined
     call line_rows(table, record)
     call noise_rows(table, record)
     call dispersion_rows(table, record)
@@ -26,7 +26,7 @@ contains
   end subroutine record_rows
 
   subroutine line_rows(table, record)
-    !! Each line: its decay, how it drifts, at each sensor, in parts of the record.
+    !! Put each line: its decay, drift, amplitudes at sensors, and values in parts of the record.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     if (row('angular_frequency_bound', 'peak', 'rad s-1', deviation_of//'the angular frequency')) &
@@ -68,7 +68,7 @@ contains
   end subroutine line_rows
 
   subroutine noise_rows(table, record)
-    !! What waves of a beam that is identified from all cases need of each: the noise of amplitudes, and what sensors share of it.
+    !! Put the noise of amplitudes, and its correlation between sensors, for waves along a beam identified from all cases.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     character(*), parameter :: needs = 'waves unknown', of_parts = ' of the real part of the amplitude, or the imaginary one'
@@ -91,7 +91,7 @@ contains
       end do
     end function noise_of_own
     pure function correlations(imaginary) result(columns)
-      !! (lines, pairs of sensors); none where sensors share no noise.
+      !! Return correlations, (lines, pairs of sensors); none if sensors share no noise.
       logical, intent(in) :: imaginary
       real(dp), allocatable :: columns(:, :)
       integer :: i, j, n
@@ -108,15 +108,15 @@ contains
   end subroutine noise_rows
 
   pure function along_lines(numbers) result(columns)
-    !! Numbers of sensors and lines, as columns that run along the lines. (gfortran 12 puts the elements of `transpose(abs(z))` in
-    !! a wrong order.)
+    !! Return numbers of sensors and lines as columns along the lines. (gfortran 12 misorders the elements of
+    !! `transpose(abs(z))`.)
     real(dp), intent(in) :: numbers(:, :)            !! (sensors, lines)
     real(dp) :: columns(size(numbers, 2), size(numbers, 1))
     columns = transpose(numbers)
   end function along_lines
 
   subroutine dispersion_rows(table, record)
-    !! What all lines together tell of the beam.
+    !! Put properties of the beam from all lines together.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     if (row('stiffness_root', 'm2 s-1', 'sqrt(EI/(rho A)) from the dispersion of the lines')) &
@@ -133,7 +133,7 @@ contains
   end subroutine dispersion_rows
 
   subroutine candidate_rows(table, record)
-    !! What was looked at, and is no line.
+    !! Put rejected candidates of lines.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     if (table%real_row('candidate_angular_frequency', 'candidate', 'rad s-1', &
@@ -148,7 +148,7 @@ contains
   end subroutine candidate_rows
 
   subroutine sensor_rows(table, record)
-    !! Each sensor: noise, and what is drawn.
+    !! Put each sensor: its noise, and curves for plots.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     if (row('noise_deviation', 'point', 'standard deviation of what the lines leave')) &
@@ -168,7 +168,7 @@ contains
   end subroutine sensor_rows
 
   subroutine hammer_rows(table, record)
-    !! A hammer's blow: modal constants, and the frequency response of this record alone.
+    !! Put a hammer's blow: modal constants, and the frequency response of this record alone.
     class(result_table), intent(inout) :: table
     type(record_result), intent(in), optional :: record
     if (row('measured_modal_constant_real', 'point peak', 'kg-1', 'real part of phi phi/M of sensor and hammer')) &

@@ -1,6 +1,6 @@
 module bw_result_draft
-  !! The draft of a result: one file of classic NetCDF with a place for every number, which is laid out before any case is run. The
-  !! processes of a host put their cases straight into it. A case is done when its status is there, and that is put when its
+  !! The draft of a result: one classic NetCDF file in which every number has a fixed place before any case is run. The
+  !! processes of a host put their cases directly into it. A case is done when it has a status, which is put after its
   !! numbers are on the disk.
   use bw_case_result, only: case_done, case_not_converged, case_result, case_words
   use bw_case_rows, only: case_rows
@@ -20,12 +20,12 @@ module bw_result_draft
   implicit none (type, external)
   private
 
-  integer, parameter, public :: not_done = -1        !! status of a case that is not done
+  integer, parameter, public :: not_done = -1        !! status of an unfinished case
   integer, parameter :: at_once = 4096               !! statuses in memory
 
   type, extends(result_table), public :: result_draft
     type(scene_type) :: scene
-    character(:), allocatable, private :: head_bytes  !! as they are in a file of this layout, without its texts
+    character(:), allocatable, private :: head_bytes  !! of a file of this layout, without its texts
     integer, private :: status = 0, notes = 0         !! variables
   contains
     procedure :: plan
@@ -37,7 +37,7 @@ module bw_result_draft
 contains
 
   subroutine plan(self, scene, layout, supplement)
-    !! Lay out the file of a result.
+    !! Define the file of a result.
     class(result_draft), intent(inout) :: self
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -65,7 +65,7 @@ contains
       call self%begin_section(of_cases)
       call case_rows(self, none)
       call self%begin_section(of_case_ends)
-      ignored = self%whole_row('case_status', '', 'how the case ended', case_words)      ! `put_statuses` puts it
+      ignored = self%whole_row('case_status', '', 'how the case ended', case_words)      ! put by `put_statuses`
       call self%begin_section(after_cases)
       call end_rows(self, seconds, nothing)
       call self%begin_section(of_supplement)
@@ -81,8 +81,8 @@ contains
   end subroutine plan
 
   subroutine create(self, path, error)
-    !! Make a draft that holds what is known before any case is run.
-    !! **Errors**: the disk has no room for it, or the system refuses it.
+    !! Create a draft with all values known before any case is run.
+    !! **Errors**: the disk is full, or the system refuses it.
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
@@ -99,7 +99,7 @@ contains
       n = min(at_once, max(1, self%layout%cases) - i + 1)
       call self%file%put_numbers(self%place_of(self%status, int(i, i8)), whole_width, spread(real(not_done, dp), 1, n))
     end do
-    if (self%layout%cases > 0) call self%file%flush(error)      ! before it looks like a draft, of which no case is done
+    if (self%layout%cases > 0) call self%file%flush(error)      ! before the head makes it a draft, without finished cases
     call self%file%put_text(0_i8, self%head_bytes)
     call self%set_text('history', history_text(self%scene))
     call self%file%write()
@@ -110,9 +110,8 @@ contains
   end subroutine create
 
   subroutine open_draft(self, path, shared, is_ours, error)
-    !! Open a draft that is there, if it is one of this layout: its head is the same to the byte, texts that change apart, and it
-    !! has the same length.
-    !! **Errors**: the system refuses it.
+    !! Open an existing draft of this layout: with the same length, and the same head to the byte except texts that
+    !! change. **Errors**: the system refuses it.
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: path
     logical, intent(in) :: shared                     !! other processes put cases between those of this one
@@ -134,7 +133,7 @@ contains
   end subroutine open_draft
 
   function host(self) result(name)
-    !! On which host the draft was made.
+    !! Return the host on which the draft was made.
     class(result_draft), intent(inout) :: self
     character(:), allocatable :: name
     call self%get_text('history', name)
@@ -142,8 +141,8 @@ contains
   end function host
 
   subroutine put_case(self, case, result)
-    !! Put the numbers of a case, and its notes. The last gate: a case that holds NaN or infinity, which no stage should leave,
-    !! cannot be trusted and says where.
+    !! Put the numbers of a case, and its notes. This is the last check: a case with NaN or infinity, which no stage
+    !! should produce, is marked as not trusted and names the variable.
     class(result_draft), intent(inout) :: self
     integer(i8), intent(in) :: case
     type(case_result), intent(inout) :: result
@@ -166,7 +165,7 @@ contains
   end subroutine put_case
 
   subroutine put_statuses(self, cases, statuses)
-    !! Put how cases ended, whose numbers are on the disk.
+    !! Put the statuses of cases whose numbers are on the disk.
     class(result_draft), intent(inout) :: self
     integer, intent(in) :: cases(:), statuses(:)
     integer :: i
@@ -179,7 +178,7 @@ contains
   end subroutine put_statuses
 
   subroutine get_statuses(self, statuses)
-    !! How all cases ended; `not_done` of those that have not, or whose status is none.
+    !! Get the statuses of all cases; `not_done` for unfinished ones or an invalid status.
     class(result_draft), intent(inout) :: self
     integer(i1), allocatable, intent(out) :: statuses(:)
     real(dp) :: values(at_once)
@@ -194,7 +193,7 @@ contains
   end subroutine get_statuses
 
   subroutine find_notes(self, cases)
-    !! The cases that have notes, ascending.
+    !! List the cases with notes, ascending.
     class(result_draft), intent(inout) :: self
     integer, allocatable, intent(out) :: cases(:)
     real(dp) :: counts(at_once)
@@ -208,7 +207,7 @@ contains
   end subroutine find_notes
 
   subroutine get_notes(self, case, notes)
-    !! The notes of a case.
+    !! Get the notes of a case.
     class(result_draft), intent(inout) :: self
     integer(i8), intent(in) :: case
     type(string), allocatable, intent(out) :: notes(:)
@@ -222,7 +221,7 @@ contains
   end subroutine get_notes
 
   subroutine take_cases(self, other, cases)
-    !! Take cases from another draft of the same layout, which nobody else writes meanwhile.
+    !! Copy cases from another draft of the same layout, to which no process writes meanwhile.
     class(result_draft), intent(inout) :: self
     class(result_draft), intent(inout) :: other
     integer, intent(in) :: cases(:)                   !! ascending
@@ -247,12 +246,12 @@ contains
   end subroutine take_cases
 
   subroutine finish(self, notes, report, seconds, over, error)
-    !! Put what is known when all cases are done, and bring all of it onto the disk.
-    !! **Errors**: that is refused.
+    !! Put values known when all cases are done, and flush the file to the disk.
+    !! **Errors**: the system refuses it.
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)                !! (stages)
-    type(over_cases), intent(in) :: over              !! empty of a single case
+    type(over_cases), intent(in) :: over              !! empty for a single case
     type(error_type), allocatable, intent(inout) :: error
     call self%begin_section(after_cases)
     call end_rows(self, seconds, over)

@@ -1,5 +1,5 @@
 module bw_result_header
-  !! What a file says of itself: the scene, the program, how it came about; and room for texts that are known in the end.
+  !! The attributes of a file: scene, program and history; and room for texts known at the end.
   use bw_classic_head, only: classic_head
   use bw_file_lock, only: own_host
   use bw_kinds, only: i4
@@ -12,21 +12,21 @@ module bw_result_header
   public :: history_text, put_attributes, source_text, time_stamp
 
   integer(i4), parameter :: format_version = 2
-  integer, parameter :: history_room = 1000, notes_room = 8000, report_room = 16000      !! letters; what is longer is cut
+  integer, parameter :: history_room = 1000, notes_room = 8000, report_room = 16000      !! letters; longer texts are cut
 
 contains
 
   pure function source_text() result(text)
-    !! The program, its version and its commit.
+    !! Return the program, its version and its commit.
     character(:), allocatable :: text
     text = 'beamwave '//program_version//' ('//program_commit//')'
   end function source_text
 
   subroutine put_attributes(head, scene, study)
-    !! The attributes of the file, with room for those that are known later.
+    !! Put the attributes of the file, with room for later ones.
     type(classic_head), intent(inout) :: head
     type(scene_type), intent(in) :: scene
-    character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
+    character(*), intent(in), optional :: study   !! the study that makes the result; absent: a run
     call put('Conventions', 'CF-1.11')
     call head%add_wholes('format_version', [format_version], of_file=.true.)
     call put('title', trim(scene%header%title))
@@ -51,7 +51,7 @@ contains
   end subroutine put_attributes
 
   function history_text(scene, study) result(text)
-    !! When, on which host and by which command a file is begun.
+    !! Return when, on which host and by which command a file was begun.
     type(scene_type), intent(in) :: scene
     character(*), intent(in), optional :: study   !! as above
     character(:), allocatable :: text
@@ -59,7 +59,7 @@ contains
   end function history_text
 
   function called_as(scene, study) result(text)
-    !! The command as it was called, with its options; behind it the scene's file where a directory stands for that.
+    !! Return the command as called, with its options; the scene's file is added if a directory stands for it.
     type(scene_type), intent(in) :: scene
     character(*), intent(in), optional :: study   !! as above
     character(:), allocatable :: text, word
@@ -75,14 +75,14 @@ contains
       named = named .or. word == scene%file
       text = text//' '//quoted(word)
     end do
-    if (i == 1 .and. present(study)) text = text//' '//study                 ! no program of a command line
+    if (i == 1 .and. present(study)) text = text//' '//study                 ! not called from a command line
     if (i == 1 .and. .not. present(study)) text = text//' run'
     if (i == 1) text = text//' '//scene%file
     if (i > 1 .and. .not. named) text = text//' ('//scene%file//')'
   end function called_as
 
   pure function quoted(word) result(text)
-    !! A word as a shell takes it for that word.
+    !! Quote a word for a shell.
     character(*), intent(in) :: word
     character(:), allocatable :: text
     text = word
@@ -90,7 +90,7 @@ contains
   end function quoted
 
   function time_stamp() result(text)
-    !! Now, as ISO 8601.
+    !! Return the present time, ISO 8601.
     character(:), allocatable :: text
     character(8) :: date
     character(10) :: time

@@ -1,11 +1,11 @@
 module bw_result_table
-  !! The table of a file's variables. A variable is one row: a call that says its name, dimensions, unit and meaning and answers
-  !! whether its values are wanted now, and behind that call its values:
+  !! The table of a file's variables. Each variable is one row: a call that gives its name, dimensions, unit and meaning
+  !! and returns whether its values are wanted now, followed by its values:
   !!
   !!     if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam')) call table%put([impulse])
   !!
-  !! The rows are walked through again and again: first to define the variables, which gives each its place in the file, then to
-  !! put values into the places of their names, or to find those of one name.
+  !! The rows are walked through repeatedly: first to define the variables, which gives each its place in the file, then
+  !! to put values into these places, or to find those of one name.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_classic_file, only: classic_file
   use bw_classic_head, only: letters, most_bytes, reals, wholes
@@ -17,40 +17,39 @@ module bw_result_table
   private
 
   character(*), parameter, public :: unit_of_sensors = 'of the sensors'
-    !! stands for the unit of what is measured, which a record's sensors tell; of simulated histories m
+    !! stands for the unit of the measured quantity, given by a record's sensors; m for simulated histories
   integer, parameter, public :: before_cases = 1, of_cases = 2, of_case_ends = 3, after_cases = 4, of_supplement = 5, of_notes = 6
-    !! sections of rows, in their order: what is known before any case is run; numbers that depend on the case; how the case
-    !! ended, which is put when these are on the disk; what is known when all cases are done; what else belongs into the result;
-    !! texts of cases, for which the disk keeps no room, as few have them
-  integer, parameter :: defining = 1, putting = 2, naming = 3         !! what the rows are walked through for
-  integer, parameter, public :: most_waiting = 2**18                  !! numbers of cases in memory; a case of more is put at once; tuned
+    !! sections of rows, in their order: values known before any case is run; numbers that depend on the case; statuses
+    !! of cases, which are put after these are on the disk; values known when all cases are done; supplements; texts of
+    !! cases, for which the disk reserves no room, as few have them
+  integer, parameter :: defining = 1, putting = 2, naming = 3         !! purposes of a walk
+  integer, parameter, public :: most_waiting = 2**18 !! numbers of cases in memory; a larger case is put at once; tuned
 
   type, public :: summary_row
-    !! A variable whose quantiles over the cases of a design are wanted.
+    !! A variable whose quantiles over the cases of a design are requested.
     character(:), allocatable :: name, dimensions, units, long_name    !! without `case`
   end type summary_row
 
   type, extends(classic_file), public :: result_table
-    type(result_layout) :: layout            !! of the result; as it is by default, of any other file
-    type(summary_row), allocatable :: summaries(:)   !! of a design, in the order of the rows; else of size 0
-    character(:), allocatable :: swept       !! variables of swept inputs, by spaces
-    integer(i8) :: case_numbers = 0          !! how many numbers a case has
-    real(dp), allocatable :: found(:)        !! the values of the name that was looked for
-    character(:), allocatable :: lost        !! of the case at hand, names of variables with NaN or infinity behind ', ' each: fill
-                                             !! stands there, and no stage should leave any
+    type(result_layout) :: layout            !! of the result; the default for any other file
+    type(summary_row), allocatable :: summaries(:)   !! of a design, in the order of the rows; else empty
+    character(:), allocatable :: swept       !! variables of swept inputs, separated by spaces
+    integer(i8) :: case_numbers = 0          !! numbers per case
+    real(dp), allocatable :: found(:)        !! the values of the requested name
+    character(:), allocatable :: lost        !! names of variables with NaN or infinity in the present case, which no stage should
+                                             !! leave, each after ', '; they are filled
     integer, private :: walk = defining, section = before_cases
-    integer, private :: before(before_cases:of_notes + 1) = 0   !! how many rows stand before those of a section
-    character(:), allocatable, private :: row_names         !! of all rows, one behind the other
-    integer, allocatable, private :: row_ends(:)            !! (0 to rows) where the name of each ends
-    integer, allocatable, private :: row_variables(:)       !! (rows) which variable is a row's; 0: the file lacks it
-    integer, private :: row_at = 0                          !! the last row that was walked through
-    integer(i8), allocatable, private :: numbers_before(:)  !! (variables) of the numbers of a case how many stand before its own; −1: it
-                                                        !! is not among them
-    integer, private :: at = 0               !! the variable at hand
-    logical, private :: is_blank = .false.   !! the case at hand has no reals
-    integer(i8), private :: case = 1         !! the case at hand
+    integer, private :: before(before_cases:of_notes + 1) = 0   !! rows before each section
+    character(:), allocatable, private :: row_names         !! of all rows, concatenated
+    integer, allocatable, private :: row_ends(:)            !! (0 to rows) ends of their names
+    integer, allocatable, private :: row_variables(:)       !! (rows) index of a row's variable; 0: not in the file
+    integer, private :: row_at = 0                          !! the last row visited
+    integer(i8), allocatable, private :: numbers_before(:)  !! (variables) offset in the numbers of a case; −1: not among them
+    integer, private :: at = 0               !! the present variable
+    logical, private :: is_blank = .false.   !! the present case has no reals
+    integer(i8), private :: case = 1         !! the present case
     character(:), allocatable, private :: suffix, ending, wanted
-    real(dp), allocatable, private :: waiting(:, :)     !! (case_numbers, cases) of cases that are not written yet
+    real(dp), allocatable, private :: waiting(:, :)     !! (case_numbers, cases) numbers of cases not written yet
     integer(i8), allocatable, private :: waiting_cases(:)
     integer, private :: waiting_count = 0
   contains
@@ -66,7 +65,7 @@ module bw_result_table
 contains
 
   subroutine begin_section(self, section)
-    !! The rows of a section follow.
+    !! Begin the rows of a section.
     class(result_table), intent(inout) :: self
     integer, intent(in) :: section
     if (.not. allocated(self%row_names)) then
@@ -84,7 +83,7 @@ contains
   end subroutine begin_section
 
   subroutine begin_case(self, case, is_blank)
-    !! The rows of a case follow.
+    !! Begin the rows of a case.
     class(result_table), intent(inout) :: self
     integer(i8), intent(in) :: case          !! its number, from 1
     logical, intent(in) :: is_blank          !! none of its reals exists; its integers do
@@ -104,7 +103,7 @@ contains
   end subroutine begin_case
 
   subroutine begin_names(self, suffix, ending)
-    !! What the names of the rows that follow end with, and what is said of them.
+    !! Append a suffix to the names of the rows that follow, and an ending to their meanings.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: suffix, ending
     self%suffix = suffix
@@ -112,7 +111,7 @@ contains
   end subroutine begin_names
 
   subroutine look_for(self, name)
-    !! The rows that follow give `found` the values of one name, whatever a file would have.
+    !! Let the rows that follow put the values of one name into `found`, whether or not a file has it.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name
     self%walk = naming
@@ -121,16 +120,16 @@ contains
   end subroutine look_for
 
   logical function real_row(self, name, dimensions, units, long_name, references, needs, is_complete, summary) result(wanted)
-    !! The row of reals.
+    !! Define or request the row of reals.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name
-    character(*), intent(in) :: dimensions                     !! names in the file's order, by spaces; a scalar has none
+    character(*), intent(in) :: dimensions                     !! names in the file's order, separated by spaces; empty for a scalar
     character(*), intent(in) :: units                          !! UDUNITS
     character(*), intent(in) :: long_name
-    character(*), intent(in), optional :: references           !! the paper's equation; absent or empty: it is none of the paper's
-    character(*), intent(in), optional :: needs                !! what the result must have beside the dimensions, for `has`
-    logical, intent(in), optional :: is_complete               !! every value exists, as of coordinates; absent: some may not
-    logical, intent(in), optional :: summary                   !! a designer asks for its quantiles over the cases; absent: not
+    character(*), intent(in), optional :: references           !! the paper's equation; absent or empty: none
+    character(*), intent(in), optional :: needs                !! further condition on the result, for `has`
+    logical, intent(in), optional :: is_complete               !! every value exists, as for coordinates; absent: some may not
+    logical, intent(in), optional :: summary                   !! a design has quantiles over its cases; absent: not
     logical :: is_filled
     wanted = self%row(name, reals, dimensions, units, long_name, needs)
     if (wanted .and. self%is_blank) call self%fill(0_i8)
@@ -145,7 +144,7 @@ contains
   end function real_row
 
   subroutine sum_up(self, name, dimensions, units, long_name, wanted)
-    !! Keep what a design's rows of quantiles say of a variable.
+    !! Store what the quantile rows of a design need of a variable.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name, dimensions, units, long_name
     logical, intent(in) :: wanted
@@ -165,12 +164,12 @@ contains
   end subroutine sum_up
 
   logical function whole_row(self, name, dimensions, long_name, flags, first_flag, has_masks, needs) result(wanted)
-    !! The row of integers, all of which exist: 0 stands where none is put. They have no fill, which xarray would read as reals.
+    !! Define or request the row of integers, 0 by default. xarray would read integers with a fill value as reals.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name, dimensions, long_name
-    character(*), intent(in), optional :: flags(:)             !! CF's flags: what the numbers stand for
+    character(*), intent(in), optional :: flags(:)             !! CF flags: the meanings of the numbers
     integer, intent(in), optional :: first_flag                !! the number of the first; absent: 0
-    logical, intent(in), optional :: has_masks                 !! they are bits 1, 2, 4, …, of which several may be set
+    logical, intent(in), optional :: has_masks                 !! they are bits 1, 2, 4, …, which may be combined
     character(*), intent(in), optional :: needs
     integer :: first, i
     wanted = self%row(name, wholes, dimensions, '1', long_name, needs)
@@ -186,7 +185,7 @@ contains
   end function whole_row
 
   logical function text_row(self, name, dimensions, long_name, needs) result(wanted)
-    !! The row of texts; their letters are the last dimension.
+    !! Define or request the row of texts; their letters are the last dimension.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name, dimensions, long_name
     character(*), intent(in), optional :: needs
@@ -213,7 +212,7 @@ contains
   end function row
 
   pure subroutine find_row(self, name)
-    !! Go to the variable of a row of the section at hand; 0 where the file lacks it. The row behind the last is looked at first.
+    !! Go to the variable of a row of the present section; 0 if the file lacks it. The row after the last one is tried first.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name
     integer :: r, i, n
@@ -232,7 +231,7 @@ contains
   end subroutine find_row
 
   subroutine define(self, name, kind, dimensions, units, long_name, needs)
-    !! Define the variable of a row, if the file has it: where it has all of its dimensions and what else the row needs.
+    !! Define the variable of a row, if the file has all of its dimensions and meets the row's condition.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name, dimensions, units, long_name
     integer, intent(in) :: kind
@@ -268,7 +267,7 @@ contains
   end subroutine define
 
   pure function positions_of(layout, dimensions) result(name)
-    !! The places along the beam that belong to dimensions, behind a space.
+    !! Name the coordinate along the beam that belongs to dimensions, after a space.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: dimensions
     character(:), allocatable :: name
@@ -278,10 +277,10 @@ contains
   end function positions_of
 
   subroutine lay_out(self, head, fits)
-    !! All rows have been walked through: give the variables their places. From now on values are put.
+    !! End the definitions, and give the variables their places. From now on values are put.
     class(result_table), intent(inout) :: self
-    character(:), allocatable, intent(out) :: head        !! as it stands at the beginning of the file
-    logical, intent(out) :: fits                          !! .false.: a variable takes a head with wider sizes
+    character(:), allocatable, intent(out) :: head        !! the first bytes of the file
+    logical, intent(out) :: fits                          !! .false.: a variable needs a head with wider sizes
     integer :: r, v
     self%before(self%section + 1:) = size(self%row_variables)
     associate (variables => self%head%variables(:self%head%count))
@@ -300,16 +299,16 @@ contains
   end subroutine lay_out
 
   pure integer(i8) function wanted_count(self) result(count)
-    !! How many numbers are wanted.
+    !! Return the number of values that are wanted.
     class(result_table), intent(in) :: self
     count = huge(count)
     if (self%walk == putting) count = self%head%variables(self%at)%room
   end function wanted_count
 
   recursive subroutine store(self, first, values)
-    !! Put some of the numbers of the row at hand; those of a case wait for others, unless they are many.
+    !! Put some of the numbers of the present row; those of a case are buffered, unless they are many.
     class(result_table), intent(inout) :: self
-    integer(i8), intent(in) :: first         !! how many stand before
+    integer(i8), intent(in) :: first         !! offset in the row
     real(dp), intent(in), contiguous :: values(:)
     real(dp), allocatable :: sound(:)
     character(:), allocatable :: name
@@ -332,10 +331,10 @@ contains
   end subroutine store
 
   subroutine fill(self, first, last)
-    !! Put what stands for no number from a number on.
+    !! Put fill from an offset on.
     class(result_table), intent(inout) :: self
-    integer(i8), intent(in) :: first         !! how many stand before
-    integer(i8), intent(in), optional :: last    !! absent: all that are wanted
+    integer(i8), intent(in) :: first         !! offset in the row
+    integer(i8), intent(in), optional :: last    !! absent: to the end of the row
     real(dp) :: none(256)
     integer(i8) :: i, end
     end = self%wanted_count()
@@ -348,9 +347,9 @@ contains
   end subroutine fill
 
   subroutine put_list(self, values)
-    !! Put the numbers of a row, the last dimension fastest; behind fewer than are wanted stands what means none.
+    !! Put the numbers of a row, the last dimension fastest; missing ones at the end are filled.
     class(result_table), intent(inout) :: self
-    real(dp), intent(in), optional, contiguous :: values(:)     !! absent: there is none
+    real(dp), intent(in), optional, contiguous :: values(:)     !! absent: none
     integer(i8) :: n
     n = 0
     if (present(values)) n = min(size(values, kind=i8), self%wanted_count())
@@ -368,7 +367,7 @@ contains
   subroutine put_columns(self, columns)
     !! Put the numbers of a row of two dimensions: each column runs along the last one.
     class(result_table), intent(inout) :: self
-    real(dp), intent(in), optional, contiguous :: columns(:, :)  !! absent: there is none
+    real(dp), intent(in), optional, contiguous :: columns(:, :)  !! absent: none
     integer(i8) :: length, c, n
     if (.not. present(columns)) then
       call self%fill(0_i8)
@@ -384,7 +383,7 @@ contains
   end subroutine put_columns
 
   pure integer function last_length(self) result(length)
-    !! Of the row at hand, how long its last dimension is.
+    !! Return the length of the last dimension of the present row.
     class(result_table), intent(in) :: self
     associate (dimensions => self%head%variables(self%at)%dimensions)
       length = self%head%lengths(dimensions(size(dimensions)))
@@ -392,7 +391,7 @@ contains
   end function last_length
 
   subroutine put_texts(self, texts)
-    !! Put texts, each cut to its room; zeros stand behind them.
+    !! Put texts, each cut to its room, or padded with zeros.
     class(result_table), intent(inout) :: self
     type(string), intent(in) :: texts(:)
     integer :: length, i
@@ -403,7 +402,7 @@ contains
   end subroutine put_texts
 
   subroutine put_again(self, name, values)
-    !! Put other values of a variable of the case at hand.
+    !! Replace the values of a variable of the present case.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name
     integer, intent(in) :: values(:)
@@ -412,7 +411,7 @@ contains
   end subroutine put_again
 
   subroutine write_cases(self)
-    !! Hand to the system all that was put.
+    !! Pass all buffered numbers to the system.
     class(result_table), intent(inout) :: self
     integer :: v, i
     call self%file%hold()
@@ -430,7 +429,7 @@ contains
   end subroutine write_cases
 
   pure logical function is_gathered(self, variable)
-    !! Whether the numbers of a variable are among those of a case.
+    !! Return whether the numbers of a variable are among those of a case.
     class(result_table), intent(in) :: self
     integer, intent(in) :: variable
     is_gathered = self%numbers_before(variable) >= 0

@@ -1,6 +1,6 @@
 module bw_run_scene
-  !! A scene from what is there already to its finished file. A scene without sweeps has one case; the cases of sweeps are
-  !! `bw_run_sweep`'s.
+  !! Run of a scene up to its finished file, reusing what exists. A scene without sweeps has one case; `bw_run_sweep`
+  !! runs the cases of sweeps.
   use bw_case_result, only: case_done, case_motion, case_result
   use bw_case_tolerance, only: fix_tolerance
   use bw_error, only: error_type, fail, status_bad_file
@@ -33,24 +33,24 @@ module bw_run_scene
 contains
 
   subroutine run_scene(scene, directory, overwrite, part, group, progress, outcome, error, supplement)
-    !! Run all cases of a scene, write DIRECTORY/<scene>.nc, and say how it went. Called by all processes; the leader gets
-    !! the outcome.
-    !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
+    !! Run all cases of a scene, write DIRECTORY/<scene>.nc, and report the outcome. Called by all processes; the leader
+    !! gets the outcome.
+    !! **Errors**: `status_bad_file` if a file cannot be read or written or belongs to another scene.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
-    integer, intent(in) :: part(2)              !! which part of how many is run by itself: the cases that are ≡ part(1) mod part(2)
+    integer, intent(in) :: part(2)              !! part and number of parts: only cases ≡ part(1) mod part(2) are run
     class(process_group), intent(inout) :: group
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
-    class(result_supplement), intent(inout), optional :: supplement    !! what else belongs into the result
+    class(result_supplement), intent(inout), optional :: supplement    !! additions to the result
     type(unfinished_work) :: work
     type(record_extent), allocatable :: extents(:)
-    type(record_type) :: record                 ! the last that was read
+    type(record_type) :: record                 ! the last record read
     real(dp) :: nothing(0)
     logical :: is_sweep
-    integer(i4), allocatable :: go(:)           ! its size: 1 where there is work to do
+    integer(i4), allocatable :: go(:)           ! its size is 1 if there is work to do
     type(case_motion), allocatable :: planned
     work%scene = scene
     work%layout = layout_of(scene)
@@ -89,12 +89,12 @@ contains
   end subroutine run_scene
 
   subroutine look_first(work, monitor, outcome, go, planned, error)
-    !! Find out whether there is something to do, and room to do it; then take the lock of the work, and the place of other work.
+    !! Find out whether there is work to do and room for it; then take the lock, and remove drafts of other work.
     type(unfinished_work), intent(inout) :: work
     class(monitor_type), intent(inout) :: monitor
     type(outcome_type), intent(inout) :: outcome
     integer(i4), allocatable, intent(inout) :: go(:)
-    type(case_motion), allocatable, intent(out) :: planned    !! of a single case, if its tolerance asks for that
+    type(case_motion), allocatable, intent(out) :: planned    !! plan of a single case, if its tolerance needs one
     type(error_type), allocatable, intent(out) :: error
     type(existing_result) :: existing
     type(error_type), allocatable :: refused
@@ -105,7 +105,7 @@ contains
       if (is_relaxed(work%scene%modes)) then
         if (allocated(planned)) deallocate (planned)   ! so that a run of the resolved scene has the same plan
         call work%draft%plan(work%scene, work%layout)
-        call look()                               ! the result that is there may be of this scene after all
+        call look()                               ! the existing result may be of this scene after all
       end if
       if (.not. allocated(error) .and. allocated(refused)) call move_alloc(refused, error)
     end if
@@ -134,8 +134,8 @@ contains
   end subroutine look_first
 
   subroutine ask_for_memory(work, error)
-    !! Ask for the memory that a case takes, and give it back.
-    !! **Errors**: `status_bad_file` where it is refused, before any work is done.
+    !! Check that the memory of a case can be allocated, and release it.
+    !! **Errors**: `status_bad_file` if it is refused, before any work is done.
     type(unfinished_work), intent(in) :: work
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: room(:)
@@ -148,17 +148,17 @@ contains
   end subroutine ask_for_memory
 
   subroutine run_single(work, record, planned, progress, outcome, error, supplement)
-    !! Run the only case. After an error, or when it is stopped, nothing is left of it.
+    !! Run the only case. After an error or a stop no draft remains.
     type(unfinished_work), intent(inout) :: work          !! locked
-    type(record_type), intent(inout) :: record            !! the scene's, used up; without samples where it has none
-    type(case_motion), allocatable, intent(inout) :: planned   !! up to its histories, used up; unallocated: not yet
+    type(record_type), intent(inout) :: record            !! of the scene, consumed; without samples if it has none
+    type(case_motion), allocatable, intent(inout) :: planned   !! up to its histories, consumed; unallocated: not planned
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     class(result_supplement), intent(inout), optional :: supplement
     type(case_result) :: result
     type(case_cache) :: cache
-    type(over_cases) :: over                              ! nothing
+    type(over_cases) :: over                              ! empty
     type(stopwatch) :: watch
     type(notes_type) :: notes
     character(:), allocatable :: report

@@ -1,6 +1,6 @@
 module bw_run_sweep
-  !! A sweep: its cases are shared by all processes of a group, each of which puts its own into the draft of its host. Who finds
-  !! all cases done finishes the file.
+  !! A sweep: its cases are shared by all processes of a group, each of which puts its own into the draft of its host. A
+  !! process that finds all cases done finishes the file.
   use bw_case_result, only: case_done
   use bw_error, only: error_type, status_done
   use bw_files, only: look_at, path_state
@@ -30,21 +30,21 @@ module bw_run_sweep
 contains
 
   subroutine run_sweep(work, group, progress, outcome, error, supplement)
-    !! Run the cases that are left, and make the result. Called by all processes; the leader, which has the lock of the work,
-    !! gets the outcome, and an error if any has one.
+    !! Run the remaining cases, and make the result. Called by all processes; the leader, which holds the lock, gets the
+    !! outcome, and an error if any has one.
     type(unfinished_work), intent(inout) :: work
     class(process_group), intent(inout), target :: group
     class(progress_type), intent(inout), target :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
-    class(result_supplement), intent(inout), optional :: supplement    !! what else belongs into the result
+    class(result_supplement), intent(inout), optional :: supplement    !! additions to the result
     type(worker_type) :: worker
     type(string), allocatable :: hosts(:)
-    integer(i4), allocatable :: left(:), owner(:)      ! cases that are to be done; letters of the host of the first draft
-    type(string) :: table                              ! of cases, to be printed; allocated where the result is in its place
+    integer(i4), allocatable :: left(:), owner(:)      ! remaining cases; letters of the host of the first draft
+    type(string) :: table                              ! of cases, to be printed; allocated if the result is in its place
     real(dp), allocatable :: totals(:)
     real(dp) :: began, nothing(0)
-    integer(i8) :: before, done                        ! cases that were done; that are done now
+    integer(i8) :: before, done                        ! cases done earlier; cases done now
     call group%hosts(hosts)
     if (group%leads()) call take_up(work, hosts, left, owner, before, error)
     call group%share(owner)
@@ -69,18 +69,18 @@ contains
     call conclude(work, progress, worker%watch, table, outcome, error, supplement)
     call progress%end()
     if (.not. allocated(table%text)) return
-    before = work%layout%cases - nint(totals(size(totals)), i8)        ! of other parts, too
+    before = work%layout%cases - nint(totals(size(totals)), i8)        ! including other parts
     call outcome%set_report(work%scene, work%layout, table%text, before, &
                             stage_report(worker%watch, wall_seconds() - began, group%processes, size(left, kind=i8)))
   end subroutine run_sweep
 
   subroutine take_up(work, hosts, left, owner, before, error)
-    !! Find out what is left to do, and provide the drafts: the first step of the leader.
-    !! **Errors**: a draft cannot be read or made, or another process is at work on the same part.
+    !! Find the remaining cases, and create the drafts: the leader's first step.
+    !! **Errors**: a draft cannot be read or made, or another process works on the same part.
     type(unfinished_work), intent(inout) :: work
     type(string), intent(in) :: hosts(:)
     integer(i4), allocatable, intent(out) :: left(:), owner(:)    !! `owner` is empty after an error
-    integer(i8), intent(out) :: before                !! cases of this part that are done
+    integer(i8), intent(out) :: before                !! finished cases of this part
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: statuses(:)
     integer :: i, n
@@ -104,17 +104,17 @@ contains
   end subroutine take_up
 
   subroutine conclude(work, progress, watch, table, outcome, error, supplement)
-    !! Finish the file if all cases are done; else leave the work for later, and say so.
+    !! Finish the file if all cases are done; else leave the drafts for a later run, and report it.
     type(unfinished_work), intent(inout) :: work      !! no draft of it is open
-    class(progress_type), intent(inout) :: progress   !! may ask to stop
+    class(progress_type), intent(inout) :: progress   !! may request a stop
     type(stopwatch), intent(inout) :: watch
-    type(string), intent(out) :: table                !! of cases, to be printed; only of a result that is in its place
+    type(string), intent(out) :: table                !! of cases, to be printed; only if the result is in its place
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(inout) :: error
     class(result_supplement), intent(inout), optional :: supplement
     type(error_type), allocatable :: unread           ! a draft cannot be read
     integer(i1), allocatable :: statuses(:)
-    logical :: is_busy, whole                         ! others are at work; nobody asked to stop
+    logical :: is_busy, whole                         ! others are at work; no stop was requested
     is_busy = .false.
     if (work%parts > 1) call work%begin_end(is_busy, error)
     call work%survey(statuses, unread)
@@ -127,7 +127,7 @@ contains
       if (allocated(error)) then
         error%message = error%message//new_line('a')//saved_text(work, saved)
       else if (allocated(table%text)) then
-        if (work%parts > 1 .and. all(own == case_done)) outcome%status = status_done      ! others' failures are theirs
+        if (work%parts > 1 .and. all(own == case_done)) outcome%status = status_done      ! failures of others do not count
         if (present(supplement)) call outcome%trust(supplement%trusted)
       else if (work%parts > 1 .and. all(own /= not_done) .and. whole) then
         call outcome%set_part(work%scene, work%part, work%parts, statuses)
@@ -141,7 +141,7 @@ contains
   end subroutine conclude
 
   function saved_text(work, saved) result(text)
-    !! What is left after an error, and how to go on from there.
+    !! Report what remains after an error, and how to continue.
     type(unfinished_work), intent(in) :: work
     integer(i8), intent(in) :: saved                  !! cases
     character(:), allocatable :: text
@@ -160,14 +160,14 @@ contains
 
   subroutine assemble(work, statuses, progress, watch, table, outcome, whole, error, supplement)
     !! Make the result of all cases, and give it its final name.
-    !! **Errors**: it cannot be written, or drafts not be read.
+    !! **Errors**: it cannot be written, or drafts cannot be read.
     type(unfinished_work), intent(inout) :: work
-    integer(i1), intent(in) :: statuses(:)            !! how all cases ended
-    class(progress_type), intent(inout) :: progress   !! may ask to stop
+    integer(i1), intent(in) :: statuses(:)            !! of all cases
+    class(progress_type), intent(inout) :: progress   !! may request a stop
     type(stopwatch), intent(inout) :: watch
-    type(string), intent(out) :: table                !! of cases, to be printed; only of a result that is in its place
+    type(string), intent(out) :: table                !! of cases, to be printed; only if the result is in its place
     type(outcome_type), intent(inout) :: outcome
-    logical, intent(out) :: whole                     !! false where the monitor asked to stop
+    logical, intent(out) :: whole                     !! false if the monitor asked to stop
     type(error_type), allocatable, intent(inout) :: error
     class(result_supplement), intent(inout), optional :: supplement
     type(over_cases) :: over
@@ -193,7 +193,7 @@ contains
   end subroutine assemble
 
   function notes_of(work) result(lines)
-    !! The notes of all cases, put together.
+    !! Join the notes of all cases.
     type(unfinished_work), intent(inout) :: work
     character(:), allocatable :: lines
     type(notes_type) :: notes
@@ -209,14 +209,14 @@ contains
   end function notes_of
 
   subroutine finish_draft(work, report, watch, progress, outcome, whole, error, over, supplement)
-    !! Put what is known in the end into the first draft, whose cases are all done, and give it its final name.
-    !! **Errors**: that is refused, or was before.
+    !! Complete the first draft, whose cases are all done, and give it its final name.
+    !! **Errors**: that is refused, or an earlier operation was.
     type(unfinished_work), intent(inout) :: work      !! with that draft open
     character(:), allocatable, intent(inout) :: report
     type(stopwatch), intent(inout) :: watch
-    class(progress_type), intent(inout) :: progress   !! may ask to stop
+    class(progress_type), intent(inout) :: progress   !! may request a stop
     type(outcome_type), intent(inout) :: outcome
-    logical, intent(out) :: whole                     !! false where the monitor asked to stop
+    logical, intent(out) :: whole                     !! false if the monitor asked to stop
     type(error_type), allocatable, intent(inout) :: error
     type(over_cases), intent(in) :: over              !! empty of a single case
     class(result_supplement), intent(inout), optional :: supplement

@@ -1,8 +1,8 @@
 module bw_unfinished_work
-  !! The unfinished work of a scene: the scene, what its result will hold, and the drafts with its finished cases. The first host has
-  !! the draft that becomes the result; each further one has its own, since clients of a file server write whole pages back.
-  !! Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or version
-  !! whose place a run takes, unless it runs a part.
+  !! The unfinished work of a scene: the scene, the layout of its result, and the drafts with its finished cases. The
+  !! draft of the first host becomes the result; each further host has its own, since clients of a file server write
+  !! back whole pages. A draft is removed only after it was read under the lock, and recognised as of this work, or of
+  !! another scene or version that a run replaces; a run of a part replaces none.
   use bw_case_result, only: case_done, case_misfit
   use bw_error, only: error_type, fail, status_bad_file
   use bw_file_lock, only: own_host
@@ -19,9 +19,9 @@ module bw_unfinished_work
   type, extends(work_directory), public :: unfinished_work
     type(scene_type) :: scene
     type(result_layout) :: layout             !! of the scene's result
-    type(result_draft) :: draft               !! laid out; open where this process puts its cases
-    character(:), allocatable :: owner        !! the host of the first draft; empty: there is none
-    logical :: took_away = .false.            !! work of another scene or version, or a damaged draft
+    type(result_draft) :: draft               !! laid out; open if this process puts its cases into it
+    character(:), allocatable :: owner        !! the host of the first draft; empty: none
+    logical :: took_away = .false.            !! removed drafts of another scene or version, or damaged ones
   contains
     procedure :: remove
     procedure :: survey
@@ -34,8 +34,8 @@ module bw_unfinished_work
 contains
 
   subroutine remove(self, own, others, error)
-    !! Take away drafts of this work, or of other work.
-    !! **Errors**: one cannot be read or taken away; it is other work, which a part leaves alone.
+    !! Remove drafts of this work, or of other work.
+    !! **Errors**: one cannot be read or removed, or is other work, which a part may not remove.
     class(unfinished_work), intent(inout) :: self
     logical, intent(in) :: own, others
     type(error_type), allocatable, intent(inout) :: error
@@ -59,10 +59,10 @@ contains
   end subroutine remove
 
   subroutine survey(self, statuses, error)
-    !! Read all drafts of this work: how the cases ended that are done in any. None of them is open here.
+    !! Read the statuses of cases from all drafts of this work, none of which is open here.
     !! **Errors**: one cannot be read.
     class(unfinished_work), intent(inout) :: self
-    integer(i1), allocatable, intent(out) :: statuses(:)   !! (cases), `not_done` of the others
+    integer(i1), allocatable, intent(out) :: statuses(:)   !! (cases), `not_done` unless a draft has the case
     type(error_type), allocatable, intent(inout) :: error
     type(string), allocatable :: paths(:)
     integer(i1), allocatable :: found(:)
@@ -75,7 +75,7 @@ contains
       call self%draft%open(paths(i)%text, .false., is_ours, error)
       if (is_ours) then
         call self%draft%get_statuses(found)
-        where (found == case_misfit) found = case_done       ! which is found anew
+        where (found == case_misfit) found = case_done       ! the misfit is found anew
         where (statuses == not_done) statuses = found
         if (paths(i)%text == self%draft_of('')) self%owner = self%draft%host()
       end if
@@ -85,8 +85,8 @@ contains
   end subroutine survey
 
   subroutine provide(self, hosts, error)
-    !! Make the drafts that are not there: the first one, and one for each further host. Of a part the first one may be another
-    !! host's. **Errors**: one cannot be made.
+    !! Create missing drafts: the first one, and one for each further host. For a part, the first may be on another
+    !! host. **Errors**: one cannot be made.
     class(unfinished_work), intent(inout) :: self
     type(string), intent(in) :: hosts(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -109,7 +109,7 @@ contains
 
   subroutine open_draft(self, error)
     !! Open the draft of this host.
-    !! **Errors**: the system refuses it, or it is not there as it was laid out.
+    !! **Errors**: the system refuses it, or its layout differs.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: host
@@ -122,8 +122,8 @@ contains
   end subroutine open_draft
 
   subroutine merge_drafts(self, error)
-    !! Open the first draft, and take into it the cases that further hosts have done.
-    !! **Errors**: one cannot be read, or the first not be written.
+    !! Open the first draft, and copy into it the cases of further hosts.
+    !! **Errors**: one cannot be read, or the first cannot be written.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     type(string), allocatable :: paths(:)
@@ -154,8 +154,8 @@ contains
   end subroutine merge_drafts
 
   subroutine clear(self)
-    !! Take away what a run left that was killed when its result had its final name already, unless another run is at work.
-    !! Work of another scene or version is not touched: a run of that may still want it.
+    !! Remove what a run left that was killed after it had named its result, unless another run is at work. Work of
+    !! another scene or version is kept: a run of it may continue it.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable :: error
     if (.not. directory_is_there(self%path)) return

@@ -1,6 +1,6 @@
 module bw_worker
-  !! One of the processes that share the cases of a sweep: it takes a batch of them, runs it, and puts each case into the draft of
-  !! its host, until nothing is left. A case is done when its numbers are on the disk: this is seen to every two seconds or sooner.
+  !! A worker process of a sweep: it takes batches of cases, runs them, and puts each into the draft of its host, until
+  !! none is left. A case is done when its numbers are on the disk, where cases are saved at least every two seconds.
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
@@ -16,19 +16,19 @@ module bw_worker
   private
   public :: batch_length
 
-  real(dp), parameter :: batch_seconds = 0.05_dp     !! work of a batch: long beside taking it, short beside a run; tuned
-  integer, parameter :: batches_left = 4             !! how many each process gets at least of what is left
-  real(dp), parameter :: look_every = 0.1_dp         !! s between two looks at what the others do
+  real(dp), parameter :: batch_seconds = 0.05_dp !! duration of a batch: long compared to taking it, short compared to a run; tuned
+  integer, parameter :: batches_left = 4             !! least number of remaining batches per process
+  real(dp), parameter :: look_every = 0.1_dp         !! s between two reports to the other processes
   real(dp), parameter :: save_seconds(2) = [0.1_dp, 2.0_dp]
-    !! between two times at which cases are saved, at least and at most: so much that saving takes a twentieth of the time
+    !! s between saves, least and most: within these, saving takes a twentieth of the time
   real(dp), parameter :: saving_share = 0.05_dp
 
   type :: unsaved_cases
-    !! Cases that are put into a draft and not on the disk.
+    !! Cases put into a draft and not yet saved to the disk.
     type(result_draft), pointer :: draft => null()
     integer, allocatable :: cases(:), statuses(:)
     integer :: count = 0
-    real(dp) :: due = 0.0_dp                         !! when they are to be saved next
+    real(dp) :: due = 0.0_dp                         !! time of the next save
     integer(i8) :: saved = 0                         !! cases of this process
     type(error_type), allocatable :: error           !! why they cannot be saved
   contains
@@ -37,13 +37,13 @@ module bw_worker
   end type unsaved_cases
 
   type, extends(monitor_type) :: group_monitor
-    !! Passes on the progress of a case and of the group, learns that anybody has stopped, and sees to it that cases are saved in time.
+    !! Forwards progress, detects that any process has stopped, and saves cases in time.
     class(progress_type), pointer :: progress => null()
     class(process_group), pointer :: group => null()
     type(unsaved_cases) :: unsaved
     integer(i8) :: done = 0                          !! cases of this process
-    integer(i8) :: told = 0                          !! of these, how many the others know of
-    integer(i8) :: shown = 0                         !! of all processes, how many the progress knows of
+    integer(i8) :: told = 0                          !! of these, reported to the others
+    integer(i8) :: shown = 0                         !! of all processes, reported to the progress
     real(dp) :: looked = 0.0_dp
     logical :: stopped = .false.
   contains
@@ -55,11 +55,11 @@ module bw_worker
   end type group_monitor
 
   type, public :: worker_type
-    !! What a process has at hand while it runs cases.
+    !! The state of a process that runs cases.
     type(scene_type) :: scene
     type(stopwatch) :: watch                         !! times of the stages of all its cases
-    type(scene_type), private :: one                 !! the case at hand, or the one before it
-    type(case_cache), private :: cache               !! what cases share
+    type(scene_type), private :: one                 !! the present or the previous case
+    type(case_cache), private :: cache               !! shared between cases
     type(group_monitor), private :: monitor
   contains
     procedure :: run_cases
@@ -69,11 +69,11 @@ module bw_worker
 contains
 
   subroutine run_cases(self, draft, left, group, progress, done, error)
-    !! Do cases as long as there are any, or until somebody stops.
-    !! **Errors**: a case cannot be put into the draft; then all are stopped.
+    !! Run cases until none is left or a process stops.
+    !! **Errors**: a case cannot be put into the draft; then all processes are stopped.
     class(worker_type), intent(inout) :: self
     type(result_draft), intent(inout), target :: draft
-    integer(i4), intent(in) :: left(:)               !! cases that are to be done
+    integer(i4), intent(in) :: left(:)               !! remaining cases
     class(process_group), intent(inout), target :: group
     class(progress_type), intent(inout), target :: progress
     integer(i8), intent(out) :: done                 !! cases that this process has finished
@@ -101,23 +101,23 @@ contains
     end do
     call self%monitor%look()
     call self%watch%start()
-    call self%monitor%unsaved%save(.not. group%leads())          ! who leads goes on to flush the draft
+    call self%monitor%unsaved%save(.not. group%leads())          ! the leader flushes the draft later
     call self%watch%lap(stage_write)
     if (.not. allocated(error)) call move_alloc(self%monitor%unsaved%error, error)
     done = self%monitor%unsaved%saved
   end subroutine run_cases
 
   pure integer(i8) function batch_length(left, processes, case_seconds) result(length)
-    !! How many cases a process takes at once: rarely many small ones, and so that no process is left with the last long one.
+    !! Return the number of cases in a batch: large enough for short cases, and small enough that all processes end together.
     integer(i8), intent(in) :: left                  !! cases
     integer, intent(in) :: processes
-    real(dp), intent(in) :: case_seconds             !! what a case took so far
+    real(dp), intent(in) :: case_seconds             !! mean duration of a case so far
     length = max(1_i8, int(min(batch_seconds/max(case_seconds, tiny(1.0_dp)), real(left, dp)/(batches_left*processes)), i8))
   end function batch_length
 
   subroutine run_one(self, index, error)
-    !! Run a case and put it into the draft, unless it is stopped on the way.
-    !! **Errors**: the case cannot be built, or not be put.
+    !! Run a case and put it into the draft, unless it is stopped.
+    !! **Errors**: the case cannot be built or put.
     class(worker_type), intent(inout) :: self
     integer(i8), intent(in) :: index                 !! of the case, from 1
     type(error_type), allocatable, intent(out) :: error
@@ -139,7 +139,7 @@ contains
   end subroutine run_one
 
   subroutine add_unsaved(self, case, status)
-    !! Remember a case.
+    !! Add a case to the unsaved ones.
     class(unsaved_cases), intent(inout) :: self
     integer, intent(in) :: case, status
     if (self%count == size(self%cases)) then
@@ -152,9 +152,9 @@ contains
   end subroutine add_unsaved
 
   subroutine save_cases(self, and_statuses)
-    !! Bring the numbers of all cases onto the disk, then put how they ended.
+    !! Save the numbers of all cases to the disk, then put their statuses.
     class(unsaved_cases), intent(inout) :: self
-    logical, intent(in) :: and_statuses              !! bring that onto the disk, too
+    logical, intent(in) :: and_statuses              !! save the statuses too
     real(dp) :: began
     began = wall_seconds()
     self%due = began + save_seconds(1)
@@ -169,21 +169,21 @@ contains
   end subroutine save_cases
 
   subroutine advance(self, fraction)
-    !! Pass on how much of the case at hand is done.
+    !! Forward the progress of the present case.
     class(group_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     call self%progress%advance(fraction)
   end subroutine advance
 
   subroutine enter(self, stage)
-    !! Pass on which stage of its work the case at hand is in.
+    !! Forward the present stage of the case.
     class(group_monitor), intent(inout) :: self
     character(*), intent(in) :: stage
     call self%progress%enter(stage)
   end subroutine enter
 
   logical function stop_requested(self)
-    !! Somebody has stopped: this process asks its progress, and now and then the others. What is put is saved now and then.
+    !! Return whether any process has stopped; asks the own progress and, at intervals, the others. Also saves cases when due.
     class(group_monitor), intent(inout) :: self
     real(dp) :: now
     now = wall_seconds()
@@ -205,7 +205,7 @@ contains
   end subroutine count_case
 
   subroutine look(self)
-    !! Tell the others of the cases that are finished, and see what they have done.
+    !! Report finished cases to the others, and get theirs.
     class(group_monitor), intent(inout) :: self
     integer(i8) :: all_done
     logical :: stopped

@@ -1,5 +1,5 @@
 module bw_line_reader
-  !! The lines of a text file one by one, however large it is: a piece of it is in memory at a time.
+  !! Reading of a text file line by line, with one block of it in memory.
   use bw_descriptors, only: close_file, open_regular, read_bytes
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read
@@ -13,19 +13,19 @@ module bw_line_reader
   integer, parameter, public :: longest_line = 2**21       !! bytes
   integer(i1), parameter :: line_feed = 10_i1, carriage_return = 13_i1
   integer(i1), parameter :: blank = 32_i1, no_break = int(-96, i1), before_no_break = int(-62, i1)
-    !! a no-break space is the second of these by itself in Latin 1, and behind the third in UTF-8
+    !! a no-break space is the second of these alone in Latin 1, and after the third in UTF-8
   integer(i1), parameter :: byte_order_mark(3) = int([-17, -69, -65], i1)
 
   type, public :: line_reader
     character(:), allocatable :: path
-    integer(i1), allocatable :: bytes(:)                   !! where the line lies
-    integer :: first = 1, last = 0                         !! of the line in `bytes`, without its end
+    integer(i1), allocatable :: bytes(:)                   !! the buffer
+    integer :: first = 1, last = 0                         !! of the line in `bytes`, without its line end
     integer(i8) :: line = 0                                !! its number in the file, from 1
     integer, private :: descriptor = -1
-    integer(i8), private :: offset = 0                     !! bytes read of the file
+    integer(i8), private :: offset = 0                     !! bytes read from the file
     integer :: have = 0                                    !! bytes in memory
-    integer, private :: next = 1                           !! where the next line begins in `bytes`
-    logical, private :: ended = .false.                    !! nothing more is in the file
+    integer, private :: next = 1                           !! start of the next line in `bytes`
+    logical, private :: ended = .false.                    !! the end of the file is reached
   contains
     procedure :: open => open_reader
     procedure :: next_line
@@ -36,7 +36,7 @@ module bw_line_reader
 contains
 
   subroutine open_reader(self, path, error)
-    !! Open a file, before its first line; a byte-order mark is no part of it. **Errors**: `status_bad_file`.
+    !! Open a file and skip a byte-order mark. **Errors**: `status_bad_file`.
     class(line_reader), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
@@ -56,15 +56,15 @@ contains
   end subroutine open_reader
 
   subroutine close_reader(self)
-    !! Close the file; nothing is done where none is open.
+    !! Close the file, if one is open.
     class(line_reader), intent(inout) :: self
     integer :: ignored
     ignored = close_file(self%descriptor)
   end subroutine close_reader
 
   subroutine next_line(self, there, error)
-    !! Go on to the next line; an end of its own is not needed for the last one.
-    !! **Errors**: `status_bad_file` where the file cannot be read, or a line is longer than any row.
+    !! Read the next line; the last one may lack a line end.
+    !! **Errors**: `status_bad_file` if the file cannot be read, or a line is longer than `longest_line`.
     class(line_reader), intent(inout) :: self
     logical, intent(out) :: there
     type(error_type), allocatable, intent(inout) :: error
@@ -75,7 +75,7 @@ contains
       at = line_end(self%bytes, searched, self%have)
       if (at <= self%have) exit                            ! a line feed
       if (self%ended) exit
-      searched = self%have - self%next + 1                 ! bytes of this line that have none
+      searched = self%have - self%next + 1                 ! bytes of this line without a line feed
       call self%refill(error)
       if (allocated(error)) return
       searched = self%next + searched
@@ -93,7 +93,7 @@ contains
   end subroutine next_line
 
   pure integer function line_end(bytes, first, last) result(at)
-    !! The first line feed between two places; the place behind the last where there is none.
+    !! Return the first line feed in a range; the position after the range if there is none.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(in) :: first, last
     do at = first, last
@@ -102,7 +102,7 @@ contains
   end function line_end
 
   subroutine refill(self, error)
-    !! Drop the lines that are done, and read on.
+    !! Drop processed lines, and read on.
     class(line_reader), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     integer(i1), allocatable :: wider(:)
@@ -131,7 +131,7 @@ contains
   end subroutine refill
 
   pure subroutine make_blank(bytes)
-    !! Blanks instead of no-break spaces, which look alike. Behind any other byte above 127 the same byte is a part of a letter.
+    !! Replace no-break spaces by blanks. After any other byte above 127 the same byte is part of a letter.
     integer(i1), intent(inout) :: bytes(:)
     integer(i1) :: before
     integer :: at
@@ -147,7 +147,7 @@ contains
   end subroutine make_blank
 
   pure function text_between(bytes, first, last) result(text)
-    !! Bytes as the characters that they are.
+    !! Return bytes as characters.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(in) :: first, last
     character(:), allocatable :: text

@@ -1,10 +1,10 @@
 module bw_number_scan
-  !! Numbers in a text, read where they stand: fast, and rounded as the nearest double.
+  !! Numbers parsed in place in a text: fast, and correctly rounded to double precision.
   !!
-  !! A mantissa below 2⁵³ and a power of ten up to 22 are both exact in double precision, so that one product or quotient of
-  !! them is the nearest double (Clinger, How to read floating point numbers accurately, 1990). A longer mantissa of up to 18 digits
-  !! takes quadruple precision, in which the product is exact. The quotient is a middle between two doubles, and exact, too, or at
-  !! least 2⁻¹⁰⁶ of itself from one; rounding to 113 bits does not take it there. The rest goes to C's `strtod`.
+  !! A mantissa below 2⁵³ and a power of ten up to 22 are both exact in double precision, so that one product or quotient is
+  !! correctly rounded (Clinger, How to read floating point numbers accurately, 1990). A longer mantissa of up to 18 digits takes
+  !! quadruple precision, where the product is exact. The quotient is exactly midway between two doubles, or its relative distance
+  !! from a midpoint is at least 2⁻¹⁰⁶, which rounding to 113 bits does not cross. C's `strtod` parses all other numbers.
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_loc, c_null_char, c_ptr
   use bw_kinds, only: dp, i1, i8, qp
   implicit none (type, external)
@@ -15,14 +15,14 @@ module bw_number_scan
   integer(i1), parameter :: letters(*) = iachar(['e', 'E', 'd', 'D'], i1)
   integer, parameter :: exact_power = 22, most_digits = 18
   integer(i8), parameter :: exact_mantissa = 2_i8**53
-  integer, parameter :: largest_exponent = 99999           !! what is written beyond is no other number
-  integer, parameter :: largest_power = 308                !! numbers stay below ten to it
+  integer, parameter :: largest_exponent = 99999           !! larger exponents count as this one
+  integer, parameter :: largest_power = 308                !! numbers are below ten to this power
   integer :: power
   real(dp), parameter :: tens(0:exact_power) = [(10.0_dp**power, power=0, exact_power)]
 
   interface
     real(c_double) function strtod(text, behind) bind(c, name='strtod')
-      !! C's own reading; what stands behind the number ends it.
+      !! C's parser; it ends at the first character after the number.
       import :: c_double, c_ptr
       implicit none (type, external)
       type(c_ptr), value :: text, behind
@@ -32,10 +32,10 @@ module bw_number_scan
 contains
 
   subroutine scan_number(bytes, at, last, mark, value, decade, good)
-    !! Read `[sign] digits [mark digits] [e|d [sign] digits]` from a place on. A number of 1e308 or more, where doubles
-    !! end, is not good.
+    !! Parse `[sign] digits [mark digits] [e|d [sign] digits]` at a position. A number of 1e308 or more, near overflow,
+    !! is not good.
     integer(i1), intent(in) :: bytes(:)
-    integer, intent(inout) :: at               !! first byte; afterwards the one behind the number
+    integer, intent(inout) :: at               !! first byte; on return the one after the number
     integer, intent(in) :: last                !! last byte of the line
     integer(i1), intent(in) :: mark            !! decimal mark
     real(dp), intent(out) :: value
@@ -56,7 +56,7 @@ contains
     if (negative .or. bytes(at) == plus) at = at + 1
     exponent = at
     call scan_digits(bytes, at, last, mantissa, digits)
-    exponent = at - exponent                   ! for now the digits, which may be zeros
+    exponent = at - exponent                   ! number of digits, for now; they may be zeros
     if (at <= last) then
       if (bytes(at) == mark) then
         at = at + 1
@@ -88,11 +88,11 @@ contains
   end subroutine scan_number
 
   pure subroutine scan_digits(bytes, at, last, mantissa, digits)
-    !! Digits up to something else; zeros before the first other digit do not count.
+    !! Parse digits; leading zeros do not count.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(inout) :: at
     integer, intent(in) :: last
-    integer(i8), intent(inout) :: mantissa     !! of no meaning with more than `most_digits`
+    integer(i8), intent(inout) :: mantissa     !! invalid with more than `most_digits`
     integer, intent(inout) :: digits
     integer :: digit
     do while (at <= last)
@@ -106,7 +106,7 @@ contains
   end subroutine scan_digits
 
   pure subroutine scan_exponent(bytes, at, last, exponent, good)
-    !! `e-3`, if it is there.
+    !! Parse an exponent such as `e-3`, if present.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(inout) :: at
     integer, intent(in) :: last
@@ -133,7 +133,7 @@ contains
   end subroutine scan_exponent
 
   real(dp) function by_library(bytes, mark) result(value)
-    !! The number as C reads it, once its letter is an e and its mark a point.
+    !! Parse by C's `strtod`, with e for the exponent letter and a point as decimal mark.
     integer(i1), intent(in) :: bytes(:)
     integer(i1), intent(in) :: mark
     character(kind=c_char), target :: text(size(bytes) + 1)

@@ -1,5 +1,5 @@
 module bw_table_row
-  !! One row of a table of text: the numbers of the columns that are asked for, read where they stand.
+  !! One row of a text table: the numbers of the requested columns, parsed in place.
   use bw_kinds, only: dp, i1
   use bw_number_scan, only: scan_number
   implicit none (type, external)
@@ -10,18 +10,18 @@ module bw_table_row
                             quote = iachar('"', i1), apostrophe = iachar("'", i1)
 
   type, public :: row_form
-    !! What a row is read by.
+    !! The format of rows.
     integer(i1) :: separator = space, mark = iachar('.', i1)
     logical :: blank = .true.                  !! blanks separate
-    logical :: closed = .false.                !! a separator may stand behind the last field
+    logical :: closed = .false.                !! a separator may follow the last field
     integer :: columns = 0
-    integer, allocatable :: slot(:)            !! where the number of each column goes; 0: it is not read, (columns)
+    integer, allocatable :: slot(:)            !! index of each column's number; 0: not read, (columns)
   end type row_form
 
 contains
 
   pure logical function says_nothing(bytes, first, last)
-    !! The line is empty, or a comment.
+    !! Return whether the line is empty or a comment.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(in) :: first, last
     integer :: at
@@ -31,7 +31,7 @@ contains
   end function says_nothing
 
   pure integer function behind_blanks(bytes, first, last, tabs) result(at)
-    !! The first byte that is no blank.
+    !! Return the first byte that is not blank.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(in) :: first, last
     logical, intent(in) :: tabs                !! tabs are blanks
@@ -45,7 +45,7 @@ contains
     type(row_form), intent(in) :: form
     integer(i1), intent(in) :: bytes(:)
     integer, intent(in) :: first, last         !! of the line
-    real(dp), intent(inout) :: numbers(:)      !! in the places that the form says
+    real(dp), intent(inout) :: numbers(:)      !! at the indices of `slot`
     integer, intent(inout) :: decades(:)       !! power of ten of the last digit of each
     logical, intent(out) :: good               !! as many fields as columns, and numbers in those that are read
     integer :: at, c
@@ -106,7 +106,7 @@ contains
   end subroutine scan_field
 
   pure integer function behind_field(form, bytes, first, last) result(at)
-    !! The separator behind a field that is not read, or the end of the line.
+    !! Return the separator after a field that is not read, or the end of the line.
     type(row_form), intent(in) :: form
     integer(i1), intent(in) :: bytes(:)
     integer, intent(in) :: first, last

@@ -1,6 +1,6 @@
 module bw_text_fields
-  !! A line of a table as its fields, and what one field is. For header lines and for the few rows by which a table is told;
-  !! the rows themselves are read by bw_text_rows, which is fast.
+  !! Fields of a table's line, and their kinds. For header lines and the few rows by which the layout is detected; the
+  !! other rows are read by bw_text_rows, which is fast.
   use bw_kinds, only: dp, i1
   use bw_number_scan, only: scan_number
   use bw_text, only: lower, string
@@ -15,12 +15,12 @@ module bw_text_fields
 contains
 
   pure function fields_of(line, separator) result(fields)
-    !! The fields of a line without blanks around them and without their quotes, in which a separator may stand.
+    !! Return the fields of a line without surrounding blanks and quotes; a separator in quotes does not count.
     character(*), intent(in) :: line
     character, intent(in) :: separator                         !! `,`, `;`, `tab` or `blanks`
     type(string), allocatable :: fields(:)
     integer :: pass, at, last, n
-    do pass = 1, 2                                             ! they are counted, and then listed
+    do pass = 1, 2                                             ! the first pass counts
       n = 0
       at = 1
       do
@@ -30,14 +30,14 @@ contains
         n = n + 1
         if (pass == 2) fields(n)%text = without_quotes(line(at:last))
         at = last + 2
-        if (at > len(line) + 1) exit                           ! no separator stands behind the last field
+        if (at > len(line) + 1) exit                           ! no separator follows the last field
       end do
       if (pass == 1) allocate (fields(n))
     end do
   end function fields_of
 
   pure integer function leading_blanks(text, separator) result(count)
-    !! Blanks at the beginning; tabs too, where they do not separate.
+    !! Count leading blanks; tabs too, unless they separate.
     character(*), intent(in) :: text
     character, intent(in) :: separator
     if (separator == tab) count = verify(text, ' ') - 1
@@ -46,7 +46,7 @@ contains
   end function leading_blanks
 
   pure integer function last_of_field(line, first, separator) result(last)
-    !! Last byte of the field that begins at `first`, before the separator or the end of the line.
+    !! Return the last byte of the field that begins at `first`, before the separator or the end of the line.
     character(*), intent(in) :: line
     integer, intent(in) :: first
     character, intent(in) :: separator
@@ -70,7 +70,7 @@ contains
   end function last_of_field
 
   pure function without_quotes(text) result(field)
-    !! What stands in quotes, or the text itself, without blanks around it.
+    !! Return the text within quotes, or the text itself, without surrounding blanks.
     character(*), intent(in) :: text
     character(:), allocatable :: field
     integer :: n
@@ -81,8 +81,8 @@ contains
   end function without_quotes
 
   function number_marks(field) result(marks)
-    !! How a field is a number: '.' with a point, ',' with a comma for its decimal mark, '0' with neither; 'x' for one whose
-    !! thousands are parted, as in 1,234.5, which counts as a number and cannot be read; '' for no number.
+    !! Return how a field is a number: '.' with a decimal point, ',' with a decimal comma, '0' with neither; 'x' with a
+    !! thousands separator, as in 1,234.5, which cannot be read; '' if it is none.
     character(*), intent(in) :: field
     character(:), allocatable :: marks
     integer(i1) :: bytes(len(field))
@@ -104,7 +104,7 @@ contains
   end function number_marks
 
   pure logical function parts_thousands(field)
-    !! Digits by threes with one mark between them, and another one before the decimals: 1,234.5 or 1.234,5.
+    !! Return whether digits are grouped by threes with one mark, and decimals follow another one: 1,234.5 or 1.234,5.
     character(*), intent(in) :: field
     integer :: first, point
     parts_thousands = .false.
@@ -116,7 +116,7 @@ contains
   end function parts_thousands
 
   pure logical function is_missing_word(field)
-    !! What stands where a number is missing: nothing, or `nan` and the like.
+    !! Return whether a field marks a missing number: empty, `nan` and the like.
     character(*), intent(in) :: field
     select case (lower(field))
     case ('', 'nan', '-nan', '+nan', 'inf', '+inf', '-inf', 'infinity', 'na', 'n/a', 'null', 'none', '-', '--', '*', '?', &

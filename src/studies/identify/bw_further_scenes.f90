@@ -1,5 +1,5 @@
 module bw_further_scenes
-  !! The scenes that `&identify` groups name beside their own: each has a record of the same beam in a state of its own.
+  !! The scenes that `&identify` groups name beside their own: each has a record of the same beam in another state.
   use bw_error, only: error_type, fail, status_bad_input
   use bw_files, only: directory_of
   use bw_identify_par, only: most_unknowns
@@ -14,8 +14,8 @@ module bw_further_scenes
 contains
 
   subroutine further_scenes(scene, further, error)
-    !! Read them, each once, in their order.
-    !! **Errors**: one cannot be read, or is no scene of a record and a beam.
+    !! Read the further scenes, each once, in their order.
+    !! **Errors**: one cannot be read, or has no record or no beam.
     type(scene_type), intent(in) :: scene
     type(scene_type), allocatable, intent(out) :: further(:)
     type(error_type), allocatable, intent(out) :: error
@@ -36,7 +36,7 @@ contains
   end subroutine further_scenes
 
   subroutine list_paths(scene, paths, places)
-    !! The files, and the group that names each.
+    !! List the files, and the group that names each.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(out) :: paths(:)
     integer, allocatable, intent(out) :: places(:)
@@ -62,11 +62,11 @@ contains
   end subroutine list_paths
 
   subroutine check_further(scene, group, further, i, error)
-    !! A further scene has a record and a beam, names no further ones, and has a result of its own.
+    !! Check that a further scene has a record and a beam, names no further ones, and has a result of its own.
     type(scene_type), intent(in) :: scene
     type(group_values), intent(in) :: group              !! that names it
     type(scene_type), intent(in) :: further(:)
-    integer, intent(in) :: i                             !! which of them
+    integer, intent(in) :: i                             !! its index
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
     integer, allocatable :: places(:)

@@ -1,6 +1,6 @@
 module bw_identification
-  !! From measured lines to the beam: the unknowns with their intervals, what the record does not fix, and whether the model
-  !! explains the lines.
+  !! Identification of a beam from measured lines: unknowns with intervals, unknowns that the record does not determine,
+  !! and a test whether the model explains the lines.
   use bw_beam_fit, only: fit_beam, refit_from
   use bw_measured_state, only: measured_state
   use bw_fit_intervals, only: belief_type, find_intervals, interval_type
@@ -13,14 +13,14 @@ module bw_identification
   private
   public :: identify
 
-  real(dp), parameter :: hardly_fixed = 0.25_dp  !! of its range, from which an unknown counts as not fixed
-  real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns stand for each other
+  real(dp), parameter :: hardly_fixed = 0.25_dp  !! fraction of its range from which an unknown counts as undetermined
+  real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns cannot be separated
 
   type, public :: loose_direction
-    !! An unknown that the record does not fix, and another that makes up for it.
+    !! An unknown that the record does not determine, and another that compensates for it.
     integer :: unknown = 0
-    integer :: partner = 0                       !! 0: nothing makes up for it, the record does not see it
-    real(dp), allocatable :: one(:), other(:)    !! all unknowns at two places that fit alike, (unknowns)
+    integer :: partner = 0                       !! 0: none compensates, the record is insensitive to it
+    real(dp), allocatable :: one(:), other(:)    !! all unknowns at two places that fit equally well, (unknowns)
   end type loose_direction
 
   type, public :: identification
@@ -28,7 +28,7 @@ module bw_identification
     type(fit_type) :: fit
     type(belief_type) :: belief
     real(dp), allocatable :: values(:)           !! of the unknowns
-    real(dp), allocatable :: low(:), high(:)     !! ends of their intervals; missing where the value is at that end of its range
+    real(dp), allocatable :: low(:), high(:)     !! ends of their intervals; missing at an end of the range
     real(dp), allocatable :: others(:, :)        !! other places that fit as well, (unknowns, places)
     type(loose_direction), allocatable :: loose(:)
     logical :: explained = .true.                !! by noise
@@ -43,11 +43,11 @@ contains
     !! Fit the unknowns to the lines of all states.
     type(measured_state), intent(inout) :: states(:) !! their assignments are those of the fit in the end
     type(identify_par), intent(in) :: unknowns(:)
-    real(dp), intent(in) :: quantile             !! of the normal distribution: intervals reach so far, two-sided
+    real(dp), intent(in) :: quantile             !! half width of intervals in standard deviations
     type(identification), intent(out) :: found
     type(fit_problem) :: problem
     type(fit_type), allocatable :: others(:)
-    integer, parameter :: most_mends = 3         !! of a fit, by better places that were met
+    integer, parameter :: most_mends = 3         !! restarts from better places that were met
     integer :: i
     problem = problem_of(states, unknowns)
     call fit_beam(problem, quantile**2, .true., found%fit, others)
@@ -71,7 +71,7 @@ contains
   end subroutine identify
 
   pure real(dp) function width(self, i)
-    !! How wide the interval of an unknown is, up to the end of its range where it reaches that.
+    !! Return the width of an unknown's interval, limited by its range.
     class(identification), intent(in) :: self
     integer, intent(in) :: i
     associate (unknown => self%unknowns(i), interval => self%belief%intervals(i))
@@ -80,8 +80,8 @@ contains
   end function width
 
   subroutine widen(intervals)
-    !! The places at the ends of all intervals fit alike: an interval reaches at least to where these are. (Where curves of
-    !! equal fit turn back, what is found by going along one unknown is not all of them.)
+    !! Widen the intervals to hold the ends of all others, which fit equally well. (If a contour of equal fit turns
+    !! back, the profile of one unknown misses part of it.)
     type(interval_type), intent(inout) :: intervals(:)
     type(interval_type) :: ends(size(intervals))
     integer :: i
@@ -93,10 +93,10 @@ contains
   end subroutine widen
 
   pure subroutine reach(intervals, place)
-    !! All intervals hold a place that fits alike.
+    !! Extend all intervals to hold a place that fits equally well.
     type(interval_type), intent(inout) :: intervals(:)
     real(dp), intent(in) :: place(:)             !! (unknowns)
-    real(dp), parameter :: end = 0.999_dp        !! of half the range, from which it is the end of this
+    real(dp), parameter :: end = 0.999_dp        !! fraction of half the range that counts as its end
     integer :: i
     do i = 1, size(intervals)
       associate (interval => intervals(i))
@@ -115,7 +115,7 @@ contains
   end subroutine reach
 
   subroutine reach_others(problem, others, quantile, found)
-    !! Intervals reach over all places that fit as well; those outside of what one place says are named.
+    !! Extend intervals to all other places that fit as well, and list those outside the intervals.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: others(:)
     real(dp), intent(in) :: quantile
@@ -135,7 +135,7 @@ contains
         call problem%minimise(other%residuals, .false.)
         other%v = problem%v
         other%sum = sum(other%residuals**2)
-        if (all(other%mode_of == found%fit%mode_of)) other%sum = found%fit%sum     ! the same level bounds both
+        if (all(other%mode_of == found%fit%mode_of)) other%sum = found%fit%sum     ! the same threshold limits both
         call find_intervals(problem, other, quantile, belief)
         call reach(intervals, others(i)%v)
         do j = 1, size(intervals)
@@ -149,7 +149,7 @@ contains
   end subroutine reach_others
 
   subroutine find_loose(found)
-    !! Unknowns whose intervals fill much of their ranges, each with the one that follows it most.
+    !! Find unknowns whose intervals fill much of their ranges, each with the most correlated one.
     type(identification), intent(inout) :: found
     type(loose_direction), allocatable :: loose(:)
     real(dp) :: others(size(found%values))

@@ -1,6 +1,6 @@
 module bw_identified_scene
-  !! The scene of an identified beam, as text that runs: the fitted numbers stand in their places, and what was measured is left
-  !! out (`&record`, `&spectrum`, `&identify`), so that it simulates. The result holds the text, and a file beside it has it too.
+  !! The scene of an identified beam, as text that can be run: it has the fitted values and no groups of measurement
+  !! (`&record`, `&spectrum`, `&identify`), so that it simulates. The text is in the result and in a file beside it.
   use bw_columns, only: to_width
   use bw_descriptors, only: close_file, flush_file, is_file, new_file, open_file, read_bytes, to_read, write_text
   use bw_error, only: error_type, fail, status_bad_file
@@ -25,7 +25,7 @@ module bw_identified_scene
 contains
 
   pure function identified_attribute(i) result(name)
-    !! The attribute of the result with the text of the scene itself, i = 1, or of one of its further scenes.
+    !! Return the name of the attribute that holds the text of the scene itself, i = 1, or of a further scene.
     integer, intent(in) :: i
     character(:), allocatable :: name
     name = 'identified_scene'
@@ -33,17 +33,17 @@ contains
   end function identified_attribute
 
   pure integer function identified_room(result, scene, unknowns) result(letters)
-    !! Letters of the text, at most.
-    character(*), intent(in) :: result                   !! as that of `identified_text`
+    !! Return an upper bound of the length of the text.
+    character(*), intent(in) :: result                   !! as in `identified_text`
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: unknowns                      !! how many there are
+    integer, intent(in) :: unknowns                      !! their number
     integer, parameter :: of_letter = 4, of_name = 100, of_numbers = 100, around = 400
       !! letters that one letter of a name may take; of an unknown's name; of its numbers; of the head's own words and the damping
     letters = len(resolved_text(scene)) + of_letter*(len(scene%name) + len(result)) + (of_name + of_numbers)*unknowns + around
   end function identified_room
 
   pure function identified_path(result, further) result(path)
-    !! The file of that text: named after the result that it belongs to, since several may name the same further scene.
+    !! Return the file of that text, named after its result, since several results may name the same further scene.
     character(*), intent(in) :: result                   !! path of the result
     character(*), intent(in) :: further                  !! name of the further scene; empty: of the scene itself
     character(:), allocatable :: path
@@ -53,12 +53,12 @@ contains
   end function identified_path
 
   function identified_text(result, scene, unknowns, found, damping) result(text)
-    !! The text, with a line of comment for each unknown, and the measured damping where the scene has none.
+    !! Return the text, with a comment for each unknown, and the measured damping if the scene has none.
     character(*), intent(in) :: result                   !! name of the result that it belongs to
     type(scene_type), intent(in) :: scene                !! without sweeps
-    type(identify_par), intent(in) :: unknowns(:)        !! as they stand in it; of group 0 where it does not have them
+    type(identify_par), intent(in) :: unknowns(:)        !! by their names in this scene; group 0 if absent from it
     type(identification), intent(in) :: found
-    type(pooled_value), intent(in) :: damping            !! ratio; missing where none was measured
+    type(pooled_value), intent(in) :: damping            !! ratio; missing if none was measured
     character(:), allocatable :: text
     character, parameter :: nl = new_line('a')
     type(scene_type) :: varied, one
@@ -69,7 +69,7 @@ contains
     text = without_group(without_group(without_group(resolved_text(one), 'record'), 'spectrum'), 'identify')
     associate (modes => scene%groups(position_of(scene%groups, 'modes')))
       if (.not. (modes%given('before') .or. modes%given('after') .or. modes%given('tolerance'))) &
-        text = without_group(text, 'modes')          ! what a motion that is added will need
+        text = without_group(text, 'modes')          ! a motion added later needs its own
     end associate
     do i = size(unknowns), 1, -1
       if (unknowns(i)%group == 0) cycle
@@ -94,8 +94,8 @@ contains
   end function identified_text
 
   subroutine keep_identified(result, path, text, overwrite, error)
-    !! Make sure that a file holds the text. One that does is left alone; another is replaced only where that is asked for.
-    !! **Errors**: `status_bad_file`, where something else is there, or it cannot be written.
+    !! Ensure that a file holds the text. An identical one is kept; another is replaced only on request.
+    !! **Errors**: `status_bad_file` if another file is there, or it cannot be written.
     character(*), intent(in) :: result                   !! path of the result that it belongs to
     character(*), intent(in) :: path, text
     logical, intent(in) :: overwrite
@@ -107,7 +107,7 @@ contains
     if (holds(path, text, error)) return
     if (allocated(error)) return
     call work%plan(result, overwrite)
-    work%parts = 2                                       ! the lock is taken for moments, beside parts that may be at work
+    work%parts = 2                                       ! the lock is held briefly, as other parts may be at work
     call work%begin(error)
     if (allocated(error)) return
     draft = work%scratch()
@@ -126,7 +126,7 @@ contains
   end subroutine keep_identified
 
   logical function holds(path, text, error)
-    !! Whether a file has this text and nothing else. **Errors**: it cannot be read.
+    !! Return whether a file has exactly this text. **Errors**: it cannot be read.
     character(*), intent(in) :: path, text
     type(error_type), allocatable, intent(inout) :: error
     type(path_state) :: state

@@ -1,5 +1,5 @@
 module bw_identified_waves
-  !! Waves of a record along the identified beam: lines ► identified scene ► waves, from what the result has of each case.
+  !! Waves of a record along the identified beam, from its lines in the result and the shapes of the identified scene.
   use bw_case_result, only: case_result
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
@@ -18,11 +18,11 @@ module bw_identified_waves
 contains
 
   subroutine put_identified_waves(draft, scenes, quantile, monitor, notes, lines)
-    !! Put the waves of all cases into the result; those of a single case are printed, too.
+    !! Put the waves of all cases into the result, and print those of a single case.
     class(result_table), intent(inout) :: draft
-    type(scene_type), intent(in) :: scenes(:)          !! with what was identified, (cases)
+    type(scene_type), intent(in) :: scenes(:)          !! identified scenes, (cases)
     real(dp), intent(in) :: quantile                   !! how many standard deviations half an interval is
-    class(monitor_type), intent(inout) :: monitor      !! nothing is put where it asks to stop
+    class(monitor_type), intent(inout) :: monitor      !! nothing is put if it asks to stop
     character(:), allocatable, intent(inout) :: notes
     type(text_builder), intent(inout) :: lines
     type(case_result) :: one
@@ -43,7 +43,7 @@ contains
     notes = notes//of_cases%lines(draft%layout%cases)
   contains
     subroutine put(name, values, errors)
-      !! Behind the numbers of lines stands fill.
+      !! Put values; fill follows the last line.
       character(*), intent(in) :: name
       real(dp), intent(in) :: values(:), errors(:)
       associate (value => draft%variable('measured_'//name), error => draft%variable('measured_'//name//'_error'))
@@ -54,7 +54,7 @@ contains
   end subroutine put_identified_waves
 
   subroutine take_lines(draft, case, quantile, one)
-    !! What waves are measured from: lines, sensors, and the noise of amplitudes.
+    !! Read the data that waves are measured from: lines, sensors, and the noise of amplitudes.
     class(result_table), intent(inout) :: draft
     integer(i8), intent(in) :: case
     real(dp), intent(in) :: quantile
@@ -96,7 +96,7 @@ contains
       values = transpose(columns(:n, :))
     end function of_sensors
     function of_pairs(name) result(values)
-      !! (lines, sensors, sensors), the last one being the first of the pair.
+      !! (lines, sensors, sensors), the last index being the first of the pair.
       character(*), intent(in) :: name
       real(dp) :: values(n, sensors, sensors), columns(draft%layout%peaks, sensors, sensors)
       columns = reshape(draft%get(name, case), shape(columns))

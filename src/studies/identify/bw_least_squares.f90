@@ -1,10 +1,10 @@
 module bw_least_squares
-  !! The least sum of squares of residuals inside of ranges, by MINPACK's `lmdif`: the method of Levenberg and Marquardt as Moré
-  !! has it, with derivatives by differences.
+  !! Least squares of residuals within ranges, by MINPACK's `lmdif`: the method of Levenberg and Marquardt in Moré's
+  !! form, with difference quotients.
   !!
-  !! MINPACK knows no ranges. A variable v, −1 ≤ v ≤ 1, is therefore sin x of the one that it changes, which leaves no range by
-  !! any step and has a minimum at the end of the range where the residuals have theirs beyond it. About x = π steps of
-  !! differences, which are relative, have a size.
+  !! MINPACK knows no bounds. A variable v, −1 ≤ v ≤ 1, is therefore sin x of MINPACK's variable x, which no step takes
+  !! out of the range; where the residuals would be least beyond the range, the minimum is at its end. Near x = π
+  !! difference steps, which are relative, do not vanish.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -12,7 +12,7 @@ module bw_least_squares
   public :: least_squares
 
   type, abstract, public :: residual_problem
-    !! Residuals that depend on variables.
+    !! Residuals as a function of variables.
   contains
     procedure(residuals_interface), deferred :: find_residuals
   end type residual_problem
@@ -27,7 +27,7 @@ module bw_least_squares
     end subroutine residuals_interface
 
     subroutine minpack_function(m, n, x, fvec, iflag)
-      !! As MINPACK asks for residuals.
+      !! Residuals in the form that MINPACK calls.
       import :: dp
       integer, intent(in) :: m, n
       real(dp), intent(in) :: x(n)
@@ -39,7 +39,7 @@ module bw_least_squares
   interface
     subroutine lmdif(fcn, m, n, x, fvec, ftol, xtol, gtol, maxfev, epsfcn, diag, mode, factor, nprint, info, nfev, fjac, ldfjac, &
                      ipvt, qtf, wa1, wa2, wa3, wa4)
-      !! MINPACK's own documentation says what each argument is.
+      !! The arguments are documented in MINPACK.
       import :: dp, minpack_function
       procedure(minpack_function) :: fcn
       integer, intent(in) :: m, n, ldfjac, maxfev, mode, nprint
@@ -50,22 +50,22 @@ module bw_least_squares
     end subroutine lmdif
   end interface
 
-  ! of the search that MINPACK is at, as it passes nothing on to its function
+  ! of the current search, as MINPACK passes no context to its function
   class(residual_problem), pointer :: current => null()
   integer :: count_of_current = 0                !! residuals
 
 contains
 
   subroutine least_squares(problem, count, accuracy, tolerance, v, residuals)
-    !! Change variables until the sum of squares of the residuals is least, from where they are.
+    !! Minimise the sum of squares of the residuals, from the present variables.
     class(residual_problem), intent(inout), target :: problem
-    integer, intent(in) :: count                 !! of the residuals; fewer than variables are allowed
-    real(dp), intent(in) :: accuracy             !! relative error of the residuals' model, from which steps of differences follow
-    real(dp), intent(in) :: tolerance            !! relative, of the sum, that a step must gain for another to follow
+    integer, intent(in) :: count                 !! of residuals; may be below the number of variables
+    real(dp), intent(in) :: accuracy             !! relative error of the residuals, from which difference steps follow
+    real(dp), intent(in) :: tolerance            !! relative decrease of the sum at which iteration stops
     real(dp), intent(inout) :: v(:)              !! −1 ≤ v ≤ 1
     real(dp), allocatable, intent(out) :: residuals(:)   !! at the end, (count)
     real(dp), parameter :: largest_step = 0.5_dp
-    real(dp), parameter :: nearest = 1.0e-7_dp   !! to an end of the range, where a search begins: derivatives vanish at the end
+    real(dp), parameter :: nearest = 1.0e-7_dp   !! to an end of the range at the start: derivatives vanish at the end
     integer, parameter :: evaluations_each = 50
     real(dp) :: x(size(v)), scales(size(v)), qtf(size(v)), work(size(v), 3)
     real(dp), allocatable :: jacobian(:, :), padded(:), last_work(:)
@@ -85,7 +85,7 @@ contains
   end subroutine least_squares
 
   subroutine find_padded(m, n, x, fvec, iflag)
-    !! The residuals, with zeros behind them where there are fewer than variables.
+    !! Return the residuals, padded with zeros if there are fewer than variables.
     integer, intent(in) :: m, n
     real(dp), intent(in) :: x(n)
     real(dp), intent(inout) :: fvec(m)

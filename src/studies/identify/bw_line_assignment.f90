@@ -1,14 +1,14 @@
 module bw_line_assignment
-  !! Which measured line is which mode: both in ascending order, lines that are no modes and modes without a line left out, at
-  !! the least penalty.
+  !! Assignment of measured lines to modes of least penalty: both keep their ascending order, and spurious lines and
+  !! undetected modes are left out.
   !!
-  !! A penalty is −2 ln of a probability. A line is a mode with probability 1 − p, p its `chance` to be none, and then lies about the mode's
-  !! frequency f as a normal deviate whose relative variance is s² + τ²: s the line's own standard deviation, τ what the model
-  !! is off by, common to all lines. Or it is none, and lies anywhere in the band, by the logarithm of its frequency. Any mode below
-  !! the last one that has a line lacks one with probability `p_undetected`. So a pair costs ((f_line − f)/f_line)²/(s² + τ²)
-  !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p)(1 − p_undetected), a spurious line 2ρ ln(width of the band) − 2 ln p, and an
-  !! undetected mode −2 ln p_undetected. As k unknowns make k of n residuals vanish whatever the lines are, only the share
-  !! ρ = 1 − k/n of the logarithms counts: it is what restricted likelihood leaves.
+  !! A penalty is −2 ln of a probability. A line is a mode with probability 1 − p, where p is its `chance` to be spurious, and
+  !! then is normally distributed about the mode's frequency f with relative variance s² + τ²: the line's own variance s², and
+  !! τ² of the model, common to all lines. A spurious line is uniformly distributed over the logarithm of the band's
+  !! frequencies. Any mode below the last one with a line is undetected with probability `p_undetected`. So a pair costs
+  !! ((f_line − f)/f_line)²/(s² + τ²) + ρ ln 2π(s² + τ²) − 2 ln (1 − p)(1 − p_undetected), a spurious line 2ρ ln(width of the
+  !! band) − 2 ln p, and an undetected mode −2 ln p_undetected. As k unknowns make k of n residuals vanish for any lines, the
+  !! logarithms count by ρ = 1 − k/n only, as in restricted likelihood.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -18,7 +18,7 @@ module bw_line_assignment
   real(dp), parameter :: p_undetected = 0.3_dp       !! chosen: many modes are undetected
 
   type, public :: frequency_band
-    !! What penalties depend on beside a line and a mode.
+    !! Parameters of penalties common to all lines and modes.
     real(dp) :: width = 1.0_dp           !! ln of the highest over the lowest frequency that a line may have
     real(dp) :: share = 1.0_dp           !! ρ
   end type frequency_band
@@ -27,23 +27,23 @@ module bw_line_assignment
     !! The lines and modes of one record.
     real(dp), allocatable :: line(:)     !! frequencies, ascending, > 0, (lines)
     real(dp), allocatable :: deviation(:)  !! relative standard deviations s, (lines)
-    logical, allocatable :: spurious(:)   !! a line that is known to be no mode, (lines)
-    real(dp), allocatable :: chance(:)   !! that a line is no mode, before its frequency is looked at, (lines)
-    real(dp), allocatable :: mode(:)     !! frequencies, ascending; not > 0: no line can be this mode, (modes)
+    logical, allocatable :: spurious(:)   !! a line known to be no mode, (lines)
+    real(dp), allocatable :: chance(:)   !! probability that a line is spurious, regardless of its frequency, (lines)
+    real(dp), allocatable :: mode(:)     !! frequencies, ascending; not > 0: assigned to no line, (modes)
     integer, allocatable :: mode_of(:)   !! the mode of each line; 0: none, (lines)
   end type pairing
 
 contains
 
   subroutine best_scatter(records, band, least, scatter, penalty)
-    !! Assign the lines of several records with the τ at which it costs least.
+    !! Assign the lines of several records with the τ of least penalty.
     type(pairing), intent(inout) :: records(:)
     type(frequency_band), intent(in) :: band
-    real(dp), intent(in) :: least        !! τ is not below
+    real(dp), intent(in) :: least        !! lower bound of τ
     real(dp), intent(out) :: scatter     !! τ
     real(dp), intent(out) :: penalty
     real(dp), parameter :: largest = 0.3_dp, ratio = 2.0_dp
-    integer, parameter :: most = 22      !! down to 1e-7 of the largest, then 0
+    integer, parameter :: most = 22      !! values of τ: down to 1e-7 of the largest, then 0
     real(dp) :: tau, cost
     integer :: i
     penalty = huge(penalty)
@@ -73,7 +73,7 @@ contains
   end subroutine best_scatter
 
   pure subroutine assign(record, band, tau, penalty)
-    !! The assignment that costs least, by dynamic programming over the first i lines and j modes.
+    !! Find the assignment of least penalty, by dynamic programming over the first i lines and j modes.
     type(pairing), intent(inout) :: record
     type(frequency_band), intent(in) :: band
     real(dp), intent(in) :: tau
@@ -102,7 +102,7 @@ contains
     if (allocated(record%mode_of)) deallocate (record%mode_of)
     allocate (record%mode_of(n), source=0)
     i = n
-    j = minloc(cost(n, :), dim=1) - 1                  ! modes above the last that has a line may well be undetected
+    j = minloc(cost(n, :), dim=1) - 1                  ! undetected modes above the last with a line cost nothing
     penalty = cost(n, j)
     do while (i + j > 0)
       if (step(i, j) == pair) record%mode_of(i) = j
@@ -119,7 +119,7 @@ contains
   end subroutine assign
 
   pure real(dp) function pair_penalty(record, band, tau, i, j) result(penalty)
-    !! Of line i as mode j.
+    !! Return the penalty of line i as mode j.
     type(pairing), intent(in) :: record
     type(frequency_band), intent(in) :: band
     real(dp), intent(in) :: tau

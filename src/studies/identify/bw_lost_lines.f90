@@ -1,6 +1,6 @@
 module bw_lost_lines
-  !! Lines none of which is a mode of the beam: nothing is identified from them. Where they lie beside its modes, and the factor
-  !! that would bring them there, tell what is wrong: of 1000 the unit of time.
+  !! Lines none of which is a mode of the beam, so that nothing is identified. Their frequencies beside those of modes,
+  !! and the factor between them, indicate the cause: 1000 is a wrong unit of time.
   use bw_measured_state, only: measured_state, state_modes, vague
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
@@ -10,19 +10,19 @@ module bw_lost_lines
   private
   public :: are_lost, best_factor, lost_text
 
-  integer, parameter :: looked_at = 20           !! modes, the first
+  integer, parameter :: looked_at = 20           !! of the first modes
 
 contains
 
   pure logical function are_lost(states)
-    !! No line of any state is taken for a mode.
+    !! Return whether no line of any state is taken for a mode.
     type(measured_state), intent(in) :: states(:)
     integer :: i
     are_lost = all([(all(states(i)%mode_of == 0), i=1, size(states))])
   end function are_lost
 
   function lost_text(state, values) result(text)
-    !! Where the lines of a state lie, where the first modes do, and which factor would make modes of how many of them.
+    !! Report the lines of a state, its first modes, and the factor that matches most lines to modes.
     type(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)            !! of the unknowns
     character(:), allocatable :: text
@@ -46,12 +46,12 @@ contains
   end function lost_text
 
   pure subroutine best_factor(line, mode, factor, fitting)
-    !! By which frequencies of lines are to be multiplied so that most of them are modes, and how many are then.
+    !! Find the factor on line frequencies that matches most lines to modes, and the number that match.
     real(dp), intent(in) :: line(:), mode(:)     !! frequencies, ascending; lines > 0
     real(dp), intent(out) :: factor
     integer, intent(out) :: fitting
     type(frequency_band), parameter :: decade = frequency_band(width=2.3_dp)
-    real(dp), parameter :: hardly = 0.1_dp       ! chance that a line is no mode
+    real(dp), parameter :: hardly = 0.1_dp       ! probability that a line is spurious
     type(pairing) :: record
     real(dp) :: penalty, least
     integer :: i, j, k
@@ -78,10 +78,10 @@ contains
   end subroutine best_factor
 
   pure function unit_text(factor) result(text)
-    !! Which unit of time such a factor is; empty of another.
+    !! Name the unit of time of such a factor; empty if none fits.
     real(dp), intent(in) :: factor
     character(:), allocatable :: text
-    real(dp), parameter :: near = log(1.5_dp)    ! unknowns may move all modes as much
+    real(dp), parameter :: near = log(1.5_dp)    ! unknowns may shift all modes by this much
     character(*), parameter :: units(3) = ['ms', 'us', 'ns'], scales(3) = ['1e-3', '1e-6', '1e-9']
     integer :: k
     text = ''

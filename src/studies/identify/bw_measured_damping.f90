@@ -1,5 +1,5 @@
 module bw_measured_damping
-  !! The damping ratio of a beam from the lines that are its modes: what `&damping ratio` of an identified scene is.
+  !! The damping ratio of a beam from lines that are its modes: the `&damping ratio` of an identified scene.
   use bw_measured_state, only: measured_state
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -12,12 +12,12 @@ module bw_measured_damping
 contains
 
   pure type(pooled_value) function measured_damping(states, taken, confidence, false_alarm) result(ratio)
-    !! The ratio that all modes share, δ/√(β² + δ²) of each line, with what modes scatter about it beyond the errors of their
-    !! lines. `missing` where no line is a mode, or the interval holds 0.
+    !! Pool the ratio δ/√(β² + δ²) of all lines, with their scatter beyond the errors of lines. `missing` if no line is
+    !! a mode, or the interval contains 0.
     type(measured_state), intent(in) :: states(:)    !! with assignments
-    logical, intent(in) :: taken(:)              !! states of the scene in question, (states)
-    real(dp), intent(in) :: confidence, false_alarm   !! as those of `pooled_number`
-    real(dp), parameter :: unknown = 1.0_dp      ! deviation of a ratio that says nothing of it
+    logical, intent(in) :: taken(:)              !! whether a state belongs to the scene, (states)
+    real(dp), intent(in) :: confidence, false_alarm   !! as in `pooled_number`
+    real(dp), parameter :: unknown = 1.0_dp      ! deviation of a ratio that carries no information
     real(dp), allocatable :: value(:), deviation(:)
     integer :: i
     allocate (value(0), deviation(0))

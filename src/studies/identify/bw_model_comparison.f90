@@ -1,5 +1,5 @@
 module bw_model_comparison
-  !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
+  !! The lines of records beside the modes of their beams: assignment and misfit.
   use bw_measured_state, only: measured_state, state_modes, vague
   use bw_fit_problem, only: fit_problem, problem_of
   use bw_fit_search, only: explain, misfit_of, misfit_type, unlikely
@@ -14,19 +14,19 @@ module bw_model_comparison
   type, public :: compared_lines
     !! The lines of one case with their modes; missing where a line is no mode.
     integer, allocatable :: mode(:)              !! 0: none, (lines)
-    character(24), allocatable :: why_none(:)    !! why a line is hardly one, whatever the beam; empty: it may be, (lines)
-    real(dp), allocatable :: frequency(:)        !! of the mode, were it damped as the line is [rad/s], (lines)
+    character(24), allocatable :: why_none(:)    !! why a line can hardly be a mode of any beam; empty: it may be, (lines)
+    real(dp), allocatable :: frequency(:)        !! of the mode with the line's damping [rad/s], (lines)
     real(dp), allocatable :: decay(:)            !! of the mode [1/s], (lines)
     real(dp), allocatable :: frequency_misfit(:) !! measured − computed over half the interval, (lines)
-    real(dp), allocatable :: decay_misfit(:)     !! likewise; missing where nothing damps the modes, (lines)
+    real(dp), allocatable :: decay_misfit(:)     !! likewise; missing if the modes are undamped, (lines)
     real(dp), allocatable :: shape(:, :)         !! of the mode along the beam, (places, lines)
-    complex(dp), allocatable :: response(:, :)   !! of the model where a hammer's force is measured, (frequencies, sensors)
+    complex(dp), allocatable :: response(:, :)   !! modelled, if a hammer's force is measured; (frequencies, sensors)
   end type compared_lines
 
 contains
 
   subroutine match_lines(state, misfit)
-    !! Assign the lines of one state of which nothing is unknown.
+    !! Assign the lines of one state without unknowns.
     type(measured_state), intent(inout) :: state
     type(misfit_type), intent(out) :: misfit
     type(fit_problem) :: problem
@@ -46,11 +46,11 @@ contains
   end subroutine match_lines
 
   subroutine compare_case(measured, state, values, places, compared)
-    !! Lines beside the modes that they are taken for.
+    !! Compare lines with the modes that they are taken for.
     type(result_lines), intent(in) :: measured
     type(measured_state), intent(inout) :: state     !! with its assignment
     real(dp), intent(in) :: values(:)            !! of the unknowns
-    integer, intent(in) :: places                !! along the beam, of shapes; 0: none are wanted
+    integer, intent(in) :: places                !! along the beam, for shapes; 0: none
     type(compared_lines), intent(out) :: compared
     type(state_modes) :: modes
     real(dp), allocatable :: shape(:, :)
@@ -81,7 +81,7 @@ contains
   end subroutine compare_case
 
   pure function why_none(state, k) result(words)
-    !! Why a line is hardly a mode before any beam is asked.
+    !! Say why a line can hardly be a mode of any beam.
     type(measured_state), intent(in) :: state
     integer, intent(in) :: k
     character(24) :: words

@@ -1,5 +1,5 @@
 module bw_model_file
-  !! What a beam says of its record: the rows of its variables in the result of the record.
+  !! The variables of a beam's comparison and identification in the result of its record.
   use bw_case_result, only: case_done, case_misfit
   use bw_classic_reader, only: classic_reader
   use bw_descriptors, only: close_file, look_at_open, open_file, to_read
@@ -17,11 +17,11 @@ module bw_model_file
   public :: model_rows, put_misfit, read_attribute
 
   type, public :: model_findings
-    !! All that is written.
+    !! All values that are written.
     type(compared_lines), allocatable :: cases(:)        !! of the scene, (cases)
-    type(misfit_type), allocatable :: misfits(:)         !! one of all cases that were fitted together, else of each
-    type(identification), allocatable :: found           !! unallocated where nothing was identified
-    type(string), allocatable :: scenes(:)               !! texts of the identified scenes: the scene's own, then further ones
+    type(misfit_type), allocatable :: misfits(:)         !! one of all cases fitted together, else of each
+    type(identification), allocatable :: found           !! unallocated if nothing was identified
+    type(string), allocatable :: scenes(:)               !! texts of the identified scenes: first the scene's own
   contains
     procedure :: trusted
   end type model_findings
@@ -29,14 +29,14 @@ module bw_model_file
 contains
 
   pure logical function trusted(self)
-    !! What was identified, if anything, explains the lines.
+    !! Return whether identified values, if any, explain the lines.
     class(model_findings), intent(in) :: self
     trusted = .true.
     if (allocated(self%found)) trusted = self%found%explained
   end function trusted
 
   subroutine put_misfit(draft)
-    !! The cases of a result whose lines the identified beam does not explain say so.
+    !! Set the status of cases whose lines the identified beam does not explain.
     class(result_table), intent(inout) :: draft
     integer(i8) :: c
     integer :: status
@@ -49,10 +49,10 @@ contains
   end subroutine put_misfit
 
   subroutine model_rows(table, is_identified, findings)
-    !! The lines beside the modes, and the unknowns.
+    !! Define or put the modes beside the lines, and the unknowns.
     class(result_table), intent(inout) :: table
     logical, intent(in) :: is_identified                 !! unknowns are identified, from all cases together
-    type(model_findings), intent(in), optional :: findings     !! absent where the rows are defined
+    type(model_findings), intent(in), optional :: findings     !! absent while rows are defined
     character(:), allocatable :: each, along             ! dimensions
     each = ''
     if (table%layout%cases > 0) each = 'case'
@@ -88,7 +88,7 @@ contains
                               long_name, needs='hammer places')
     end function answer
     function responses(imaginary) result(values)
-      !! Of each sensor, and of each case unless all are of one beam, (frequencies, sensors·cases).
+      !! Return values of each sensor, and of each case unless all share one beam, (frequencies, sensors·cases).
       logical, intent(in) :: imaginary
       real(dp), allocatable :: values(:, :)
       integer :: c, n
@@ -100,7 +100,7 @@ contains
       end do
     end function responses
     function line_shapes() result(values)
-      !! Of each line of each case, (places, peaks·cases).
+      !! Return shapes of each line of each case, (places, peaks·cases).
       real(dp), allocatable :: values(:, :)
       integer :: c, n
       allocate (values(table%layout%profile, table%layout%peaks*size(findings%cases)), source=missing)
@@ -110,7 +110,7 @@ contains
       end do
     end function line_shapes
     function line_values(which, none) result(values)
-      !! Of each line of each case, (peaks, cases).
+      !! Return values of each line of each case, (peaks, cases).
       integer, intent(in) :: which
       real(dp), intent(in) :: none
       real(dp), allocatable :: values(:, :)
@@ -132,7 +132,7 @@ contains
   end subroutine model_rows
 
   subroutine identified_rows(table, findings)
-    !! The unknowns.
+    !! Define or put the unknowns.
     class(result_table), intent(inout) :: table
     type(model_findings), intent(in), optional :: findings
     type(string), allocatable :: names(:), units(:)
@@ -162,14 +162,14 @@ contains
   end subroutine identified_rows
 
   elemental real(dp) function half_of(low, high) result(half)
-    !! Half an interval; missing where an end is.
+    !! Return half an interval; missing if an end is.
     real(dp), intent(in) :: low, high
     half = missing
     if (.not. (is_missing(low) .or. is_missing(high))) half = 0.5_dp*(high - low)
   end function half_of
 
   subroutine read_attribute(path, name, text)
-    !! A text of a result; empty where it has none, or cannot be read.
+    !! Read a text attribute of a result; empty if it is absent or cannot be read.
     character(*), intent(in) :: path, name
     character(:), allocatable, intent(out) :: text
     type(classic_reader) :: reader

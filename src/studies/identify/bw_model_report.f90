@@ -1,5 +1,5 @@
 module bw_model_report
-  !! The printed report of a beam held against its record, and of what was identified.
+  !! The printed report of a beam compared with its record, and of identified values.
   use bw_corrected_models, only: helpful, corrected_model
   use bw_measured_state, only: sensor_error
   use bw_columns, only: right, short, table_of, text_table, to_its_error, to_width
@@ -19,7 +19,7 @@ module bw_model_report
 contains
 
   subroutine report_comparison(title, measured, compared, lines)
-    !! A row for each line of a case, with the mode that it is taken for.
+    !! Print a row for each line of a case, with its mode.
     character(*), intent(in) :: title            !! of the case
     type(result_lines), intent(in) :: measured
     type(compared_lines), intent(in) :: compared
@@ -53,7 +53,7 @@ contains
   end subroutine report_comparison
 
   function explained_text(misfit) result(text)
-    !! Whether noise explains what the modes leave of the lines.
+    !! Report whether noise explains the differences between lines and modes.
     type(misfit_type), intent(in) :: misfit
     character(:), allocatable :: text
     real(dp), parameter :: never = 1.0e-12_dp
@@ -79,7 +79,7 @@ contains
   end function explained_text
 
   subroutine report_identified(found, confidence, lines)
-    !! A row for each unknown, and what goes with what.
+    !! Print a row for each unknown, and correlated or undetermined unknowns.
     type(identification), intent(in) :: found
     real(dp), intent(in) :: confidence
     type(text_builder), intent(inout) :: lines
@@ -118,7 +118,7 @@ contains
   end subroutine report_identified
 
   subroutine report_correlations(found, lines)
-    !! Those that make an interval twice as wide as it were if the other unknown were known: (1 − ρ²)^(−1/2) ≥ 2.
+    !! Report correlations that make an interval twice as wide as with the other unknown known: (1 − ρ²)^(−1/2) ≥ 2.
     type(identification), intent(in) :: found
     type(text_builder), intent(inout) :: lines
     real(dp), parameter :: least = 0.86_dp
@@ -133,7 +133,7 @@ contains
   end subroutine report_correlations
 
   function loose_text(found, i) result(text)
-    !! An unknown that the record does not fix, and the one that makes up for it, at two places that fit alike.
+    !! Report an undetermined unknown and the one that compensates for it, at two places that fit equally well.
     type(identification), intent(in) :: found
     integer, intent(in) :: i
     character(:), allocatable :: text
@@ -151,7 +151,7 @@ contains
   end function loose_text
 
   function place_text(found, values, which) result(text)
-    !! Values of some unknowns: `0.0044 kg with 0.8`.
+    !! Format values of several unknowns: `0.0044 kg with 0.8`.
     type(identification), intent(in) :: found
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: which(:)
@@ -165,7 +165,7 @@ contains
   end function place_text
 
   function named_text(unknowns, values, before, behind) result(text)
-    !! All of them with their names: `body%mass = 0.1 kg, body%position = 0.5`; empty where there are none.
+    !! Format all of them with names: `body%mass = 0.1 kg, body%position = 0.5`; empty if there are none.
     type(identify_par), intent(in) :: unknowns(:)
     real(dp), intent(in) :: values(:)
     character(*), intent(in) :: before, behind
@@ -179,7 +179,7 @@ contains
   end function named_text
 
   function with_unit(value, unit) result(text)
-    !! `4.4 kg`.
+    !! Format a value with its unit: `4.4 kg`.
     real(dp), intent(in) :: value
     character(*), intent(in) :: unit
     character(:), allocatable :: text
@@ -188,9 +188,9 @@ contains
   end function with_unit
 
   subroutine report_corrections(corrections, scatter, lines)
-    !! What would correct a misfit, the best first, and how many of those that were tried are no help.
-    type(corrected_model), intent(in) :: corrections(:)      !! those that leave least first
-    real(dp), intent(in) :: scatter              !! τ without them
+    !! Report corrections of a misfit, the best first, and the number of those tried that do not help.
+    type(corrected_model), intent(in) :: corrections(:)      !! sorted by remaining misfit
+    real(dp), intent(in) :: scatter              !! τ without corrections
     type(text_builder), intent(inout) :: lines
     integer :: i, helping
     helping = count(corrections%fit%scatter < helpful*scatter)

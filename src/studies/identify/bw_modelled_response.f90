@@ -1,5 +1,5 @@
 module bw_modelled_response
-  !! What the beam's model says of the frequency responses that a hammer's blow measures.
+  !! Frequency responses of the model, to compare with those measured by a hammer.
   use bw_measured_state, only: measured_state
   use bw_beam_units, only: units_of
   use bw_case_frequency, only: find_frequency_response
@@ -20,8 +20,8 @@ module bw_modelled_response
 contains
 
   subroutine find_modelled_response(state, values, sensors, frequency, monitor, response)
-    !! The response of each sensor to a force of 1 N where the hammer strikes, with the scene's own damping. It is missing at 0 Hz, for
-    !! strains, and where these unknowns make no beam.
+    !! Find the response of each sensor to a force of 1 N at the hammer's position, with the scene's own damping.
+    !! Missing at 0 Hz, for strains, and if these unknowns make no beam.
     type(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)            !! of the unknowns
     type(sensor_type), intent(in) :: sensors(:)  !! with places

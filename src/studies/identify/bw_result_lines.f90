@@ -11,8 +11,8 @@ module bw_result_lines
   private
   public :: read_result_lines
 
-  real(dp), parameter :: least_error = 1.0e-12_dp     !! of a frequency, relatively: to this modes are known
-  real(dp), parameter :: least_decay_error = 1.0e-9_dp   !! of a decay, over the frequency
+  real(dp), parameter :: least_error = 1.0e-12_dp     !! relative, of a frequency: the accuracy of modes
+  real(dp), parameter :: least_decay_error = 1.0e-9_dp   !! of a decay, relative to the frequency
 
   type, public :: result_lines
     !! The lines of one case.
@@ -52,7 +52,7 @@ contains
     call read_block(file, 'point_position', place, problem)
     call read_block(file, 'sensor_quantity', quantity, problem)
     placed = problem == all_is_well
-    if (placed) placed = size(place) > 1 .and. all(quantity == quantity(1, 1, 1))    ! else they say nothing of shapes
+    if (placed) placed = size(place) > 1 .and. all(quantity == quantity(1, 1, 1))    ! else they do not measure shapes
     if (find_variable(file, 'measured_modal_constant_error') >= 0) then
       call read_block(file, 'measured_modal_constant_real', constant_real, problem)
       call read_block(file, 'measured_modal_constant_imag', constant_imag, problem)
@@ -84,7 +84,7 @@ contains
           end if
         end if
         if (.not. placed .or. n == 0) cycle
-        told = pack([(s, s=1, size(place))], .not. any(is_missing(amplitude_bound(:n, :, c)), dim=1))  ! not by a constant sensor
+        told = pack([(s, s=1, size(place))], .not. any(is_missing(amplitude_bound(:n, :, c)), dim=1))  ! without constant sensors
         if (size(told) < 2) cycle
         one%lines%points = place(told, 1, 1)
         one%lines%bends = nint(quantity(1, 1, 1)) == findloc(quantities == 'strain', .true., dim=1)
@@ -95,11 +95,11 @@ contains
   end subroutine read_result_lines
 
   subroutine read_block(file, name, values, problem)
-    !! A variable of up to three dimensions, the fastest first.
+    !! Read a variable of up to three dimensions, the fastest first.
     integer, intent(in) :: file
     character(*), intent(in) :: name
     real(dp), allocatable, intent(out) :: values(:, :, :)
-    integer, intent(inout) :: problem            !! of NetCDF; nothing is done after one
+    integer, intent(inout) :: problem            !! status of NetCDF; nothing is done after an error
     integer, parameter :: no_such_variable = -49
     type(netcdf_dimension), allocatable :: dimensions(:)
     type(netcdf_variable), allocatable :: unread(:)

@@ -1,7 +1,7 @@
 module bw_run_record
-  !! A record with a beam: its lines, the beam's modes beside them, and the unknowns of the beam from them.
+  !! Run of a record with a beam: its lines, the modes that match them, and the unknowns of the beam.
   !!
-  !! Records of other states of the beam come first, each a scene like any other with its own result.
+  !! Records of other states of the beam run first, each as a scene with its own result.
   use bw_beam_supplement, only: beam_supplement
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_stopped
   use bw_files, only: remove_file
@@ -26,17 +26,17 @@ module bw_run_record
 contains
 
   subroutine run_record(scene, directory, overwrite, part, group, progress, outcome, error)
-    !! Run a scene with a record; like `run_scene`, which is all of it where there is no beam.
+    !! Run a scene with a record; without a beam this is `run_scene`.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
-    integer, intent(in) :: part(2)               !! as that of `run_scene`
+    integer, intent(in) :: part(2)               !! as in `run_scene`
     class(process_group), intent(inout) :: group
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(beam_supplement) :: supplement
-    type(scene_type) :: whole                    ! the scene, with what further scenes add
+    type(scene_type) :: whole                    ! the scene, completed by further scenes
     real(dp) :: nothing(0)
     integer :: status, i
     logical :: again
@@ -74,7 +74,7 @@ contains
   end subroutine run_record
 
   subroutine run_further(further, directory, overwrite, group, progress, outcome, error)
-    !! Run the scenes of other states of the beam; the highest status is that of all.
+    !! Run the scenes of other states of the beam; the highest of their statuses is returned.
     type(scene_type), intent(in) :: further(:)
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
@@ -98,7 +98,7 @@ contains
   end subroutine run_further
 
   subroutine find_identity(supplement, error)
-    !! What the beam's findings rest on beside the scene and its record: further scenes and their records.
+    !! Find the data of the comparison beside scene and record: further scenes and their records.
     !! **Errors**: a record cannot be read.
     type(beam_supplement), intent(inout) :: supplement
     type(error_type), allocatable, intent(inout) :: error
@@ -113,11 +113,11 @@ contains
   end subroutine find_identity
 
   subroutine clear_bare(supplement, group, outcome, again, error)
-    !! A finished result of this scene without the beam's findings was made as that of a further scene: away with it.
+    !! Remove a finished result made when this was a further scene, as it lacks the comparison with its beam.
     type(beam_supplement), intent(in) :: supplement
     class(process_group), intent(inout) :: group
     type(outcome_type), intent(in) :: outcome
-    logical, intent(out) :: again                !! the result is to be made anew
+    logical, intent(out) :: again                !! the result must be made anew
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: path, there
     real(dp) :: nothing(0)
@@ -134,7 +134,7 @@ contains
   end subroutine clear_bare
 
   subroutine keep_scenes(supplement, overwrite, error)
-    !! Make sure that the identified scenes lie beside the result that has them.
+    !! Ensure that the identified scenes lie beside their result.
     !! **Errors**: another file is in the place of one, or it cannot be written.
     type(beam_supplement), intent(in) :: supplement
     logical, intent(in) :: overwrite
@@ -150,13 +150,13 @@ contains
       if (text /= '') then
         call keep_identified(path, identified_path(path, further), text, overwrite, error)
       else if (overwrite .and. size(supplement%scene%unknowns) > 0) then
-        ignored = remove_file(identified_path(path, further))     ! of an earlier result, where this one identified nothing
+        ignored = remove_file(identified_path(path, further))     ! of an earlier result, if this one identified nothing
       end if
     end do
   end subroutine keep_scenes
 
   subroutine clear_outdated(supplement, overwrite, error)
-    !! A finished result whose further records were others is not this one.
+    !! Remove a finished result whose further records have changed since.
     !! **Errors**: it may not be replaced.
     type(beam_supplement), intent(in) :: supplement
     logical, intent(in) :: overwrite

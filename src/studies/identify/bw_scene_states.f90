@@ -1,7 +1,6 @@
 module bw_scene_states
-  !! The states of a beam from scenes and their lines. The unknowns of the first scene are those of all: a number of another scene
-  !! is the same unknown where the scene gives a value to its name. What a further scene calls unknown itself is one of this
-  !! scene alone.
+  !! The states of a beam from scenes and their lines. The unknowns of the first scene are shared: a name that another
+  !! scene sets is the same unknown there. Unknowns of a further scene's own belong to it alone.
   use bw_measured_state, only: measured_state, state_lines, state_of
   use bw_identify_par, only: identify_par
   use bw_input_values, only: positions_of
@@ -14,16 +13,16 @@ module bw_scene_states
   public :: all_unknowns, states_of, unknowns_in
 
   type, public :: measured_scene
-    !! A scene with what was measured in its state.
+    !! A scene with the lines measured in its state.
     type(scene_type) :: scene                    !! without sweeps; scenes of one name are repeats
     type(state_lines) :: lines
-    class(monitor_type), pointer :: monitor => null()    !! fits mean nothing from when it asks to stop
+    class(monitor_type), pointer :: monitor => null()    !! fits are invalid once it asks to stop
   end type measured_scene
 
 contains
 
   subroutine states_of(measured, states)
-    !! One state for each scene.
+    !! Make one state for each scene.
     type(measured_scene), intent(in) :: measured(:)      !! the first has the `&identify` groups
     type(measured_state), allocatable, intent(out) :: states(:)
     integer :: i
@@ -35,11 +34,11 @@ contains
   end subroutine states_of
 
   function all_unknowns(measured) result(unknowns)
-    !! The unknowns of the first scene, then those of each further scene, called `name (scene)`.
+    !! Return the unknowns of the first scene, then those of each further scene, called `name (scene)`.
     type(measured_scene), intent(in) :: measured(:)      !! repeats of a scene one after another
     type(identify_par), allocatable :: unknowns(:)
     integer :: i, j, n, pass
-    do pass = 1, 2                               ! they are counted first: array constructors of such types leak in gfortran 12
+    do pass = 1, 2                               ! the first pass counts: array constructors of such types leak in gfortran 12
       n = 0
       do i = 1, size(measured)
         if (is_repeat(measured, i)) cycle
@@ -55,7 +54,7 @@ contains
   end function all_unknowns
 
   pure logical function is_repeat(measured, i)
-    !! Another case of the scene before.
+    !! Return whether this is another case of the previous scene.
     type(measured_scene), intent(in) :: measured(:)
     integer, intent(in) :: i
     is_repeat = .false.
@@ -63,9 +62,9 @@ contains
   end function is_repeat
 
   function unknowns_in(measured, i) result(unknowns)
-    !! All unknowns as they stand in a scene; of group 0 where it does not have them.
+    !! Return all unknowns by their names in a scene; of group 0 if it lacks them.
     type(measured_scene), intent(in) :: measured(:)
-    integer, intent(in) :: i                     !! which of them
+    integer, intent(in) :: i                     !! its index
     type(identify_par), allocatable :: unknowns(:)
     integer :: j, k, shared
     unknowns = all_unknowns(measured)
@@ -87,11 +86,11 @@ contains
   end function unknowns_in
 
   subroutine find_shared(first, scene, unknowns)
-    !! Where the unknowns of the first scene stand in another.
+    !! Find the unknowns of the first scene in another.
     type(scene_type), intent(in) :: first, scene
     type(identify_par), intent(inout) :: unknowns(:)     !! the first ones are those of the first scene
-    type(scene_type) :: here                     !! the search may change what it is asked about
-    type(message_list) :: messages               !! what is not found is no error
+    type(scene_type) :: here                     !! a copy, as the search may change it
+    type(message_list) :: messages               !! an absent name is no error
     integer, allocatable :: places(:)
     integer :: i
     places = positions_of(first%groups, 'identify')

@@ -1,12 +1,12 @@
 module bw_spurious_lines
-  !! How probable it is, before any beam is asked, that a line is no mode of it: a few are; more of those that do not decay as
-  !! the others do, and of those at a multiple of a far stronger line.
+  !! The probability that a line is spurious, before modes are considered: low in general, higher for lines that do not
+  !! decay as the others do, and for those at a multiple of a far stronger line.
   !!
-  !! What bends a sensor's or a clamp's answer makes weak multiples of a strong line. A weak line is one of them with
-  !! probability π, and then is normally distributed about the nearest multiple of the strong line's frequency g, with the
-  !! deviation w of their distance; or it is not, and lies anywhere. Beside a mode it is as many times more probable there as
-  !! L = g exp(−z²/2)/(w√(2π)), z its distance over w. The record itself tells how common they are: π of a line is what the
-  !! other weak lines make of it (the expectation of a mixture, each line left out of its own).
+  !! A nonlinear sensor or clamp produces weak multiples of a strong line. A weak line is one of them with probability
+  !! π, and then is normally distributed about the nearest multiple of the strong line's frequency g, with the deviation
+  !! w of their distance; else it may lie anywhere. The likelihood ratio of the two is L = g exp(−z²/2)/(w√(2π)), with
+  !! its distance z in units of w. The record itself gives π of a line, from the other weak lines (expectation
+  !! maximisation of a mixture, leaving each line out of its own).
   use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -14,18 +14,18 @@ module bw_spurious_lines
   public :: spurious_chance
 
   real(dp), parameter, public :: usual_chance = 0.05_dp  !! chosen: few lines are spurious
-  real(dp), parameter :: steady_odds = 25.0_dp   !! chosen: half of spurious lines are driven and do not decay; of modes one in 50
-  real(dp), parameter :: weaker = 0.01_dp        !! chosen: of a line, that its multiples are
+  real(dp), parameter :: steady_odds = 25.0_dp   !! chosen: half of spurious lines are driven and do not decay; one mode in 50
+  real(dp), parameter :: weaker = 0.01_dp        !! chosen: amplitude ratio below which a line may be a multiple
 
 contains
 
   pure function spurious_chance(frequency, deviation, decay, decay_deviation, strength) result(chance)
-    !! Of each line of a record.
+    !! Return the probability for each line of a record.
     real(dp), intent(in) :: frequency(:)         !! [rad/s], > 0, (lines)
     real(dp), intent(in) :: deviation(:)         !! its standard deviation, (lines)
     real(dp), intent(in) :: decay(:)             !! [1/s], (lines)
     real(dp), intent(in) :: decay_deviation(:)   !! (lines)
-    real(dp), intent(in), optional :: strength(:)   !! amplitude, where it is known, (lines)
+    real(dp), intent(in), optional :: strength(:)   !! amplitude, if known, (lines)
     real(dp) :: chance(size(frequency)), odds(size(frequency)), usual(size(frequency))
     usual = median(decay/frequency)*frequency
     odds = usual_chance/(1 - usual_chance)
@@ -35,10 +35,10 @@ contains
   end function spurious_chance
 
   pure function multiple_odds(frequency, deviation, strength) result(odds)
-    !! Of each line to be a multiple of a far stronger one: Lπ/(1 − π).
+    !! Return the odds of each line to be a multiple of a far stronger one: Lπ/(1 − π).
     real(dp), intent(in) :: frequency(:), deviation(:), strength(:)   !! (lines)
     real(dp) :: odds(size(frequency))
-    integer, parameter :: rounds = 30            !! the expectations have converged
+    integer, parameter :: rounds = 30            !! enough for the expectations to converge
     real(dp) :: ratio(size(frequency)), share(size(frequency)), expected(size(frequency))
     logical :: weak(size(frequency))
     integer :: i, round
@@ -57,7 +57,7 @@ contains
   end function multiple_odds
 
   elemental real(dp) function multiple_ratio(frequency, deviation, strong, strong_deviation) result(ratio)
-    !! How much more probable a line is here as a multiple of a strong one than as a mode: L.
+    !! Return the likelihood ratio L of a line as a multiple of a strong one and as a mode.
     real(dp), intent(in) :: frequency, deviation, strong, strong_deviation
     real(dp) :: width
     integer :: times
@@ -69,7 +69,7 @@ contains
   end function multiple_ratio
 
   pure real(dp) function median(values)
-    !! The middle one in the order of size; the lower one of two; 0 of none.
+    !! Return the middle value; the lower one of two; 0 of none.
     real(dp), intent(in) :: values(:)
     integer :: i, half
     half = (size(values) + 1)/2
