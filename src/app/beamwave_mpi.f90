@@ -1,5 +1,5 @@
 program beamwave_mpi
-  !! The twin of `beamwave` for mpirun: the same, but that processes share the cases of sweeps.
+  !! `beamwave` for mpirun: the same program, except that processes share the cases of sweeps.
   use bw_main, only: main
   use bw_mpi_processes, only: mpi_processes
   implicit none (type, external)

@@ -1,5 +1,5 @@
 module bw_check_command
-  !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
+  !! The command `check`: what scenes simulate, by which method, the time and memory needed, and the warnings of a run.
   use bw_case_modes, only: first_modes
   use bw_case_tolerance, only: fix_tolerance
   use bw_check_json, only: check_document, good_scene, refused_scene, scene_facts
@@ -31,18 +31,18 @@ module bw_check_command
   private
   public :: check_command
 
-  real(dp), parameter :: most_planning = 1.0_dp      !! s, by the model of costs, of a first try at a tolerance
-  real(dp), parameter :: patience = 6.0_dp           !! s for a scene; a record is read to its end
+  real(dp), parameter :: most_planning = 1.0_dp      !! s, by the cost model, for a first try at a tolerance
+  real(dp), parameter :: patience = 6.0_dp           !! s for a scene; a record is read completely
   character(*), parameter :: time_head = '  time       '
   character(*), parameter :: untried = '  tried      nothing: warnings are known only after a run'
 
 contains
 
   integer function check_command(command) result(status)
-    !! Say what each good scene would simulate; list what is wrong with the others.
+    !! Describe each valid scene; list the errors of the others.
     type(command_type), intent(in) :: command
     type(scene_type), allocatable :: scenes(:)
-    type(terminal_progress) :: progress            ! shows nothing: it asks to stop after a signal
+    type(terminal_progress) :: progress            ! shows nothing; requests a stop after a signal
     type(error_type), allocatable :: error
     type(scene_tally) :: tally
     type(scene_facts) :: facts
@@ -51,7 +51,7 @@ contains
     type(string), allocatable :: objects(:)
     character(:), allocatable :: text
     integer :: i, count
-    logical :: seen                                ! the report has shown the warnings to the same eyes
+    logical :: seen                                ! the report has shown the warnings to the same reader
     progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
     call read_and_list(command%words, .not. command%json, scenes, count, status, tally, refused)
     allocate (objects(0))
@@ -89,15 +89,15 @@ contains
   end function check_command
 
   subroutine examine(scene, brief, layout, facts, text, error)
-    !! Find what there is to say of a scene.
-    !! **Errors**: its tolerance is out of reach; a file of its record or of its loads is bad.
-    type(scene_type), intent(inout) :: scene       !! as that of `plan_tolerance`
+    !! Describe a scene.
+    !! **Errors**: its tolerance is unattainable; a file of its record or its loads is bad.
+    type(scene_type), intent(inout) :: scene       !! as in `plan_tolerance`
     logical, intent(in) :: brief                   !! in one line
     type(result_layout), intent(out) :: layout
     type(scene_facts), intent(out) :: facts
-    character(:), allocatable, intent(out) :: text !! what is printed of a good scene
+    character(:), allocatable, intent(out) :: text !! printed for a valid scene
     type(error_type), allocatable, intent(out) :: error
-    type(terminal_progress) :: monitor             ! after which what was tried has to do
+    type(terminal_progress) :: monitor             ! limits the time of trial runs
     character(:), allocatable :: count_line, time_line
     integer :: planned
     layout = layout_of(scene)
@@ -135,13 +135,13 @@ contains
   end subroutine examine
 
   subroutine foresee(scene, layout, planned, monitor, time_line, facts)
-    !! How long a run would take, by the model of costs, and what it would warn of, from cases that are tried.
+    !! Predict the time of a run by the cost model, and its warnings from trial cases.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    integer, intent(in) :: planned                 !! modes that a tolerance takes
+    integer, intent(in) :: planned                 !! modes that a tolerance needs
     class(monitor_type), intent(inout) :: monitor
     character(:), allocatable, intent(out) :: time_line
-    type(scene_facts), intent(inout) :: facts      !! gets seconds and notes
+    type(scene_facts), intent(inout) :: facts      !! receives seconds and notes
     type(forecast_type) :: forecast
     if (monitor%stop_requested()) then
       time_line = time_head//'more than '//expected_text(patience)//', the time of its planning alone'//new_line('a')// &
@@ -170,7 +170,7 @@ contains
   end subroutine foresee
 
   function room_notes(facts) result(notes)
-    !! Whether the machine has the memory and the disk that a run takes, where the check is made: a line for what it lacks.
+    !! Compare the memory and disk space that a run needs with those of this machine: a line for each shortage.
     type(scene_facts), intent(in) :: facts
     character(:), allocatable :: notes
     integer(i8) :: memory, disk
@@ -184,7 +184,7 @@ contains
   end function room_notes
 
   pure function expected_text(seconds) result(text)
-    !! Seconds as `duration_text` writes them, with a digit more where whole seconds would be too coarse.
+    !! Format seconds like `duration_text`, with one more digit if whole seconds are too coarse.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds >= 1.0_dp .and. seconds < 10.0_dp) then
@@ -195,9 +195,9 @@ contains
   end function expected_text
 
   subroutine check_records(scene, layout, text, notes, error)
-    !! Read every file of a record, and those of the scenes that are fitted with it: what there is.
+    !! Read every file of a record, and those of the scenes fitted with it, and describe their content.
     type(scene_type), intent(in) :: scene
-    type(result_layout), intent(inout) :: layout   !! gets what the files tell
+    type(result_layout), intent(inout) :: layout   !! completed by the files
     character(:), allocatable, intent(out) :: text, notes
     type(error_type), allocatable, intent(out) :: error
     type(scene_type), allocatable :: further(:)
@@ -217,9 +217,9 @@ contains
   end subroutine check_records
 
   subroutine add_files(scene, layout, text, notes, error)
-    !! Say what the files of one record hold.
+    !! Describe the content of one record's files.
     type(scene_type), intent(in) :: scene
-    type(result_layout), intent(inout) :: layout   !! gets what the files tell
+    type(result_layout), intent(inout) :: layout   !! completed by the files
     character(:), allocatable, intent(inout) :: text, notes
     type(error_type), allocatable, intent(out) :: error
     type(record_extent), allocatable :: extents(:)
@@ -238,10 +238,10 @@ contains
   end subroutine add_files
 
   subroutine plan_tolerance(scene, monitor, count, text, error)
-    !! Say how many modes a tolerance takes, unless cases of a sweep take different ones, or planning takes too long.
-    type(scene_type), intent(inout) :: scene       !! its default tolerance relaxes where it is out of reach
-    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
-    integer, intent(out) :: count                  !! of modes; a guess where it is not planned
+    !! Report how many modes a tolerance needs, unless cases of a sweep differ or planning takes too long.
+    type(scene_type), intent(inout) :: scene       !! its default tolerance is relaxed if unattainable
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned if it asks to stop
+    integer, intent(out) :: count                  !! of modes; a guess if not planned
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
     text = ''

@@ -1,5 +1,5 @@
 module bw_check_json
-  !! What `beamwave check --json` prints: one document, with an object for each scene.
+  !! The output of `beamwave check --json`: one document, with an object for each scene.
   use bw_json, only: json_list, json_member, json_number, json_text, json_texts
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
@@ -15,10 +15,10 @@ module bw_check_json
   public :: check_document, good_scene, refused_scene
 
   type, public :: scene_facts
-    !! What is found out about a good scene.
-    integer :: modes = 0                           !! to be summed; 0: only a run tells
-    integer(i8) :: memory = 0, disk = 0            !! bytes that a run takes
-    real(dp) :: seconds = missing                  !! that it takes on one core
+    !! The properties of a valid scene.
+    integer :: modes = 0                           !! to be summed; 0: known only to a run
+    integer(i8) :: memory = 0, disk = 0            !! bytes that a run needs
+    real(dp) :: seconds = missing                  !! of a run on one core
     character(:), allocatable :: notes             !! lines
   end type scene_facts
 
@@ -27,7 +27,7 @@ module bw_check_json
 contains
 
   function check_document(scenes, status) result(document)
-    !! All that was found out; a line for each scene.
+    !! Return the whole document, with a line for each scene.
     type(string), intent(in) :: scenes(:)          !! objects
     integer, intent(in) :: status                  !! of the command
     character(:), allocatable :: document
@@ -41,7 +41,7 @@ contains
   end function check_document
 
   function good_scene(scene, layout, facts) result(object)
-    !! A scene that would run.
+    !! Return the object of a valid scene.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(scene_facts), intent(in) :: facts
@@ -65,7 +65,7 @@ contains
   end function good_scene
 
   pure function notes_of(notes, remarks) result(list)
-    !! The warnings among notes, or the remarks.
+    !! Return the warnings among notes, or the remarks.
     character(*), intent(in) :: notes              !! lines
     logical, intent(in) :: remarks
     character(:), allocatable :: list
@@ -82,10 +82,10 @@ contains
   end function notes_of
 
   pure function refused_scene(file, status, message) result(object)
-    !! A scene that cannot be read, or is wrong.
+    !! Return the object of a scene that cannot be read or is wrong.
     character(*), intent(in) :: file
     integer, intent(in) :: status                  !! 2, 3 or 4
-    character(*), intent(in) :: message            !! all that is wrong, each as `FILE:LINE: group%name: what`
+    character(*), intent(in) :: message            !! all errors, each as `FILE:LINE: group%name: what`
     character(:), allocatable :: object, rest
     type(string), allocatable :: objects(:)
     integer :: last
@@ -101,7 +101,7 @@ contains
   end function refused_scene
 
   pure integer function error_length(file, text) result(length)
-    !! Letters of the error that a text begins with: the next one begins in a line of its own, with the scene's file or another place.
+    !! Return the length of the first error of a text: the next one begins on a new line, with the scene's file or another place.
     character(*), intent(in) :: file, text
     integer :: next
     length = 0
@@ -119,7 +119,7 @@ contains
   end function error_length
 
   pure integer function line_mark(text) result(colon)
-    !! Where the path ends of a text `PATH:LINE: …`; 0: it has no such place in its first line.
+    !! Return the end of the path in a text `PATH:LINE: …`; 0 if its first line has none.
     character(*), intent(in) :: text
     integer :: next, last
     last = index(text//nl, nl) - 1
@@ -136,7 +136,7 @@ contains
   end function line_mark
 
   pure function error_object(file, message) result(object)
-    !! `FILE:LINE: group%name: what` taken apart; what it lacks is null, and the file is the scene's where it names no other.
+    !! Split `FILE:LINE: group%name: what`; missing parts are null, and the default file is the scene's.
     character(*), intent(in) :: file, message
     character(:), allocatable :: object
     character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz_()%&'//digits

@@ -1,5 +1,5 @@
 module bw_command_line
-  !! Reading the command line by the table of commands.
+  !! Parsing of the command line by the table of commands.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_command_table, only: accepted_options, command_row, command_type, commands_text, help_text, lists, options, row_of
   use bw_error, only: error_type, fail, status_bad_input
@@ -47,11 +47,11 @@ contains
   end subroutine read_command_line
 
   subroutine read_word(rows, command, i, error)
-    !! Read a word of the command, or an option: `--name`, `--name value` or `--name=value`. `--help` stands behind any
-    !! command, and means that help is what is called for.
+    !! Read a word of the command, or an option: `--name`, `--name value` or `--name=value`. `--help` after any command
+    !! requests help.
     type(command_row), intent(in) :: rows(:)
     type(command_type), intent(inout) :: command
-    integer, intent(inout) :: i                   !! place of the word; moves on behind it and a value of its own
+    integer, intent(inout) :: i                   !! index of the word; advances past it and its value
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: word, name
     integer :: help
@@ -74,11 +74,11 @@ contains
   end subroutine read_word
 
   subroutine read_option(command, word, name, i, error)
-    !! Read an option that the command takes, and its value: what stands behind its '=', or the next word.
+    !! Read an option of the command, and its value: the text after '=', or the next word.
     type(command_type), intent(inout) :: command
-    character(*), intent(in) :: word              !! with its '=' and value, if it has them
+    character(*), intent(in) :: word              !! with its '=' and value, if any
     character(*), intent(in) :: name
-    integer, intent(inout) :: i                   !! place of the next word; moves on behind a value
+    integer, intent(inout) :: i                   !! index of the next word; advances past a value
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: value
     value = ''
@@ -98,10 +98,10 @@ contains
 
   subroutine set_option(command, name, value, error)
     !! Put the value of an option into its component of the command.
-    !! **Errors**: the value makes no sense.
+    !! **Errors**: the value is invalid.
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: name
-    character(*), intent(in) :: value             !! empty where the option takes none
+    character(*), intent(in) :: value             !! empty for an option without value
     type(error_type), allocatable, intent(inout) :: error
     select case (name)
     case ('--output'); command%output = value
@@ -122,7 +122,7 @@ contains
 
   subroutine read_seconds(value, seconds, error)
     !! Read a number of seconds.
-    !! **Errors**: the value is no finite number from 0 on.
+    !! **Errors**: the value is no finite number ≥ 0.
     character(*), intent(in) :: value
     real(dp), intent(inout) :: seconds
     type(error_type), allocatable, intent(inout) :: error
@@ -142,8 +142,8 @@ contains
   end subroutine read_seconds
 
   subroutine read_part(value, part, error)
-    !! Read which part of how many is to be run.
-    !! **Errors**: the value is no I/N.
+    !! Read which of how many parts to run.
+    !! **Errors**: the value is not I/N.
     character(*), intent(in) :: value
     integer, intent(inout) :: part(2)
     type(error_type), allocatable, intent(inout) :: error
@@ -160,7 +160,7 @@ contains
   end subroutine read_part
 
   function argument(i) result(text)
-    !! A word of the command line, from 1.
+    !! Return a word of the command line, from 1.
     integer, intent(in) :: i
     character(:), allocatable :: text
     integer :: length

@@ -1,6 +1,6 @@
 module bw_command_table
-  !! What a row of the table of commands says, and the texts that follow from the rows: the help, and what messages accept. The
-  !! rows themselves are in `bw_main`. A new option is a row of `options` here and a case of `set_option` in `bw_command_line`.
+  !! The rows of the table of commands, and texts derived from them: the help, and the accepted words in messages. The rows
+  !! themselves are in `bw_main`. A new option is a row of `options` here and a case of `set_option` in `bw_command_line`.
   use bw_kinds, only: dp
   use bw_process_group, only: process_group
   use bw_text, only: string
@@ -10,7 +10,7 @@ module bw_command_table
 
   type, public :: words_rule
     !! Which words a command takes besides its options.
-    character(12) :: usage = ''                   !! as the help shows them
+    character(12) :: usage = ''                   !! as shown by the help
     integer :: fewest = 0, most = 1
     character(64) :: complaint = 'accepted: one word at most'
   end type words_rule
@@ -21,18 +21,18 @@ module bw_command_table
     one_group = words_rule('[GROUP]'), no_words = words_rule()
 
   type, public :: command_row
-    !! A command: everything that parsing, help, messages and dispatch know of it.
+    !! A command, as needed for parsing, help, messages and dispatch.
     character(8) :: name = ''
     type(words_rule) :: words
-    character(96) :: options = ''                 !! those of `options` that it takes, in their order, by spaces
+    character(96) :: options = ''                 !! its `options`, in their order, separated by spaces
     character(96) :: help = ''                    !! what it does
     procedure(command_interface), pointer, nopass :: procedure => null()
-    character(16) :: flags = ''                   !! `--word`s that stand for it, by spaces; the first is what users are told
-    logical :: shared = .false.                   !! all processes of a group call it, else the leader alone
+    character(16) :: flags = ''                   !! equivalent `--word`s, separated by spaces; help names the first
+    logical :: shared = .false.                   !! called by all processes of a group, else by the leader alone
   end type command_row
 
   type, public :: command_type
-    !! A command as it was called.
+    !! A command as called.
     type(command_row), allocatable :: row         !! its row of the table
     type(string), allocatable :: words(:)         !! paths of scenes, or the group to describe
     character(:), allocatable :: output           !! --output
@@ -40,15 +40,15 @@ module bw_command_table
     logical :: quiet = .false.                    !! --quiet
     logical :: verbose = .false.                  !! --verbose
     real(dp) :: max_seconds = huge(1.0_dp)        !! --max-seconds
-    integer :: part(2) = 1                        !! --part: which, and of how many
+    integer :: part(2) = 1                        !! --part: index and number of parts
     logical :: has_part = .false.                 !! it is given
     logical :: json = .false.                     !! --json, or --progress json
-    class(process_group), pointer :: group => null()    !! the processes that were called together
+    class(process_group), pointer :: group => null()    !! the processes started together
   end type command_type
 
   abstract interface
     integer function command_interface(command) result(status)
-      !! Does what the command is called for, prints what there is to say, and returns the exit status.
+      !! Executes the command, prints its output, and returns the exit status.
       import :: command_type
       type(command_type), intent(in) :: command
     end function command_interface
@@ -56,7 +56,7 @@ module bw_command_table
 
   type, public :: option_row
     character(16) :: name
-    character(4) :: value                         !! what stands for its value in the help; blank where it takes none
+    character(4) :: value                         !! placeholder of its value in the help; blank for an option without value
     character(80) :: help
   end type option_row
 
@@ -75,7 +75,7 @@ module bw_command_table
 contains
 
   pure integer function row_of(rows, word) result(i)
-    !! The place of the command that a word means; 0 where it means none.
+    !! Return the index of the command that a word names; 0 if none.
     type(command_row), intent(in) :: rows(:)
     character(*), intent(in) :: word
     do i = size(rows), 1, -1
@@ -84,7 +84,7 @@ contains
   end function row_of
 
   elemental logical function lists(list, word)
-    !! Whether a word is one of a list, which has blanks between its words.
+    !! Return whether a word is in a list separated by blanks.
     character(*), intent(in) :: list, word
     lists = .false.
     if (word == '' .or. index(trim(word), ' ') > 0) return
@@ -92,7 +92,7 @@ contains
   end function lists
 
   pure function commands_text(rows) result(text)
-    !! For a message: all commands, as users are told to call them.
+    !! List all commands for a message, by the words that users call.
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: i
@@ -104,7 +104,7 @@ contains
   end function commands_text
 
   pure function called(row) result(word)
-    !! The word that users are told to call a command by.
+    !! Return the word by which users call a command.
     type(command_row), intent(in) :: row
     character(:), allocatable :: word
     word = trim(row%name)
@@ -112,7 +112,7 @@ contains
   end function called
 
   pure function accepted_options(row) result(text)
-    !! For a message: the options of a command, if it takes any.
+    !! List the options of a command for a message, if it takes any.
     type(command_row), intent(in) :: row
     character(:), allocatable :: text
     integer :: i
@@ -125,7 +125,7 @@ contains
   end function accepted_options
 
   pure function help_text(rows) result(text)
-    !! The text that `beamwave --help` prints: the commands, their options, the exit statuses.
+    !! Return the output of `beamwave --help`: commands, options and exit statuses.
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text, flags
     integer :: i
@@ -150,14 +150,14 @@ contains
   end function help_text
 
   pure function usage(row) result(text)
-    !! A command and its words.
+    !! Return a command and its words.
     type(command_row), intent(in) :: row
     character(:), allocatable :: text
     text = trim(trim(row%name)//' '//row%words%usage)
   end function usage
 
   pure function column(text, width) result(wide)
-    !! Text filled up with blanks, of which there is at least one.
+    !! Pad a text with blanks, at least one.
     character(*), intent(in) :: text
     integer, intent(in) :: width
     character(:), allocatable :: wide
@@ -165,7 +165,7 @@ contains
   end function column
 
   pure function options_heading(rows) result(text)
-    !! Which commands take which of the options that stand below it, those that take most first.
+    !! Say which commands take which of the options listed below; those that take most come first.
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: number, i, j

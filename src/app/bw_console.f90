@@ -1,7 +1,7 @@
 module bw_console
-  !! What the program prints: reports to standard output, warnings and errors to standard error. Every text goes out at
-  !! once: what waits in a buffer is lost when a process is killed. Names of files, columns and units are anybody's: they reach a
-  !! terminal as `printable` has them.
+  !! Output of the program: reports to standard output, warnings and errors to standard error, unbuffered, since a
+  !! buffer is lost when a process is killed. Texts of others, such as names of files, columns and units, pass through
+  !! `printable`.
   use bw_descriptors, only: look_at_open, standard_error, standard_output, write_text
   use bw_error, only: error_type
   use bw_files, only: path_state, same_file
@@ -15,13 +15,13 @@ module bw_console
   public :: print_report, print_warning, print_warnings, print_error, seen_together, speak_json
 
   logical, protected, public :: report_lost = .false.   !! standard output could not be written
-  logical :: in_json = .false.                          !! standard error gets lines of JSON
+  logical :: in_json = .false.                          !! standard error gets JSON lines
 
 contains
 
   subroutine print_report(text)
-    !! Print lines to standard output. A failure sets `report_lost`; that the reader has closed a pipe, as `head` does, is
-    !! none.
+    !! Print lines to standard output. A failure sets `report_lost`, except when the reader closes a pipe, as `head`
+    !! does.
     character(*), intent(in) :: text
     integer :: problem
     if (text == '') return
@@ -30,13 +30,13 @@ contains
   end subroutine print_report
 
   subroutine speak_json(asked)
-    !! Have all that goes to standard error from now on be lines of JSON, where that is asked for.
+    !! Switch standard error to JSON lines, if requested.
     logical, intent(in) :: asked
     in_json = asked
   end subroutine speak_json
 
   subroutine print_warning(text)
-    !! Print lines to standard error. Nowhere is left to tell of a failure.
+    !! Print lines to standard error. A failure cannot be reported.
     character(*), intent(in) :: text
     integer :: ignored
     if (in_json) then
@@ -47,7 +47,7 @@ contains
   end subroutine print_warning
 
   subroutine print_warnings(scene, notes)
-    !! Print each warning among notes with the scene that it is about. Remarks are the report's alone.
+    !! Print each warning among notes, preceded by its scene. Remarks are printed in the report only.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: notes              !! lines
     type(string), allocatable :: lines(:)
@@ -59,7 +59,7 @@ contains
   end subroutine print_warnings
 
   logical function seen_together()
-    !! Whether report and warnings go to the same terminal, file or pipe: the report ends with the same warnings.
+    !! Return whether report and warnings go to the same terminal, file or pipe: the report ends with the same warnings.
     type(path_state) :: output, warnings
     seen_together = look_at_open(standard_output, output) == 0
     if (seen_together) seen_together = look_at_open(standard_error, warnings) == 0
@@ -73,7 +73,7 @@ contains
   end subroutine print_error
 
   pure function whole_lines(text) result(lines)
-    !! The text as a terminal may get it, with an end to its last line.
+    !! Return a text that is safe for a terminal and ends with a line end.
     character(*), intent(in) :: text
     character(:), allocatable :: lines
     lines = printable(text)

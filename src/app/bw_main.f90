@@ -1,6 +1,6 @@
 module bw_main
-  !! The table of commands, and what the programs do with it, whoever hands out the cases of sweeps. A new command is a row of
-  !! the table and its procedure.
+  !! The table of commands, and the main procedure of both programs. A new command is a row of the table and its
+  !! procedure.
   use bw_check_command, only: check_command
   use bw_command_line, only: read_command_line
   use bw_command_table, only: command_row, command_type, help_text, no_words, one_group, one_scene, some_scenes
@@ -19,7 +19,7 @@ module bw_main
 contains
 
   pure function commands() result(rows)
-    !! Every command, in the order of the help.
+    !! Return all commands, in the order of the help.
     type(command_row) :: rows(7)
     character(*), parameter :: writing = '--output --overwrite --quiet --verbose'
     rows = [ &
@@ -36,7 +36,7 @@ contains
   end function commands
 
   subroutine main(group)
-    !! All processes run scenes; the leader does everything else alone, and its exit status is that of all.
+    !! Run a command: all processes run scenes; the leader does everything else alone, and its exit status is that of all.
     class(process_group), intent(inout), target :: group
     type(command_type) :: command
     type(error_type), allocatable :: error
@@ -64,7 +64,7 @@ contains
 
   integer function describe_command(command) result(status)
     !! Print every input name, or those of one group.
-    !! **Errors**: `status_bad_input` for a group that is none.
+    !! **Errors**: `status_bad_input` for an unknown group.
     type(command_type), intent(in) :: command
     character(:), allocatable :: group, text
     type(error_type), allocatable :: error
@@ -93,7 +93,7 @@ contains
   end function help_command
 
   integer function version_command(command) result(status)
-    !! Print what this program is: its version and commit, the compiler, the libraries.
+    !! Print version and commit, the compiler, and the libraries.
     type(command_type), intent(in) :: command
     character(*), parameter :: nl = new_line('a')
     character(:), allocatable :: processor

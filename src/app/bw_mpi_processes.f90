@@ -1,6 +1,6 @@
 module bw_mpi_processes
-  !! A group of MPI processes. The counter, and how many cases are done, are two integers in a window of the leader's memory,
-  !! which each process changes by itself. Nobody waits in a busy loop.
+  !! A group of MPI processes. The counter and the number of finished cases are two integers in a window of the leader's
+  !! memory, which each process changes by one-sided calls. Waiting uses no busy loop.
   use, intrinsic :: iso_c_binding, only: c_ptr
   use bw_error, only: error_type, fail, status_done
   use bw_file_lock, only: own_host
@@ -35,7 +35,7 @@ module bw_mpi_processes
 contains
 
   subroutine join(self)
-    !! Start MPI, and make the window.
+    !! Start MPI, and create the window.
     class(mpi_processes), intent(inout) :: self
     integer(mpi_address_kind), parameter :: bytes = 8
     type(c_ptr) :: memory
@@ -58,7 +58,7 @@ contains
   end subroutine part
 
   subroutine wait_for(request)
-    !! Wait for a request without taking the processor from others.
+    !! Wait for a request without occupying the processor.
     type(mpi_request), intent(inout) :: request
     logical :: done
     do
@@ -69,7 +69,7 @@ contains
   end subroutine wait_for
 
   subroutine share(self, values)
-    !! All get the leader's values, which may have any length.
+    !! Broadcast the leader's values, whose length is arbitrary.
     class(mpi_processes), intent(inout) :: self
     integer(i4), allocatable, intent(inout) :: values(:)
     integer(i4), allocatable, asynchronous :: shared(:)
@@ -87,7 +87,7 @@ contains
   end subroutine share
 
   subroutine hosts(self, names)
-    !! The leader gathers the names of all hosts.
+    !! Gather the names of all hosts on the leader.
     class(mpi_processes), intent(inout) :: self
     type(string), allocatable, intent(out) :: names(:)
     character(longest_name), asynchronous :: mine, every(self%processes)
@@ -103,7 +103,7 @@ contains
   end subroutine hosts
 
   subroutine begin(self)
-    !! The leader sets its integers back while the others wait.
+    !! Reset the leader's integers while the others wait.
     class(mpi_processes), intent(inout) :: self
     type(mpi_request) :: request
     integer(i8) :: former
@@ -116,7 +116,7 @@ contains
   end subroutine begin
 
   subroutine change(self, which, value, operation, former)
-    !! Change one of the leader's integers, and tell what it was.
+    !! Change one of the leader's integers, and get its former value.
     class(mpi_processes), intent(inout) :: self
     integer(mpi_address_kind), intent(in) :: which
     integer(i8), intent(in) :: value
@@ -130,7 +130,7 @@ contains
   end subroutine change
 
   subroutine take(self, length, first)
-    !! Take the next places from the leader's counter.
+    !! Take the next positions from the leader's counter.
     class(mpi_processes), intent(inout) :: self
     integer(i8), intent(in) :: length
     integer(i8), intent(out) :: first
@@ -151,19 +151,19 @@ contains
   end subroutine tell
 
   subroutine stop_all(self)
-    !! Put the leader's counter beyond all places.
+    !! Set the leader's counter beyond all positions.
     class(mpi_processes), intent(inout) :: self
     integer(i8) :: former
     call change(self, next_place, stopped_at, mpi_replace, former)
   end subroutine stop_all
 
   subroutine collect(self, totals, error)
-    !! Add up what each process has, and find the process with the worst error.
+    !! Sum up the values of all processes, and find the process with the worst error.
     class(mpi_processes), intent(inout) :: self
     real(dp), intent(inout) :: totals(:)
     type(error_type), allocatable, intent(inout) :: error
     real(dp), asynchronous :: sums(size(totals)), mine(size(totals))
-    integer, asynchronous :: worst(2), own(2)               ! status, and whose it is
+    integer, asynchronous :: worst(2), own(2)               ! status, and rank of the process
     type(mpi_request) :: request
     mine = totals
     call mpi_iallreduce(mine, sums, size(mine), mpi_double_precision, mpi_sum, mpi_comm_world, request)
@@ -177,7 +177,7 @@ contains
   end subroutine collect
 
   subroutine share_error(self, worst, error)
-    !! All processes get the error of one.
+    !! Broadcast the error of one process.
     class(mpi_processes), intent(in) :: self
     integer, intent(in) :: worst(2)
     type(error_type), allocatable, intent(inout) :: error

@@ -1,5 +1,5 @@
 module bw_run_command
-  !! The commands that write results: scenes are run, or one scene is studied by running it in several ways.
+  !! The commands that write results: run scenes, or study one scene by running it in several ways.
   use bw_accuracy, only: measure_accuracy
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together, speak_json
@@ -21,19 +21,19 @@ module bw_run_command
   private
   public :: run_command, accuracy_command, effects_command
 
-  integer, parameter :: between_streams = 20000        !! µs; mpirun hands on both streams in pieces of 4 KB, and a warning
-                                                       !! must not fall between two pieces of a report
+  integer, parameter :: between_streams = 20000        !! µs; mpirun forwards both streams in pieces of 4 KB, and a warning must not
+                                                       !! split a report
 
 contains
 
   integer function run_command(command) result(status)
-    !! Run every good scene; the status is the highest of any. Called by all processes; only the leader speaks.
+    !! Run every valid scene; the status is the highest of all. Called by all processes; only the leader prints.
     type(command_type), intent(in) :: command
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
     type(scene_tally) :: tally
     type(error_type), allocatable :: error
-    integer(i4), allocatable :: stop(:)            ! of one number: 1 where the leader has to stop
+    integer(i4), allocatable :: stop(:)            ! of size 1: 1 if the leader has to stop
     integer :: i, count
     if (command%max_seconds < huge(1.0_dp)) call stop_after(command%max_seconds)
     call speak_json(command%json)
@@ -61,10 +61,10 @@ contains
   end function run_command
 
   subroutine agree_on_scenes(group, count, error)
-    !! Make sure that all processes have read the same scenes.
-    !! **Errors**: one of them could not read what the leader has read. All get it.
+    !! Check that all processes have read the same scenes.
+    !! **Errors**: a process could not read what the leader has read. All get the error.
     class(process_group), intent(inout) :: group
-    integer, intent(in) :: count                   !! of good scenes
+    integer, intent(in) :: count                   !! of valid scenes
     type(error_type), allocatable, intent(out) :: error
     integer(i4), allocatable :: counts(:)
     real(dp) :: nothing(0)
@@ -77,7 +77,7 @@ contains
   end subroutine agree_on_scenes
 
   integer function run_one(command, scene, progress, tally) result(status)
-    !! Run a scene, and say how it ended.
+    !! Run a scene, and print its outcome.
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
     type(terminal_progress), intent(inout) :: progress
@@ -98,7 +98,7 @@ contains
   end function run_one
 
   integer function accuracy_command(command) result(status)
-    !! Measure what accuracy costs on a scene.
+    !! Measure the cost of accuracy for a scene.
     type(command_type), intent(in) :: command
     status = study_scene(command, measure_accuracy)
   end function accuracy_command
@@ -110,7 +110,7 @@ contains
   end function effects_command
 
   integer function study_scene(command, study) result(status)
-    !! Study the one scene that is named, and say how that ended.
+    !! Study the scene that is named, and print the outcome.
     type(command_type), intent(in) :: command
     procedure(measure_accuracy) :: study
     type(scene_type), allocatable :: scenes(:)
@@ -135,13 +135,13 @@ contains
   end function study_scene
 
   integer function print_outcome(command, scene, outcome, brief, error) result(status)
-    !! Say how a scene ended.
+    !! Print the outcome of a scene.
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
     type(outcome_type), intent(in) :: outcome
     logical, intent(in) :: brief                   !! in one line
     type(error_type), intent(in), optional :: error
-    logical :: made                                !! there is a result, also where something beside it could not be written
+    logical :: made                                !! a result exists, even if a file beside it could not be written
     made = .not. present(error)
     if (allocated(outcome%report)) made = made .or. outcome%report /= ''
     status = merge(outcome%status, status_done, made)
@@ -161,7 +161,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(outcome_type), intent(in) :: outcome
     logical, intent(in) :: brief                   !! in one line
-    logical :: seen                                !! the report has shown the warnings to the same eyes
+    logical :: seen                                !! the report has shown the warnings to the same reader
     if (.not. command%quiet .and. brief) call print_report(brief_text(outcome))
     if (.not. command%quiet .and. .not. brief) call print_report(printed(outcome%report, command%verbose))
     if (outcome%was_there) return
@@ -174,7 +174,7 @@ contains
   end subroutine print_result
 
   pure function brief_text(outcome) result(text)
-    !! One line of one of many scenes; none of one that was stopped, for which a warning stands.
+    !! Return one line for one of many scenes; empty for a stopped one, which has a warning.
     type(outcome_type), intent(in) :: outcome
     character(:), allocatable :: text
     text = ''

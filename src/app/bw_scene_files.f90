@@ -1,5 +1,5 @@
 module bw_scene_files
-  !! The scenes that a command line names: files, and directories that stand for their *.nml.
+  !! The scenes named on a command line: files, and directories that stand for their *.nml.
   use bw_console, only: print_warning
   use bw_error, only: error_type, status_bad_file, status_bad_input, status_done
   use bw_existing_result, only: check_result_path
@@ -14,23 +14,23 @@ module bw_scene_files
   public :: read_and_list
 
   type, public :: refused_type
-    !! A scene that is not to be run.
+    !! A scene that is not run.
     character(:), allocatable :: file              !! its path, as the user wrote it
-    integer :: status = status_done                !! why
+    integer :: status = status_done                !! the reason
     character(:), allocatable :: message           !! lines
   end type refused_type
 
 contains
 
   subroutine read_and_list(words, aloud, scenes, count, status, tally, refused)
-    !! Read all scenes and print what is wrong with the bad ones. None is to be run where two files would write the same result,
-    !! or the system lets nothing be run.
+    !! Read all scenes and print the errors of the bad ones. None is run if two files would write the same result, or
+    !! the system does not allow it.
     type(string), intent(in) :: words(:)           !! paths, as the user wrote them
     logical, intent(in) :: aloud                   !! print it
     type(scene_type), allocatable, intent(out) :: scenes(:)
-    integer, intent(out) :: count                  !! how many of `scenes` are to be run
-    integer, intent(out) :: status                 !! the highest of the errors'
-    type(scene_tally), intent(inout), optional :: tally      !! gets how many there are, and how many are wrong
+    integer, intent(out) :: count                  !! number of `scenes` to run
+    integer, intent(out) :: status                 !! the highest of all errors
+    type(scene_tally), intent(inout), optional :: tally      !! receives the numbers of scenes and of wrong ones
     type(refused_type), allocatable, intent(out), optional :: refused(:)
     type(refused_type), allocatable :: bad(:)
     type(error_type), allocatable :: error
@@ -56,7 +56,7 @@ contains
   end subroutine read_and_list
 
   subroutine refuse(refused, file, status, message)
-    !! Add a scene to those that are not to be run.
+    !! Add a scene that is not run.
     type(refused_type), allocatable, intent(inout) :: refused(:)
     character(*), intent(in) :: file, message
     integer, intent(in) :: status
@@ -78,7 +78,7 @@ contains
     type(scene_type), allocatable, intent(out) :: scenes(:)     !! the first `count` of them are read
     integer, intent(out) :: count
     type(refused_type), allocatable, intent(out) :: refused(:)  !! one for each bad scene or path
-    integer, intent(out) :: status                              !! the highest of the bad ones', or `status_done`
+    integer, intent(out) :: status                              !! the highest of all errors, or `status_done`
     logical, intent(out) :: clash                               !! two files would write the same result
     integer, allocatable :: clashes(:)
     type(string), allocatable :: paths(:)
@@ -113,7 +113,7 @@ contains
   end subroutine read_scenes
 
   subroutine expand(words, paths, refused)
-    !! Paths of files from words, of which each may be a directory that stands for its *.nml.
+    !! Replace each directory by its *.nml files.
     type(string), intent(in) :: words(:)
     type(string), allocatable, intent(out) :: paths(:)
     type(refused_type), allocatable, intent(inout) :: refused(:)
@@ -140,7 +140,7 @@ contains
   end subroutine expand
 
   pure function without_slash(path) result(text)
-    !! A directory's path without a slash at its end.
+    !! Return a directory's path without a trailing slash.
     character(*), intent(in) :: path
     character(:), allocatable :: text
     text = path
@@ -148,7 +148,7 @@ contains
   end function without_slash
 
   subroutine drop_repeated(paths)
-    !! Leave of each file its first path: a scene that is named twice is run once.
+    !! Keep the first path of each file: a scene named twice is run once.
     type(string), allocatable, intent(inout) :: paths(:)
     type(string), allocatable :: kept(:)
     type(string) :: stems(size(paths))
@@ -157,7 +157,7 @@ contains
     allocate (kept(0))
     do i = 1, size(paths)
       stems(i)%text = stem(paths(i)%text)
-      problem = look_at(paths(i)%text, states(i))    ! where it cannot be looked at, reading it will say why
+      problem = look_at(paths(i)%text, states(i))    ! if this fails, reading the file will report why
       do j = 1, i - 1
         if (stems(j)%text /= stems(i)%text) cycle
         if (same_file(states(i), states(j)) .or. paths(i)%text == paths(j)%text) exit
@@ -168,7 +168,7 @@ contains
   end subroutine drop_repeated
 
   function clashes_of(paths) result(clashes)
-    !! For each path the first one before it whose file has the same stem, and would write the same result; 0 where there is none.
+    !! Return for each path the first earlier one with the same stem, which would write the same result; 0 if there is none.
     type(string), intent(in) :: paths(:)             !! of different files
     integer :: clashes(size(paths))
     type(string) :: stems(size(paths))

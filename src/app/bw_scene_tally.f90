@@ -1,5 +1,5 @@
 module bw_scene_tally
-  !! What is printed where a command line names several scenes: of many one line each, and in the end how many went well.
+  !! Output for several scenes on a command line: one line for each of many, and a final count.
   use bw_error, only: status_done, status_not_trusted
   use bw_note, only: is_remark, kind_of
   use bw_text, only: lines_of, string, text_of
@@ -10,14 +10,14 @@ module bw_scene_tally
   integer, parameter :: most_reports = 10      !! scenes whose reports are printed in full
 
   type, public :: scene_tally
-    !! Scenes by how they ended.
+    !! Numbers of scenes by outcome.
     integer :: scenes = 0                      !! that were named
     integer :: wrong = 0                       !! that could not be read, or were refused
-    integer :: good = 0                        !! done, or as good as that
-    integer :: there = 0                       !! of the good: whose results were there already
+    integer :: good = 0                        !! finished successfully
+    integer :: there = 0                       !! of the good: with existing results
     integer :: warned = 0                      !! of the good: with warnings
     integer :: not_trusted = 0                 !! with numbers that cannot be trusted
-    integer :: failed = 0                      !! that ended in any other way
+    integer :: failed = 0                      !! that ended otherwise
   contains
     procedure :: is_brief
     procedure :: count_end
@@ -27,13 +27,13 @@ module bw_scene_tally
 contains
 
   pure logical function is_brief(self)
-    !! There are so many scenes that each has one line.
+    !! Return whether there are so many scenes that each has one line.
     class(scene_tally), intent(in) :: self
     is_brief = self%scenes > most_reports
   end function is_brief
 
   pure subroutine count_end(self, status, notes)
-    !! Count a scene that has come to an end.
+    !! Count a finished scene.
     class(scene_tally), intent(inout) :: self
     integer, intent(in) :: status              !! its exit status
     character(*), intent(in) :: notes          !! lines
@@ -47,9 +47,9 @@ contains
   end subroutine count_end
 
   pure function text_of_tally(self, good) result(text)
-    !! `500 scenes: 497 done (12 with warnings), 3 wrong`; empty of a single scene.
+    !! Return the count, `500 scenes: 497 done (12 with warnings), 3 wrong`; empty for a single scene.
     class(scene_tally), intent(in) :: self
-    character(*), intent(in) :: good           !! what good scenes are
+    character(*), intent(in) :: good           !! word for good scenes
     character(:), allocatable :: text, aside
     integer :: left
     text = ''
@@ -67,7 +67,7 @@ contains
   end function text_of_tally
 
   pure function warning_kinds(notes) result(kinds)
-    !! The kinds of the warnings among notes, by commas; empty where there are none.
+    !! Return the kinds of warnings among notes, separated by commas; empty if there are none.
     character(*), intent(in) :: notes          !! lines
     character(:), allocatable :: kinds
     type(string), allocatable :: lines(:)
@@ -82,7 +82,7 @@ contains
   end function warning_kinds
 
   pure function without_case(line) result(text)
-    !! A note of a sweep without the words on its cases.
+    !! Return a note of a sweep without its list of cases.
     character(*), intent(in) :: line
     character(:), allocatable :: text
     text = line

@@ -1,6 +1,6 @@
 module bw_terminal_progress
-  !! Progress on standard error: a bar on a terminal once a run takes longer than a second, lines in a log, or lines of JSON for a
-  !! program that has asked for them; and when to stop: after a signal, or when the time that was given is up.
+  !! Progress on standard error: a bar on a terminal if a run takes longer than a second, lines in a log, or JSON lines
+  !! for a program; and requests to stop after a signal or when the time limit is reached.
   use bw_descriptors, only: is_terminal, standard_error, write_text
   use bw_json, only: json_member, json_number, json_text
   use bw_kinds, only: dp, i8
@@ -13,24 +13,24 @@ module bw_terminal_progress
   public :: duration_text, terminal_progress_to
 
   real(dp), parameter :: quiet_seconds = 1.0_dp       !! shorter runs show nothing
-  real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two pictures of the bar
+  real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two updates of the bar
   real(dp), parameter :: log_interval = 5.0_dp        !! s between two lines of a log
   real(dp), parameter :: program_interval = 1.0_dp    !! s between two lines for a program
-  real(dp), parameter :: least_part = 0.01_dp         !! of a single case that has to be done before one can tell what is left
+  real(dp), parameter :: least_part = 0.01_dp         !! of a single case, done before the remaining time is estimated
   integer, parameter :: bar_width = 30
 
   type, extends(progress_type), public :: terminal_progress
     private
-    character(:), allocatable :: name                 !! of the scene; nothing is shown where there is none
+    character(:), allocatable :: name                 !! of the scene; nothing is shown without a name
     integer(i8) :: cases = 1, done = 0, taken_over = 0
-    real(dp) :: reached = 0.0_dp                      !! largest fraction of the case at hand so far
+    real(dp) :: reached = 0.0_dp                      !! largest fraction of the present case so far
     real(dp) :: started = 0.0_dp, shown = 0.0_dp
     real(dp) :: deadline = huge(1.0_dp)               !! on the clock of `wall_seconds`
-    character(:), allocatable :: stage                !! of the case at hand
-    logical :: json = .false.                         !! in lines of JSON
+    character(:), allocatable :: stage                !! of the present case
+    logical :: json = .false.                         !! as JSON lines
     logical :: quiet = .false.
     logical :: on_terminal = .false.
-    logical :: bar_stands = .false.                   !! a bar is on the screen
+    logical :: bar_stands = .false.                   !! a bar is displayed
   contains
     procedure :: begin
     procedure :: cases_done
@@ -43,10 +43,10 @@ module bw_terminal_progress
 contains
 
   type(terminal_progress) function terminal_progress_to(deadline, quiet, json) result(progress)
-    !! A progress that asks to stop at a deadline.
-    real(dp), intent(in) :: deadline                  !! when to stop, on the clock of `wall_seconds`
+    !! Return a progress that requests a stop at a deadline.
+    real(dp), intent(in) :: deadline                  !! on the clock of `wall_seconds`
     logical, intent(in) :: quiet
-    logical, intent(in), optional :: json             !! in lines of JSON; absent: for people
+    logical, intent(in), optional :: json             !! as JSON lines; absent: for people
     if (present(json)) progress%json = json
     progress%deadline = deadline
     progress%quiet = quiet
@@ -54,7 +54,7 @@ contains
   end function terminal_progress_to
 
   subroutine begin(self, name, cases, finished)
-    !! A scene begins: from here on its progress is shown.
+    !! Begin to show the progress of a scene.
     class(terminal_progress), intent(inout) :: self
     character(*), intent(in) :: name
     integer(i8), intent(in) :: cases, finished
@@ -70,7 +70,7 @@ contains
   end subroutine begin
 
   subroutine cases_done(self, count)
-    !! Count cases that are finished.
+    !! Count finished cases.
     class(terminal_progress), intent(inout) :: self
     integer(i8), intent(in) :: count
     self%done = self%done + count
@@ -79,7 +79,7 @@ contains
   end subroutine cases_done
 
   subroutine advance(self, fraction)
-    !! Show the progress, unless that was done a moment ago. What has been reached stays, whatever is found out about the rest.
+    !! Show the progress, unless shown a moment ago. It never goes back when estimates change.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction
     real(dp) :: now, interval
@@ -98,14 +98,14 @@ contains
   end subroutine advance
 
   subroutine enter(self, stage)
-    !! Remember which stage of its work a case is in.
+    !! Store the present stage of a case.
     class(terminal_progress), intent(inout) :: self
     character(*), intent(in) :: stage
     self%stage = stage
   end subroutine enter
 
   subroutine tell(self, event, fraction, now)
-    !! Write a line of JSON.
+    !! Write a JSON line.
     class(terminal_progress), intent(inout) :: self
     character(*), intent(in) :: event                 !! `begin`, `progress` or `end`
     real(dp), intent(in) :: fraction, now
@@ -121,7 +121,7 @@ contains
   end subroutine tell
 
   subroutine show(self, fraction, now)
-    !! Draw the bar, or write a line of the log: the part that is done, cases a second, the time that is left.
+    !! Draw the bar, or write a log line: the fraction done, cases per second, the time left.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction, now
     real(dp) :: part, new_part
@@ -147,7 +147,7 @@ contains
   end subroutine show
 
   pure function duration_text(seconds) result(text)
-    !! Seconds in words, as coarse as an estimate is.
+    !! Format seconds as coarsely as an estimate deserves.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds < 1.0_dp) then
@@ -162,7 +162,7 @@ contains
   end function duration_text
 
   subroutine end_scene(self)
-    !! Take the bar off the screen; until the next scene begins nothing is shown.
+    !! Remove the bar; nothing is shown until the next scene begins.
     class(terminal_progress), intent(inout) :: self
     integer :: ignored
     if (self%json .and. .not. self%quiet .and. allocated(self%name)) call tell(self, 'end', self%reached, wall_seconds())
@@ -173,7 +173,7 @@ contains
   end subroutine end_scene
 
   logical function stop_requested(self)
-    !! A signal came, or the time is up, or the deadline.
+    !! Return whether a signal came, or the time or the deadline has passed.
     class(terminal_progress), intent(inout) :: self
     stop_requested = stop_asked()
     if (.not. stop_requested .and. self%deadline < huge(1.0_dp)) stop_requested = wall_seconds() >= self%deadline

@@ -1,18 +1,18 @@
 module bw_checksum
-  !! Sums that tell whether words of eight bytes are still what they were, and where they were. Before each word the sum is
-  !! stirred, a step that comes back after 2⁶⁴ − 1 steps only: so a change of one word always changes the sum, and so do two
-  !! different words that change places, however far apart; of anything else one in 2⁶⁴ goes unseen.
+  !! Checksums of words of eight bytes that depend on their order. Before each word the sum passes a mixing step of
+  !! period 2⁶⁴ − 1. A change of one word always changes the sum, and so does any exchange of two different words; other
+  !! changes are missed with probability 2⁻⁶⁴.
   use bw_kinds, only: i8
   implicit none (type, external)
   private
   public :: word_sum, lane_sums
 
-  integer, parameter, public :: lanes = 16     !! sums that go on side by side; tuned
+  integer, parameter, public :: lanes = 16     !! independent sums computed in parallel; tuned
 
 contains
 
   pure integer(i8) function word_sum(words) result(total)
-    !! One sum of all words.
+    !! Return the checksum of all words.
     integer(i8), intent(in) :: words(:)
     integer(i8) :: i
     total = 0
@@ -22,7 +22,7 @@ contains
   end function word_sum
 
   pure function lane_sums(words) result(totals)
-    !! A sum of each sixteenth word, from the first, the second, …: as quick as the memory.
+    !! Return sums over every sixteenth word, from the first, the second, …, at the speed of memory.
     integer(i8), intent(in), contiguous :: words(:)
     integer(i8) :: totals(lanes)
     integer(i8) :: running(lanes), first
@@ -41,7 +41,7 @@ contains
   end function lane_sums
 
   elemental integer(i8) function stirred(word)
-    !! The next of all 2⁶⁴ − 1 words that are not zero (G. Marsaglia's xorshift, 2003). It is linear: a difference stays one.
+    !! Return the next of all 2⁶⁴ − 1 non-zero words (G. Marsaglia's xorshift, 2003), a linear step that keeps differences.
     integer(i8), intent(in) :: word
     stirred = ieor(word, ishft(word, 13))
     stirred = ieor(stirred, ishft(stirred, -7))

@@ -1,5 +1,5 @@
 module bw_constants
-  !! Numbers that mathematics gives.
+  !! Mathematical constants.
   use bw_kinds, only: dp, qp
   implicit none (type, external)
   private

@@ -1,9 +1,9 @@
 module bw_double_double
   !! Numbers as unevaluated sums of two binary64 numbers, about 32 digits, at a few flops an operation.
   !!
-  !! Used where one number per mode must outlive binary64: roots, frequencies, phases. The products rely on
-  !! every product being rounded on its own: compile with `-ffp-contract=off`. Scaling an operand by a power
-  !! of two scales the result exactly, within the range \(2^{\pm 900}\).
+  !! Used if one number per mode needs more digits than binary64: roots, frequencies, phases. Every product must be
+  !! rounded separately: compile with `-ffp-contract=off`. Scaling an operand by a power of two scales the result
+  !! exactly, within the range \(2^{\pm 900}\).
   !!
   !! **Source**: Dekker (1971), doi:10.1007/BF01397083; Joldes, Muller, Popescu (2017), doi:10.1145/3121432.
   use bw_kinds, only: dp, qp
@@ -19,8 +19,8 @@ module bw_double_double
   end type dd
 
   real(dp), parameter, public :: rounder = 1.5_dp*2.0_dp**52
-    !! added and taken off again it leaves the nearest whole number, of numbers below 2⁵¹; `aint` and `anint`, which must
-    !! not raise a flag, keep loops out of vector registers
+    !! added and subtracted again it rounds numbers below 2⁵¹ to the nearest integer; `aint` and `anint`, which must not
+    !! raise a flag, prevent vectorisation
   type(dd), parameter, public :: dd_pi = dd(3.141592653589793116_dp, 1.224646799147353207e-16_dp)
 
   interface to_dd
@@ -70,8 +70,8 @@ contains
   end subroutine two_product
 
   pure real(dp) function accurate_sum(values) result(total)
-    !! The sum of many numbers, rounded about once however many there are (Neumaier's compensated sum), in sums of every eighth number
-    !! side by side.
+    !! Return the sum of many numbers with about one rounding error (Neumaier's compensated sum), as parallel sums of
+    !! every eighth number.
     real(dp), intent(in) :: values(:)
     integer, parameter :: lanes = 8
     real(dp), dimension(lanes) :: sums, next, error, lost
@@ -97,7 +97,7 @@ contains
   end function accurate_sum
 
   elemental subroutine split(a, hi, lo)
-    !! Two halves of 26 bits each.
+    !! Split a number into two halves of 26 bits each.
     real(dp), intent(in) :: a
     real(dp), intent(out) :: hi, lo
     real(dp), parameter :: splitter = 134217729.0_dp   ! 2²⁷ + 1
@@ -108,7 +108,7 @@ contains
   end subroutine split
 
   elemental type(dd) function normal(hi, lo)
-    !! hi + lo with the parts made not to overlap; |hi| ≥ |lo| or hi = 0.
+    !! Return hi + lo with parts that do not overlap; |hi| ≥ |lo| or hi = 0.
     real(dp), intent(in) :: hi, lo
     normal%hi = hi + lo
     normal%lo = lo - (normal%hi - hi)
@@ -132,7 +132,7 @@ contains
   end function to_quad
 
   elemental logical function same_dd(a, b) result(same)
-    !! To the bit, of numbers whose parts do not overlap.
+    !! Compare bit by bit; the parts of each number do not overlap.
     type(dd), intent(in) :: a, b
     same = a%hi == b%hi .and. a%lo == b%lo
   end function same_dd
@@ -197,15 +197,15 @@ contains
     type(dd) :: remainder
     root = sqrt(max(0.0_dp, a%hi))
     remainder = subtract_dd(a, multiply_real(dd(root, 0.0_dp), root))
-    ! no branch, so that it stays in vector registers
+    ! no branch, so that it vectorises
     c = normal(root, merge(0.5_dp, 0.0_dp, root > 0.0_dp)*((remainder%hi + remainder%lo)/max(root, least)))
   end function sqrt_dd
 
-  ! Lists: the same operations, chosen over the elemental ones for arrays of rank one. Called from another file an
-  ! elemental procedure is a call for every element; here the loop is compiled with what it calls, in vector registers.
+  ! Lists: the same operations for arrays of rank one, where they take precedence over the elemental ones. An elemental
+  ! procedure of another file is called for every element; here the loop is compiled with its operation, and vectorised.
 
   pure subroutine two_products(a, b, product, error)
-    !! `two_product` of a list and a number.
+    !! Apply `two_product` to a list and a number.
     real(dp), intent(in) :: a(:), b
     real(dp), intent(out) :: product(:), error(:)
     integer :: i
@@ -215,7 +215,7 @@ contains
   end subroutine two_products
 
   pure subroutine add_exactly(terms, sums, lost)
-    !! One term more to each of many sums; what rounding took off them stands beside them (as in `accurate_sum`).
+    !! Add one term to each of many sums, and the rounding errors to their corrections (as in `accurate_sum`).
     real(dp), intent(in) :: terms(:)
     real(dp), intent(inout) :: sums(:), lost(:)
     real(dp) :: next, error

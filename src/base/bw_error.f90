@@ -4,17 +4,17 @@ module bw_error
   private
   public :: fail
 
-  integer, parameter, public :: status_done = 0        !! all is well
+  integer, parameter, public :: status_done = 0        !! success
   integer, parameter, public :: status_bad_input = 2   !! the command line or a scene is wrong
   integer, parameter, public :: status_bad_file = 3    !! a file could not be read or written, or memory was refused
   integer, parameter, public :: status_not_trusted = 4 !! some numbers cannot be trusted
-  integer, parameter, public :: status_stopped = 5     !! stopped in order, what is finished is saved
+  integer, parameter, public :: status_stopped = 5     !! stopped in order, finished work is saved
   integer, parameter, public :: status_fault = 70      !! a fault in the program itself
 
   type, public :: error_type
-    !! One failure. An unallocated `error_type` means that all is well.
+    !! One failure. An unallocated `error_type` means success.
     integer :: status = status_done        !! one of the exit statuses above
-    character(:), allocatable :: message   !! where, what is wrong, what would be accepted; may hold several lines
+    character(:), allocatable :: message   !! place, error, accepted values; may hold several lines
   end type error_type
 
 contains

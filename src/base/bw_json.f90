@@ -1,5 +1,5 @@
 module bw_json
-  !! Texts and numbers as JSON (RFC 8259) has them, put together into lists and objects by whoever writes one.
+  !! JSON (RFC 8259) of texts and numbers, and of lists and objects composed of them.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
@@ -11,9 +11,9 @@ module bw_json
 contains
 
   pure function json_text(text) result(quoted)
-    !! A text in quotes. Letters that are not seen or control a terminal are escaped, so that the document is one of printable letters
-    !! on one line. A byte that is no UTF-8, as names of files may have it, is a lone surrogate U+DC80 … U+DCFF: what Python makes of such
-    !! names itself (PEP 383).
+    !! Quote a text. Invisible letters and terminal controls are escaped, so that the document is one line of printable
+    !! letters. A byte that is not UTF-8, as in names of files, becomes a lone surrogate U+DC80 … U+DCFF, as in Python
+    !! (PEP 383).
     character(*), intent(in) :: text
     character(:), allocatable :: quoted
     type(text_builder) :: builder
@@ -41,14 +41,14 @@ contains
   end function json_text
 
   pure function unit_of(code) result(escape)
-    !! A unit of UTF-16: `\u001b`.
+    !! Return a UTF-16 code unit: `\u001b`.
     integer, intent(in) :: code
     character(6) :: escape
     write (escape, '(a, z4.4)') '\u', code
   end function unit_of
 
   pure function json_number(value) result(text)
-    !! A real as the shortest text that reads back to the same bits; `null` where it does not exist.
+    !! Return a real as the shortest text that reads back to the same bits; `null` if it is missing.
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     text = 'null'
@@ -57,7 +57,7 @@ contains
   end function json_number
 
   pure function json_member(name, value) result(member)
-    !! A member of an object, behind a comma: `, "name": value`.
+    !! Return a member of an object, preceded by a comma: `, "name": value`.
     character(*), intent(in) :: name
     character(*), intent(in) :: value        !! JSON
     character(:), allocatable :: member
@@ -65,7 +65,7 @@ contains
   end function json_member
 
   pure function json_texts(texts) result(list)
-    !! A list of texts.
+    !! Return a list of texts.
     type(string), intent(in) :: texts(:)
     character(:), allocatable :: list
     type(string) :: values(size(texts))
@@ -77,7 +77,7 @@ contains
   end function json_texts
 
   pure function json_list(values) result(list)
-    !! A list.
+    !! Return a list of JSON values.
     type(string), intent(in) :: values(:)    !! JSON
     character(:), allocatable :: list
     type(text_builder) :: builder

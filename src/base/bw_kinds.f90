@@ -4,7 +4,7 @@ module bw_kinds
   implicit none (type, external)
   private
   integer, parameter, public :: dp = real64   !! working precision: IEEE binary64
-  integer, parameter, public :: qp = real128  !! extended precision, only where binary64 cannot reach
+  integer, parameter, public :: qp = real128  !! extended precision, only where binary64 does not suffice
   integer, parameter, public :: i1 = int8
   integer, parameter, public :: i4 = int32
   integer, parameter, public :: i8 = int64

@@ -1,7 +1,7 @@
 module bw_lapack
-  !! Interfaces of the procedures of BLAS and LAPACK that the program calls: the one place that declares their arguments, so
-  !! that the compiler checks every call. The libraries' own documentation says what each argument is; the names are theirs.
-  !! dgeqrf, dgeqp3, dormqr and dgelsy cannot fail but by wrong arguments, of which LAPACK itself stops: their info says nothing more.
+  !! Interfaces of BLAS and LAPACK procedures, all declared here so that the compiler checks every call. Names and
+  !! arguments are those of the libraries' documentation. dgeqrf, dgeqp3, dormqr and dgelsy fail only for wrong
+  !! arguments, for which LAPACK itself stops: their info needs no check.
   use bw_kinds, only: dp
   implicit none (type, external)
   private

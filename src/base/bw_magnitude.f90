@@ -1,6 +1,6 @@
 module bw_magnitude
-  !! The largest magnitude in a long record. `maxval` must look at one number after the other, since it keeps NaN out; no
-  !! record here holds any.
+  !! The largest magnitude in a long record. `maxval` handles NaN and therefore proceeds number by number; records here
+  !! contain none.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -15,7 +15,7 @@ module bw_magnitude
 contains
 
   pure real(dp) function largest_of_list(values) result(largest)
-    !! The largest magnitude in a list; 0 of an empty one.
+    !! Return the largest magnitude in a list; 0 for an empty one.
     real(dp), intent(in), contiguous :: values(:)   !! no NaN
     real(dp) :: lane(lanes)
     integer :: i, whole
@@ -28,7 +28,7 @@ contains
   end function largest_of_list
 
   pure real(dp) function largest_of_table(values) result(largest)
-    !! The same of a table.
+    !! Return the largest magnitude in a table.
     real(dp), intent(in), contiguous :: values(:, :)
     integer :: j
     largest = 0.0_dp

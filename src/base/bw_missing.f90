@@ -1,6 +1,6 @@
 module bw_missing
-  !! The number that stands for 'does not exist' in arrays of results, and as `_FillValue` in files.
-  !! A plain finite number, so that it passes floating-point traps.
+  !! The number for 'does not exist' in arrays of results, and `_FillValue` in files. It is finite, so that it passes
+  !! floating-point traps.
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -12,13 +12,13 @@ module bw_missing
 contains
 
   elemental logical function is_missing(value)
-    !! The number stands for one that does not exist.
+    !! Return whether a number is the missing value.
     real(dp), intent(in) :: value
     is_missing = value == missing
   end function is_missing
 
   elemental real(dp) function scaled(value, unit)
-    !! In another unit; what does not exist stays missing, and what is larger than any number does not exist.
+    !! Convert to another unit; a missing number stays missing, and overflow becomes missing.
     real(dp), intent(in) :: value, unit
     scaled = missing
     if (is_missing(value)) return
@@ -26,7 +26,7 @@ contains
   end function scaled
 
   elemental real(dp) function no_number()
-    !! NaN: what cannot be, which the gate before the file reports as a fault of the program.
+    !! Return NaN, for impossible cases, which the last check before the file reports as a fault of the program.
     no_number = ieee_value(no_number, ieee_quiet_nan)
   end function no_number
 

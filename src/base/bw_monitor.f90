@@ -1,5 +1,5 @@
 module bw_monitor
-  !! How long work tells of its progress and learns that it should stop, without knowing who listens.
+  !! Monitors, through which long work reports its progress and learns that it should stop, whoever listens.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
@@ -14,21 +14,21 @@ module bw_monitor
 
   abstract interface
     subroutine advance_interface(self, fraction)
-      !! Called now and then with the finished part, 0 … 1, of the case at hand.
+      !! Called regularly with the finished fraction, 0 … 1, of the present case.
       import :: monitor_type, dp
       class(monitor_type), intent(inout) :: self
       real(dp), intent(in) :: fraction
     end subroutine advance_interface
 
     logical function stop_interface(self)
-      !! True when the work at hand should be left as it is: a signal came, or time is up.
+      !! Returns true if the work should be abandoned: a signal came, or time is up.
       import :: monitor_type
       class(monitor_type), intent(inout) :: self
     end function stop_interface
   end interface
 
   type, abstract, extends(monitor_type), public :: progress_type
-    !! A monitor that also follows a scene from case to case.
+    !! A monitor that also follows the cases of a scene.
   contains
     procedure(begin_interface), deferred :: begin
     procedure(cases_interface), deferred :: cases_done
@@ -41,35 +41,35 @@ module bw_monitor
       import :: progress_type, i8
       class(progress_type), intent(inout) :: self
       character(*), intent(in) :: name          !! of the scene
-      integer(i8), intent(in) :: cases          !! how many it has
-      integer(i8), intent(in) :: finished       !! how many an earlier run had finished
+      integer(i8), intent(in) :: cases          !! their number
+      integer(i8), intent(in) :: finished       !! by earlier runs
     end subroutine begin_interface
 
     subroutine cases_interface(self, count)
       import :: progress_type, i8
       class(progress_type), intent(inout) :: self
-      integer(i8), intent(in) :: count          !! cases that have been finished since the last call
+      integer(i8), intent(in) :: count          !! cases finished since the last call
     end subroutine cases_interface
 
     subroutine end_interface(self)
-      !! Called when no more is to come of the scene.
+      !! Called at the end of a scene.
       import :: progress_type
       class(progress_type), intent(inout) :: self
     end subroutine end_interface
   end interface
 
   type, extends(monitor_type), public :: silent_monitor
-    !! Listens to nothing and never stops.
+    !! A monitor that shows nothing and never stops.
   contains
     procedure :: advance => ignore
     procedure :: stop_requested => never
   end type silent_monitor
 
   type, extends(monitor_type), public :: part_monitor
-    !! For a part of a case: passes on how much of the whole is done.
+    !! A monitor of a part of a case: converts its progress to that of the whole.
     class(monitor_type), pointer :: whole => null()
-    real(dp) :: start = 0.0_dp       !! what was done before this part, 0 … 1
-    real(dp) :: share = 1.0_dp       !! how much of the whole this part is, 0 … 1
+    real(dp) :: start = 0.0_dp       !! fraction of the whole done before this part, 0 … 1
+    real(dp) :: share = 1.0_dp       !! this part as a fraction of the whole, 0 … 1
   contains
     procedure :: advance => advance_whole
     procedure :: stop_requested => ask_whole
@@ -79,14 +79,14 @@ module bw_monitor
 contains
 
   logical function stops(monitor)
-    !! The monitor asks to stop; an absent one never does.
+    !! Return whether the monitor asks to stop; an absent one never does.
     class(monitor_type), intent(inout), optional :: monitor
     stops = .false.
     if (present(monitor)) stops = monitor%stop_requested()
   end function stops
 
   subroutine enter_nothing(self, stage)
-    !! A stage of the work on a case begins; most monitors do not care which.
+    !! Begin a stage of a case; most monitors ignore it.
     class(monitor_type), intent(inout) :: self
     character(*), intent(in) :: stage
     associate (unused => self, unused_too => stage)
@@ -94,27 +94,27 @@ contains
   end subroutine enter_nothing
 
   recursive subroutine enter_of_whole(self, stage)      ! as `advance_whole`
-    !! The whole's monitor hears of it.
+    !! Pass the stage to the monitor of the whole.
     class(part_monitor), intent(inout) :: self
     character(*), intent(in) :: stage
     call self%whole%enter(stage)
   end subroutine enter_of_whole
 
   recursive subroutine advance_whole(self, fraction)    ! the whole may be a part itself
-    !! The finished fraction of the part, as a fraction of the whole.
+    !! Convert the finished fraction of the part to that of the whole.
     class(part_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     call self%whole%advance(self%start + self%share*fraction)
   end subroutine advance_whole
 
   recursive logical function ask_whole(self)
-    !! What the whole's monitor says.
+    !! Ask the monitor of the whole.
     class(part_monitor), intent(inout) :: self
     ask_whole = self%whole%stop_requested()
   end function ask_whole
 
   subroutine ignore(self, fraction)
-    !! Nobody listens.
+    !! Ignore the progress.
     class(silent_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     associate (unused => self, unused_too => fraction)

@@ -1,5 +1,5 @@
 module bw_order
-  !! Places of values in a row by size.
+  !! Ordering and order statistics of values.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -8,7 +8,7 @@ module bw_order
 contains
 
   pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
+    !! Return the permutation that sorts a short array.
     real(dp), intent(in) :: value(:)
     integer :: order(size(value)), i, j
     do i = 1, size(value)
@@ -19,7 +19,7 @@ contains
   end function ascending
 
   pure function local_maxima(value, threshold) result(place)
-    !! The places, from 0, of values above a threshold that are not lower than their neighbours.
+    !! Return positions, from 0, of values above a threshold that are not lower than their neighbours.
     real(dp), intent(in) :: value(0:), threshold
     integer, allocatable :: place(:)
     logical :: high(0:size(value) - 1)
@@ -32,7 +32,7 @@ contains
   end function local_maxima
 
   pure real(dp) function vertex(value)
-    !! Where the parabola through the logarithms of three values is highest, −½ … ½ from the middle one.
+    !! Return the maximum of the parabola through the logarithms of three values, −½ … ½ from the middle one.
     real(dp), intent(in) :: value(-1:1)
     real(dp) :: height(-1:1)
     height = log(max(value, tiny(1.0_dp)))
@@ -41,7 +41,7 @@ contains
   end function vertex
 
   pure real(dp) function quantile_of(values, part) result(quantile)
-    !! The value that so large a part of them is below.
+    !! Return the value below which this fraction of the values lies.
     real(dp), intent(in) :: values(:), part
     real(dp) :: list(size(values))
     integer :: k
@@ -52,12 +52,12 @@ contains
   end function quantile_of
 
   pure recursive subroutine place_ranks(values, first, last, ranks)
-    !! Put the values of some ranks where they would be if all were sorted, by parting the range around one of its values and going
-    !! on in the parts that hold a rank (Hoare, Algorithm 65: Find, 1961; Chambers, Algorithm 410: Partial sorting, 1971).
+    !! Put the values of some ranks in their sorted positions, by partitioning the range about a pivot and continuing in
+    !! the parts that hold a rank (Hoare, Algorithm 65: Find, 1961; Chambers, Algorithm 410: Partial sorting, 1971).
     real(dp), intent(inout) :: values(:)
     integer, intent(in) :: first, last             !! of the range; outside of it nothing is moved
     integer, intent(in) :: ranks(:)                !! in any order
-    real(dp), parameter :: golden = 0.618_dp       !! how far into the range the pivot is: no regular order has its extremes there
+    real(dp), parameter :: golden = 0.618_dp       !! relative position of the pivot: no regular order has its extremes there
     real(dp) :: pivot, swap
     integer :: i, j
     if (first >= last .or. .not. any(ranks >= first .and. ranks <= last)) return

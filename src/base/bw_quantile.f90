@@ -1,17 +1,17 @@
 module bw_quantile
-  !! Quantiles of the normal and of Student's distribution, and how unlikely a sum of squares is.
+  !! Quantiles of the normal and of Student's distribution, and tail probabilities of χ².
   use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: chi_squared_tail, normal_quantile, squares_deviation, student_quantile
 
-  integer, parameter, public :: normal = huge(1)   !! degrees of freedom of a normal number
+  integer, parameter, public :: normal = huge(1)   !! degrees of freedom that stand for the normal distribution
 
 contains
 
   pure real(dp) function normal_quantile(probability) result(x)
-    !! The number that a normal number is below with that probability, by Newton's method.
+    !! Return the quantile of the standard normal distribution, by Newton's method.
     real(dp), intent(in) :: probability
     real(dp) :: below
     integer :: i
@@ -23,8 +23,8 @@ contains
   end function normal_quantile
 
   pure real(dp) function student_quantile(confidence, freedom) result(quantile)
-    !! The number t with which an interval of ±t standard deviations, known from so many degrees of freedom, holds the true
-    !! value with this probability; by bisection of t/(1 + t).
+    !! Return t such that an interval of ±t standard deviations, estimated with these degrees of freedom, contains the
+    !! true value with this probability; by bisection of t/(1 + t).
     real(dp), intent(in) :: confidence         !! 0 … 1
     integer, intent(in) :: freedom             !! ≥ 1, or `normal`
     real(dp) :: low, high, middle
@@ -47,8 +47,8 @@ contains
   end function student_quantile
 
   pure real(dp) function held(t, freedom)
-    !! The probability that Student's number is between −t and t: finite sums for whole degrees of freedom (Abramowitz &
-    !! Stegun 26.7.3 and 26.7.4), and the normal distribution for a great many.
+    !! Return the probability that Student's t lies between −t and t: finite sums for integer degrees of freedom
+    !! (Abramowitz & Stegun 26.7.3 and 26.7.4), and the normal distribution for very many.
     real(dp), intent(in) :: t
     integer, intent(in) :: freedom
     real(dp) :: angle, term
@@ -69,7 +69,7 @@ contains
   end function held
 
   pure real(dp) function squares_deviation(squares, freedom) result(deviation)
-    !! How far a sum of squared normal numbers is above what it should be, as a normal number (Wilson & Hilferty 1931).
+    !! Transform a sum of squared normal deviates to an approximately standard normal one (Wilson & Hilferty 1931).
     real(dp), intent(in) :: squares
     integer, intent(in) :: freedom             !! ≥ 1
     real(dp) :: variance
@@ -78,8 +78,8 @@ contains
   end function squares_deviation
 
   pure real(dp) function chi_squared_tail(x, freedom) result(tail)
-    !! Probability that a sum of squares of so many standard normal deviates is above x: from 1 or 2 degrees of freedom
-    !! upwards by Q(n) = Q(n − 2) + (x/2)^(n/2 − 1) e^(−x/2)/Γ(n/2).
+    !! Return the probability that a sum of squared standard normal deviates exceeds x: by recursion from 1 or 2 degrees
+    !! of freedom, Q(n) = Q(n − 2) + (x/2)^(n/2 − 1) e^(−x/2)/Γ(n/2).
     real(dp), intent(in) :: x                    !! ≥ 0
     integer, intent(in) :: freedom               !! ≥ 1
     integer :: n

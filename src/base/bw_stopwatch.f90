@@ -1,6 +1,6 @@
 module bw_stopwatch
-  !! What time work takes, and on what machine: wall and processor time of the stages of a run, the median of work that is
-  !! done again and again, the processor without which seconds mean nothing.
+  !! Run times: wall and processor time of the stages of a run, medians of repeated work, and the processor on which
+  !! they were measured.
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
   implicit none (type, external)
@@ -19,8 +19,8 @@ module bw_stopwatch
     real(dp) :: calls(stage_count) = 0.0_dp
     real(dp), private :: last = 0.0_dp            ! of start and laps, on the clock of `wall_seconds`
     real(dp), private :: unshared(0:stage_count) = 0.0_dp
-      ! wall time whose processor time is not booked yet: of no stage, and of each
-    real(dp), private :: shared_cpu = 0.0_dp      ! processor time that is
+      ! wall time whose processor time is not recorded yet: of no stage, and of each
+    real(dp), private :: shared_cpu = 0.0_dp      ! processor time of that
   contains
     procedure :: start
     procedure :: lap
@@ -29,11 +29,11 @@ module bw_stopwatch
     procedure :: set_totals
   end type stopwatch
 
-  real(dp), parameter :: short = 1.0e-3_dp        !! s: stages that take less share their processor time, which is asked for slowly
+  real(dp), parameter :: short = 1.0e-3_dp        !! s: shorter stages share their processor time, which is slow to query
 
   type, public :: repeats_type
-    !! Seconds of work that is done again and again: the median, and the quarter below and above it. On a busy machine
-    !! single times are late by any amount; half of them are not.
+    !! Run times of repeated work: median and quartiles. On a busy machine single times may be far too long, but the
+    !! median is robust.
     integer :: count = 0
     real(dp), allocatable :: seconds(:)           !! ascending, (count)
   contains
@@ -46,20 +46,20 @@ module bw_stopwatch
 contains
 
   real(dp) function wall_seconds()
-    !! A clock that only runs forward, s.
+    !! Return a monotonic clock, s.
     integer(i8) :: count, rate
     call system_clock(count, rate)
     wall_seconds = real(count, dp)/real(rate, dp)
   end function wall_seconds
 
   subroutine start(self)
-    !! Time from here on belongs to the stage that the next `lap` names.
+    !! Start timing the stage that the next `lap` names.
     class(stopwatch), intent(inout) :: self
     call book(self, 0)
   end subroutine start
 
   subroutine lap(self, stage)
-    !! Book the time since `start` or the last `lap` on a stage.
+    !! Add the time since `start` or the last `lap` to a stage.
     class(stopwatch), intent(inout) :: self
     integer, intent(in) :: stage          !! one of this module's stage numbers
     real(dp) :: began
@@ -70,7 +70,7 @@ contains
   end subroutine lap
 
   subroutine book(self, stage)
-    !! Book the time since the last call on a stage, or on none.
+    !! Add the time since the last call to a stage, or to none.
     class(stopwatch), intent(inout) :: self
     integer, intent(in) :: stage          !! 0: none
     real(dp) :: cpu, now
@@ -88,7 +88,7 @@ contains
   end subroutine book
 
   pure subroutine rebook(self, from, to, seconds)
-    !! Book seconds of one stage on another: what was done within it belongs there.
+    !! Move seconds from one stage to another, within which work was done.
     class(stopwatch), intent(inout) :: self
     integer, intent(in) :: from, to
     real(dp), intent(in) :: seconds
@@ -99,14 +99,14 @@ contains
   end subroutine rebook
 
   pure function totals(self) result(values)
-    !! All that was booked, as numbers that can be summed over processes.
+    !! Return all times, as numbers that can be summed over processes.
     class(stopwatch), intent(in) :: self
     real(dp) :: values(3*stage_count)
     values = [self%seconds, self%cpu, self%calls]
   end function totals
 
   pure subroutine set_totals(self, values)
-    !! Take sums of `totals` for what was booked.
+    !! Replace the times by sums of `totals`.
     class(stopwatch), intent(inout) :: self
     real(dp), intent(in) :: values(3*stage_count)
     self%seconds = values(:stage_count)
@@ -115,7 +115,7 @@ contains
   end subroutine set_totals
 
   pure subroutine add(self, seconds)
-    !! One more time, in its place among the others.
+    !! Insert one more time in ascending order.
     class(repeats_type), intent(inout) :: self
     real(dp), intent(in) :: seconds
     integer :: below
@@ -126,20 +126,20 @@ contains
   end subroutine add
 
   pure real(dp) function total(self)
-    !! Seconds of all of them.
+    !! Return the sum of all times, s.
     class(repeats_type), intent(in) :: self
     total = 0.0_dp
     if (self%count > 0) total = sum(self%seconds)
   end function total
 
   pure real(dp) function median(self)
-    !! The time that half of them stay below.
+    !! Return the median, s.
     class(repeats_type), intent(in) :: self
     median = self%quantile(0.5_dp)
   end function median
 
   pure real(dp) function quantile(self, fraction)
-    !! The time that this fraction of all times stays below, between neighbours by the straight line; missing where there is none.
+    !! Return a quantile of the times, s, linearly interpolated; missing if there are none.
     class(repeats_type), intent(in) :: self
     real(dp), intent(in) :: fraction         !! 0 … 1
     real(dp) :: place
@@ -153,7 +153,7 @@ contains
   end function quantile
 
   function processor_name() result(name)
-    !! The processor's model as Linux tells it; 'unknown' where it does not.
+    !! Return the processor's model as Linux reports it, else 'unknown'.
     character(:), allocatable :: name
     character(200) :: line
     integer :: unit, stat

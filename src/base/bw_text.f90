@@ -1,5 +1,5 @@
 module bw_text
-  !! Numbers and words as text, and texts put together and taken apart.
+  !! Numbers as text, and composition and decomposition of texts.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
@@ -8,7 +8,7 @@ module bw_text
     text_of, words_of
 
   type :: string
-    !! One text of its own length, so that texts of different lengths stand in one array.
+    !! A text of any length, for arrays of texts of different lengths.
     character(:), allocatable :: text
   end type string
 
@@ -25,21 +25,21 @@ module bw_text
   end type text_builder
 
   interface text_of
-    !! A number as the shortest text that reads back to the same bits.
+    !! Return a number as the shortest text that reads back to the same bits.
     module procedure :: text_of_integer, text_of_long, text_of_real
   end interface text_of
 
 contains
 
   pure function text_of_integer(value) result(text)
-    !! A whole number with digits and sign, without blanks.
+    !! Return an integer with digits and sign, without blanks.
     integer, intent(in) :: value
     character(:), allocatable :: text
     text = text_of_long(int(value, i8))
   end function text_of_integer
 
   pure function text_of_long(value) result(text)
-    !! The same of a long one.
+    !! Return a long integer likewise.
     integer(i8), intent(in) :: value
     character(:), allocatable :: text
     character(24) :: buffer
@@ -48,11 +48,11 @@ contains
   end function text_of_long
 
   pure function text_of_real(value) result(text)
-    !! The shortest of up to 17 digits that reads back to the same binary64 number.
+    !! Return the shortest text of up to 17 digits that reads back to the same binary64 number.
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     integer :: digits
-    ! up to 15 digits any number in the normal range reads back, and zeros at the end are dropped
+    ! with up to 15 digits any number in the normal range reads back, and trailing zeros are dropped
     do digits = merge(1, 15, abs(value) < tiny(value)), 17
       text = shortest(value, digits)
       if (.not. ieee_is_finite(value)) return
@@ -61,7 +61,7 @@ contains
   end function text_of_real
 
   pure logical function reads_back(text, value)
-    !! Read first in the wider range: digits rounded up beyond the largest number would overflow.
+    !! Return whether a text reads back; it is read in a wider range first, as digits rounded up may overflow.
     character(*), intent(in) :: text
     real(dp), intent(in) :: value           !! finite
     real(dp) :: again
@@ -76,7 +76,7 @@ contains
   end function reads_back
 
   pure function shortest(value, digits) result(text)
-    !! A real with that many significant digits, in the plain form where it is short (0.2, 50, 1.25e-7).
+    !! Return a real with that many significant digits, in plain notation if short (0.2, 50, 1.25e-7).
     real(dp), intent(in) :: value
     integer, intent(in) :: digits           !! significant digits, 1 … 17
     character(:), allocatable :: text
@@ -105,7 +105,7 @@ contains
   end function shortest
 
   pure function strip_zeros(mantissa) result(text)
-    !! `1.2500` → `1.25`, `1.000` → `1`.
+    !! Remove trailing zeros: `1.2500` → `1.25`, `1.000` → `1`.
     character(*), intent(in) :: mantissa
     character(:), allocatable :: text
     integer :: last
@@ -133,7 +133,7 @@ contains
   end function plain
 
   pure function percent(change) result(text)
-    !! A relative change in per cent without its unit, with two digits and a sign: `+2.5`, `-0.13`.
+    !! Return a relative change in per cent without its unit, with two digits and a sign: `+2.5`, `-0.13`.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
     text = shortest(100.0_dp*change, 2)
@@ -141,8 +141,8 @@ contains
   end function percent
 
   pure subroutine append(list, text)
-    !! One more text at the end of a list. (gfortran 12 corrupts the heap on `[list, string(text)]`.)
-    type(string), allocatable, intent(inout) :: list(:)    !! unallocated is empty
+    !! Append a text to a list. (gfortran 12 corrupts the heap on `[list, string(text)]`.)
+    type(string), allocatable, intent(inout) :: list(:)    !! unallocated: empty
     character(*), intent(in) :: text
     type(string), allocatable :: longer(:)
     integer :: i, n
@@ -157,9 +157,9 @@ contains
   end subroutine append
 
   pure function joined(words, before) result(text)
-    !! Words with one space between them.
+    !! Join words with single spaces.
     character(*), intent(in) :: words(:)
-    character(*), intent(in), optional :: before      !! stands before each of them; absent: nothing
+    character(*), intent(in), optional :: before      !! prefix of each word; absent: none
     character(:), allocatable :: text
     integer :: i
     text = ''
@@ -171,9 +171,9 @@ contains
   end function joined
 
   pure function lines_of(text, separator) result(lines)
-    !! The lines of a text, without their ends; the last may lack its end. An empty text has none.
+    !! Split a text into lines, without their ends; the last may lack its end. An empty text has none.
     character(*), intent(in) :: text
-    character, intent(in), optional :: separator      !! what ends a line; absent: the end of a line
+    character, intent(in), optional :: separator      !! line separator; absent: the line end
     type(string), allocatable :: lines(:)
     character :: ending
     integer :: first, last
@@ -190,14 +190,14 @@ contains
   end function lines_of
 
   pure function words_of(text) result(words)
-    !! The words of a list by single blanks.
+    !! Split a list of words at single blanks.
     character(*), intent(in) :: text
     type(string), allocatable :: words(:)
     words = lines_of(trim(text), ' ')
   end function words_of
 
   pure function replaced(text, mark, by) result(edited)
-    !! A text with something else for each mark.
+    !! Replace each mark in a text.
     character(*), intent(in) :: text
     character, intent(in) :: mark
     character(*), intent(in) :: by
@@ -213,7 +213,7 @@ contains
   end function replaced
 
   pure function lower(text) result(lowered)
-    !! ASCII letters in lower case.
+    !! Convert ASCII letters to lower case.
     character(*), intent(in) :: text
     character(len(text)) :: lowered
     integer :: i
@@ -224,7 +224,7 @@ contains
   end function lower
 
   pure function shortened(text) result(piece)
-    !! What somebody wrote, as a message may show it: its first 80 bytes. A letter of several bytes (UTF-8) stays whole.
+    !! Return at most the first 80 bytes of a user's text, for a message, without splitting a UTF-8 letter.
     character(*), intent(in) :: text
     character(:), allocatable :: piece
     integer, parameter :: most = 80
@@ -232,7 +232,7 @@ contains
     last = min(len(text), most)
     if (last < len(text)) then
       do while (last > 0)
-        if (iand(iachar(text(last + 1:last + 1)), 192) /= 128) exit       ! the byte behind begins a letter
+        if (iand(iachar(text(last + 1:last + 1)), 192) /= 128) exit       ! the next byte begins a letter
         last = last - 1
       end do
     end if
@@ -241,8 +241,8 @@ contains
   end function shortened
 
   pure function printable(text, on_one_line) result(shown)
-    !! A text as a terminal may get it: bytes that control one, hide or reorder letters, or are no UTF-8, as `\x1b`. Line ends
-    !! and tabs stay.
+    !! Make a text safe for a terminal: bytes that control it, hide or reorder letters, or are not UTF-8 become `\x1b`
+    !! and the like. Line ends and tabs stay.
     character(*), intent(in) :: text
     logical, intent(in), optional :: on_one_line      !! line ends are `\x0a`; absent: they stay
     character(:), allocatable :: shown
@@ -265,14 +265,14 @@ contains
   end function printable
 
   pure subroutine read_letter(text, length, plain, letter)
-    !! The first letter of a text in UTF-8: how many bytes it has, and whether it only shows itself. A byte that begins none is
-    !! a letter of its own, and not plain.
+    !! Read the first UTF-8 letter of a text: its bytes, and whether it is printable. An invalid byte counts as a letter
+    !! that is not.
     character(*), intent(in) :: text                  !! at least one byte
     integer, intent(out) :: length
     logical, intent(out) :: plain
-    integer, intent(out), optional :: letter          !! its code; of a byte that begins none that byte
-    integer, parameter :: least(4) = [0, int(z'80'), int(z'800'), int(z'10000')]      !! code of so many bytes
-    integer, parameter :: invisible(2, 9) = reshape([ & ! first and last code: controls, then what formats text and is not seen
+    integer, intent(out), optional :: letter          !! its code; the byte itself if invalid
+    integer, parameter :: least(4) = [0, int(z'80'), int(z'800'), int(z'10000')]      !! least code of 1, 2, 3 and 4 bytes
+    integer, parameter :: invisible(2, 9) = reshape([ & ! first and last code: controls, then invisible format characters
       0, 8, 10 + 1, 31, 127, int(z'9F'), int(z'61C'), int(z'61C'), int(z'200B'), int(z'200F'), int(z'2028'), int(z'202E'), &
       int(z'2060'), int(z'206F'), int(z'FEFF'), int(z'FEFF'), int(z'E0000'), int(z'E0FFF')], [2, 9])
     integer :: code, i, byte
@@ -297,8 +297,8 @@ contains
   end subroutine read_letter
 
   pure function fitted(text, room) result(letters)
-    !! A text in so many bytes: zeros behind a shorter one, and of a longer one what there is room for, with '…' behind it. A letter
-    !! of several bytes (UTF-8) stays whole.
+    !! Fit a text into so many bytes: pad a shorter one with zeros, cut a longer one and append '…', without splitting a
+    !! UTF-8 letter.
     character(*), intent(in) :: text
     integer, intent(in) :: room
     character(room) :: letters
@@ -310,14 +310,14 @@ contains
     end if
     last = max(0, room - len(more))
     do while (last > 0)
-      if (iand(iachar(text(last + 1:last + 1)), 192) /= 128) exit         ! the byte behind begins a letter
+      if (iand(iachar(text(last + 1:last + 1)), 192) /= 128) exit         ! the next byte begins a letter
       last = last - 1
     end do
     letters = text(:last)//more//repeat(achar(0), room)
   end function fitted
 
   pure subroutine append_piece(self, piece)
-    !! A piece at the end of the text.
+    !! Append a piece to the text.
     class(text_builder), intent(inout) :: self
     character(*), intent(in) :: piece
     character(:), allocatable :: wider
@@ -332,7 +332,7 @@ contains
   end subroutine append_piece
 
   pure subroutine append_line(self, piece)
-    !! A piece and the end of its line.
+    !! Append a piece and a line end.
     class(text_builder), intent(inout) :: self
     character(*), intent(in) :: piece
     call self%append(piece)
@@ -340,13 +340,13 @@ contains
   end subroutine append_line
 
   pure integer function length_built(self) result(length)
-    !! How many letters were appended.
+    !! Return the length of the text.
     class(text_builder), intent(in) :: self
     length = self%used
   end function length_built
 
   pure function text_built(self) result(text)
-    !! All that was appended.
+    !! Return the text.
     class(text_builder), intent(in) :: self
     character(:), allocatable :: text
     text = ''

@@ -1,21 +1,21 @@
-/* The calls of NetCDF's library that bw_netcdf_reading.f90 makes. Few scenes need it, and it takes longer to load, with all that it
-   stands on, than most scenes take: so the first call loads it. NETCDF_PATH and NETCDF_NAME are its file, with its directory
-   and without, as it was found when the program was built. */
+/* The calls of NetCDF's library that bw_netcdf_reading.f90 makes. Few scenes need it, and loading it with its
+   dependencies takes longer than most scenes: so the first call loads it. NETCDF_PATH and NETCDF_NAME are its file, with its directory
+   and without, as found by the build. */
 #include <dlfcn.h>
 #include <stddef.h>
 #include <string.h>
 
-void bw_let_library_read(const char *path);                  /* bw_system.c: a crash is told of this file */
-static char path[4096];                                      /* of the last file that was opened */
+void bw_let_library_read(const char *path);                  /* bw_system.c: a crash names this file */
+static char path[4096];                                      /* of the last file opened */
 
-/* The two letters that `plain_path` has put before it were not given. */
+/* Store a path without the two letters that `plain_path` puts before it. */
 static const char *set_path(const char *name)
 {
   strncpy(path, name + 2, sizeof path - 1);
   return name;
 }
 
-enum { NOT_LOADED = -2000 };                                 /* a status that is none of NetCDF's */
+enum { NOT_LOADED = -2000 };                                 /* not a status of NetCDF */
 
 static void *entry(const char *name)
 {

@@ -1,6 +1,6 @@
 module bw_descriptors
-  !! Open files by the system's descriptors: what a call has written lies with the system and survives the process. A
-  !! `problem` is that of `bw_files`.
+  !! Open files by the system's descriptors: written data is held by the system and survives the process. A `problem` is
+  !! as in `bw_files`.
   use, intrinsic :: iso_c_binding, only: c_int64_t, c_loc, c_null_char
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read, path_state
@@ -18,18 +18,18 @@ module bw_descriptors
 contains
 
   integer function open_file(path, way, descriptor) result(problem)
-    !! Open a file. The `way` is `to_read`, `new_file` (which must not be there) or `to_change` (which is no link).
+    !! Open a file. The `way` is `to_read`, `new_file` (which must not exist) or `to_change` (which must not be a link).
     character(*), intent(in) :: path
     integer, intent(in) :: way
-    integer, intent(out) :: descriptor     !! −1 where there is a problem
+    integer, intent(out) :: descriptor     !! −1 if there is a problem
     problem = bw_open(path//c_null_char, way, descriptor)
   end function open_file
 
   subroutine open_regular(path, descriptor, error)
-    !! Open a file to read that may be read again and from any place.
-    !! **Errors**: `status_bad_file` where it cannot be opened, or is a directory, a pipe or a device, which may have no end.
+    !! Open a regular file, which can be read repeatedly and at any position.
+    !! **Errors**: `status_bad_file` if it cannot be opened, or is a directory, a pipe or a device, which may be endless.
     character(*), intent(in) :: path
-    integer, intent(out) :: descriptor     !! −1 where there is an error
+    integer, intent(out) :: descriptor     !! −1 after an error
     type(error_type), allocatable, intent(inout) :: error
     type(path_state) :: state
     integer :: problem, ignored
@@ -46,7 +46,7 @@ contains
   end subroutine open_regular
 
   integer function close_file(descriptor) result(problem)
-    !! Close a file. Some file systems tell only now that what was written could not be kept.
+    !! Close a file. Some file systems report write errors only now.
     integer, intent(inout) :: descriptor   !! −1 afterwards; nothing is done with −1
     problem = 0
     if (descriptor >= 0) problem = bw_close(descriptor)
@@ -54,16 +54,16 @@ contains
   end function close_file
 
   integer function read_bytes(descriptor, offset, bytes, have) result(problem)
-    !! Read bytes from any place.
+    !! Read bytes at any position.
     integer, intent(in) :: descriptor
     integer(i8), intent(in) :: offset      !! from 0
     integer(i1), intent(inout), contiguous, target :: bytes(:)
-    integer(i8), intent(out) :: have       !! how many there are
+    integer(i8), intent(out) :: have       !! their number
     problem = bw_read(descriptor, c_loc(bytes), size(bytes, kind=i8), offset, have)
   end function read_bytes
 
   integer function write_text(descriptor, text) result(problem)
-    !! Write text behind what was written before, at once. gfortran's own units forget a failure of their last buffer.
+    !! Append text, unbuffered. gfortran's own units ignore a failure of their last buffer.
     integer, intent(in) :: descriptor      !! `standard_output`, `standard_error`, or an open file's
     character(*), intent(in), target :: text
     problem = 0
@@ -71,7 +71,7 @@ contains
   end function write_text
 
   integer function look_at_open(descriptor, state) result(problem)
-    !! Find out which file a descriptor is.
+    !! Identify the file of a descriptor.
     integer, intent(in) :: descriptor
     type(path_state), intent(out) :: state
     integer(c_int64_t) :: found(5)
@@ -80,7 +80,7 @@ contains
   end function look_at_open
 
   logical function is_terminal(descriptor)
-    !! Whether a stream goes to a terminal, where somebody may be reading along.
+    !! Return whether a stream goes to a terminal.
     integer, intent(in) :: descriptor      !! `standard_output` or `standard_error`
     is_terminal = bw_is_terminal(descriptor) == 1
   end function is_terminal

@@ -1,5 +1,5 @@
 module bw_file_checksum
-  !! A sum of a file's bytes, by which a result knows whether a file that it was made of is still the same.
+  !! Checksums of files, by which a result detects that its input has changed.
   use bw_checksum, only: lane_sums, word_sum
   use bw_descriptors, only: close_file, open_regular, read_bytes
   use bw_error, only: error_type
@@ -9,13 +9,13 @@ module bw_file_checksum
   private
   public :: file_digits
 
-  integer, parameter :: at_once = 2**20           !! bytes that are read at a time
+  integer, parameter :: at_once = 2**20           !! bytes read at a time
 
 contains
 
   function file_digits(path, error) result(digits)
-    !! The sum of a file's bytes and of their number in hexadecimal digits; about as quick as reading them.
-    !! **Errors**: `status_bad_file` where it cannot be read; then the digits are 0.
+    !! Return the checksum of a file's bytes and length in hexadecimal; about as fast as reading it.
+    !! **Errors**: `status_bad_file` if it cannot be read; then the digits are 0.
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
     character(16) :: digits

@@ -1,8 +1,8 @@
 module bw_file_lock
-  !! A lock: a file that one process at a time has. Its text names the holder: host, process and beginning. Where the file system
-  !! has `flock`, the lock ends with its holder, however that ends. Where it has none, as Lustre by default, the file is the lock:
-  !! a holder of this host that is no longer there is found out, and a word in the message says how to remove the lock of another
-  !! host. A lock that is held for moments only says so, and is waited for, as is one without a text yet.
+  !! A lock: a file held by one process at a time. Its text names the holder: host, process and start time. If the file
+  !! system has `flock`, the lock ends with its holder in any case. Else, as in Lustre by default, the file's existence
+  !! is the lock: a dead holder on this host is detected, and the message says how to remove the lock of another host. A
+  !! lock held briefly says so and is waited for, as is one without a text yet.
   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
   use bw_descriptors, only: close_file, look_at_open, new_file, open_file, read_bytes, to_change, write_text
   use bw_error, only: error_type, fail, status_bad_file
@@ -16,8 +16,8 @@ module bw_file_lock
   private
   public :: first_of_lock, lock_suffix, is_locked_to_write, own_host, unique_name
 
-  character(*), parameter :: lock_suffix = '.lock', first_of_lock = 'lock.'     !! the latter of one that is buried
-  integer, parameter :: attempts = 3000      !! at a lock whose holder takes it away meanwhile, or its directory, or has it for moments
+  character(*), parameter :: lock_suffix = '.lock', first_of_lock = 'lock.'     !! the latter of a lock being removed
+  integer, parameter :: attempts = 3000      !! at a lock that is being removed, with or without its directory, or is held briefly
   integer, parameter :: wait_microseconds = 20000      !! for the latter
   integer, parameter :: longest = 600        !! letters of a lock's text, which is as long as that: it is written over others
   character(*), parameter :: for_moments = 'moments', for_a_run = 'run'
@@ -26,9 +26,9 @@ module bw_file_lock
 
   type, public :: file_lock
     character(:), allocatable :: path
-    logical :: is_brief = .false.            !! it is held for moments
-    logical :: is_refused = .false.          !! somebody else has it, or had when that was asked last
-    logical, private :: other_is_brief = .false.      !! who has it holds it for moments
+    logical :: is_brief = .false.            !! it is held briefly
+    logical :: is_refused = .false.          !! another process holds it, or did at the last attempt
+    logical, private :: other_is_brief = .false.      !! the other holder holds it briefly
     integer, private :: descriptor = -1      !! of this process's lock
   contains
     procedure :: take
@@ -42,7 +42,7 @@ module bw_file_lock
 contains
 
   function unique_name() result(name)
-    !! A name that nothing else has, now or later: host, process and the time to the millisecond.
+    !! Return a unique name: host, process and the time to the millisecond.
     character(:), allocatable :: name
     character(8) :: date
     character(10) :: time
@@ -51,7 +51,7 @@ contains
   end function unique_name
 
   function own_host() result(name)
-    !! The name of this host.
+    !! Return the name of this host.
     character(:), allocatable :: name
     character(256) :: buffer
     call bw_host(buffer, len(buffer))
@@ -59,7 +59,7 @@ contains
   end function own_host
 
   subroutine take(self, path, error)
-    !! Make the lock's directory, and hold the lock from now on. **Errors**: another run holds it, or the system refuses it.
+    !! Make the lock's directory, and take the lock. **Errors**: another run holds it, or the system refuses it.
     class(file_lock), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
@@ -81,15 +81,15 @@ contains
   end subroutine take
 
   subroutine try(self, taken, problem, error)
-    !! Open the lock, or make it, and take it unless somebody has it. **Errors**: that is so, or cannot be told.
+    !! Open or create the lock, and take it if it is free. **Errors**: it is held, or this is unknown.
     class(file_lock), intent(inout) :: self
-    logical, intent(out) :: taken            !! false without an error: the lock has changed meanwhile, and is to be tried again
+    logical, intent(out) :: taken            !! false without an error: the lock has changed meanwhile, try again
     integer, intent(out) :: problem          !! of the system
     type(error_type), allocatable, intent(inout) :: error
     character(longest) :: text
     type(path_state) :: opened
     integer :: locked, ignored
-    logical :: is_new, is_the_file           ! the file itself is the lock
+    logical :: is_new, is_the_file           ! the file's existence is the lock
     taken = .false.
     problem = make_directory(directory_of(self%path))
     if (problem == 0) problem = open_file(self%path, new_file, self%descriptor)
@@ -106,7 +106,7 @@ contains
       if (problem == 0 .and. .not. allocated(error)) call bury(self%path, opened)
     else
       if (.not. is_the_file) problem = locked
-      if (problem == 0) taken = self%is_held()               ! unless the file has lost its name meanwhile
+      if (problem == 0) taken = self%is_held()               ! unless the file has been renamed meanwhile
       text = own_host()//' '//text_of(bw_process())//' '//text_of(bw_beginning_of(bw_process()))//' '// &
         trim(merge(for_moments, for_a_run//'    ', self%is_brief))//new_line('a')// &
         'host, process and beginning (in ticks of /proc) of a run of beamwave; once it is no longer there, this file may be removed'
@@ -118,7 +118,7 @@ contains
   end subroutine try
 
   subroutine refuse(self, path, descriptor, advice, error)
-    !! Say that another run has a lock, and which one, as far as the text of the lock tells.
+    !! Report that another run holds a lock, and which one, as far as its text says.
     class(file_lock), intent(inout) :: self
     character(*), intent(in) :: path
     integer, intent(in) :: descriptor
@@ -137,7 +137,7 @@ contains
   end subroutine refuse
 
   subroutine refuse_if_held(self, path, error)
-    !! See whether anybody has a lock, which is left as it is. **Errors**: somebody has it, as far as that can be told.
+    !! Check whether any process holds a lock, without changing it. **Errors**: one does, as far as is known.
     class(file_lock), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
@@ -154,7 +154,7 @@ contains
   end subroutine refuse_if_held
 
   logical function holder_is_gone(descriptor)
-    !! Whether the holder was a process of this host that has ended.
+    !! Return whether the holder was a process of this host that has ended.
     integer, intent(in) :: descriptor
     character(:), allocatable :: host
     integer(i8) :: process, beginning
@@ -168,13 +168,13 @@ contains
   end function holder_is_gone
 
   logical function is_locked_to_write(descriptor)
-    !! Whether another program says by a lock that it changes this file.
+    !! Return whether another program has locked this file for writing.
     integer, intent(in) :: descriptor
     is_locked_to_write = bw_kind_of_error(bw_lock(descriptor, to_read)) == error_is_held
   end function is_locked_to_write
 
   subroutine read_holder(descriptor, host, process, beginning, is_brief)
-    !! Read what the text of a lock says; host is empty and process 0 where it says nothing.
+    !! Parse the text of a lock; host is empty and process 0 if it is invalid.
     integer, intent(in) :: descriptor
     character(:), allocatable, intent(out) :: host
     integer(i8), intent(out) :: process, beginning
@@ -191,7 +191,7 @@ contains
     if (read_bytes(descriptor, 0_i8, bytes, have) /= 0) return
     is_brief = have == 0
     text = transfer(bytes(:have), text(:have))
-    text(have + 1:) = ' '//for_a_run               ! where the text is cut short
+    text(have + 1:) = ' '//for_a_run               ! if the text is truncated
     read (text, *, iostat=stat) name, process, beginning, how_long
     if (stat /= 0) return
     host = trim(name)
@@ -199,7 +199,7 @@ contains
   end subroutine read_holder
 
   subroutine bury(path, dead)
-    !! Take a dead lock away. What another run has put there meanwhile gets its name back.
+    !! Remove a dead lock. If another run has replaced it meanwhile, its lock gets the name back.
     character(*), intent(in) :: path
     type(path_state), intent(in) :: dead
     character(:), allocatable :: grave
@@ -213,7 +213,7 @@ contains
   end subroutine bury
 
   logical function is_held(self)
-    !! Whether the lock still has its name: nobody has taken it away or over.
+    !! Return whether the lock still has its name: no process has removed or taken it.
     class(file_lock), intent(in) :: self
     type(path_state) :: mine, named
     integer :: problem
@@ -225,7 +225,7 @@ contains
   end function is_held
 
   subroutine give_back(self)
-    !! Take the lock away, if this process still has it.
+    !! Remove the lock, if this process still holds it.
     class(file_lock), intent(inout) :: self
     integer :: ignored
     if (self%is_held()) ignored = remove_file(self%path)

@@ -1,6 +1,6 @@
 module bw_files
-  !! Files and directories by their names. What fails gives a `problem`, the system's error number, which `reason` puts into
-  !! words; 0 means that all is well. That nothing of a name is there is told from not being able to know.
+  !! Files and directories by name. Failures return a `problem`, the system's error number, which `reason` describes; 0
+  !! is success. That a name does not exist is distinguished from not knowing.
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int64_t, c_null_char, c_ptr
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
@@ -15,20 +15,20 @@ module bw_files
   integer, parameter :: longest_reason = 200
 
   type, public :: path_state
-    !! What a path names.
-    integer :: kind = 0               !! is_file, is_directory, or above: something else; 0: nothing is there
-    integer(i8) :: device = 0, inode = 0     !! which file it is, whatever its name
-    integer(i8) :: links = 0          !! how many names it has
+    !! The object that a path names.
+    integer :: kind = 0               !! is_file, is_directory, or above: something else; 0: nothing
+    integer(i8) :: device = 0, inode = 0     !! identify a file, whatever its name
+    integer(i8) :: links = 0          !! number of its names
     integer(i8) :: bytes = 0
   end type path_state
 
 contains
 
   integer function look_at(path, state, itself) result(problem)
-    !! Find out what a path names; that nothing is there is no problem.
+    !! Find out what a path names; that nothing exists is no problem.
     character(*), intent(in) :: path
     type(path_state), intent(out) :: state
-    logical, intent(in), optional :: itself      !! present: a link is looked at, not what it leads to
+    logical, intent(in), optional :: itself      !! present: a link itself, not its target
     integer(c_int64_t) :: found(5)
     problem = bw_look_at(-1, path//c_null_char, merge(1, 0, present(itself)), found)
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
@@ -36,7 +36,7 @@ contains
   end function look_at
 
   logical function directory_is_there(path)
-    !! Whether a directory of that name is there, as far as can be seen.
+    !! Return whether a directory of that name exists, as far as is known.
     character(*), intent(in) :: path
     type(path_state) :: state
     integer :: problem
@@ -45,13 +45,13 @@ contains
   end function directory_is_there
 
   pure logical function same_file(one, other)
-    !! Whether two names, or a name and an open file, mean the same file.
+    !! Return whether two names, or a name and an open file, refer to the same file.
     type(path_state), intent(in) :: one, other
     same_file = one%kind > 0 .and. one%device == other%device .and. one%inode == other%inode
   end function same_file
 
   integer function files_in(directory, suffix, names) result(problem)
-    !! List the names in a directory that end so, in their order; hidden ones are left out.
+    !! List the names in a directory with a suffix, sorted, without hidden ones.
     character(*), intent(in) :: directory, suffix
     type(string), allocatable, intent(out) :: names(:)
     type(c_ptr) :: address
@@ -75,14 +75,14 @@ contains
   end function files_in
 
   integer function on_path(what, path) result(problem)
-    !! Do with a path what `bw_do` can.
+    !! Perform an operation of `bw_do` on a path.
     integer, intent(in) :: what
     character(*), intent(in) :: path
     problem = bw_do(what, path//c_null_char, c_null_char)
   end function on_path
 
   integer function make_directory(path) result(problem)
-    !! Make a directory and its parents, where they are not there, so that they outlive the machine.
+    !! Make a directory and its missing parents, durably.
     character(*), intent(in) :: path
     integer :: last
     problem = 0
@@ -98,13 +98,13 @@ contains
   end function make_directory
 
   integer function may_write(directory) result(problem)
-    !! Find out whether names can be made in a directory.
+    !! Check whether names can be created in a directory.
     character(*), intent(in) :: directory
     problem = on_path(may_be_written, directory)
   end function may_write
 
   pure function directory_of(path) result(directory)
-    !! The directory in which a path lies; slashes at its end mean nothing.
+    !! Return the directory of a path; trailing slashes are ignored.
     character(*), intent(in) :: path
     character(:), allocatable :: directory
     integer :: last
@@ -115,18 +115,18 @@ contains
   end function directory_of
 
   pure function path_beside(scene, file) result(path)
-    !! Where a file lies that a scene names: beside it.
+    !! Return the path of a file that a scene names, relative to the scene's directory.
     character(*), intent(in) :: scene              !! path of the scene
-    character(*), intent(in) :: file               !! as the user wrote it
+    character(*), intent(in) :: file               !! as written by the user
     character(:), allocatable :: path
     path = file
     if (path(1:1) == '/' .or. index(scene, '/') == 0) return
-    if (index(scene, '/dev/fd/') == 1) return      ! the scene came through a pipe, beside which nothing lies
+    if (index(scene, '/dev/fd/') == 1) return      ! the scene came through a pipe, which has no directory
     path = directory_of(scene)//path
   end function path_beside
 
   integer function remove_file(path) result(problem)
-    !! Remove a file; that nothing is there is no problem.
+    !! Remove a file; that none exists is no problem.
     character(*), intent(in) :: path
     problem = on_path(to_remove, path)
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
@@ -139,25 +139,25 @@ contains
   end function remove_directory
 
   integer function rename_file(from, to) result(problem)
-    !! Give a file another name at once, within one file system; what has that name is replaced.
+    !! Rename a file atomically, within one file system; an existing file of that name is replaced.
     character(*), intent(in) :: from, to
     problem = bw_do(to_rename, from//c_null_char, to//c_null_char)
   end function rename_file
 
   integer function link_file(from, to) result(problem)
-    !! Give a file one more name, which nothing may have.
+    !! Give a file one more name, which must not exist.
     character(*), intent(in) :: from, to
     problem = bw_do(to_link, from//c_null_char, to//c_null_char)
   end function link_file
 
   integer function flush_directory(path) result(problem)
-    !! Flush the names in a directory onto the disk.
+    !! Flush the names in a directory to the disk.
     character(*), intent(in) :: path
     problem = on_path(to_flush_names, path)
   end function flush_directory
 
   function reason(problem) result(text)
-    !! The system's words for an error.
+    !! Return the system's description of an error.
     integer, intent(in) :: problem
     character(:), allocatable :: text
     character(longest_reason) :: buffer
@@ -166,7 +166,7 @@ contains
   end function reason
 
   subroutine cannot_be_read(error, path, problem)
-    !! Fill `error` with the system's reason why a path cannot be read, unless there is an error already.
+    !! Set `error` to the system's reason why a path cannot be read, unless it is set.
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in) :: path
     integer, intent(in) :: problem
@@ -174,7 +174,7 @@ contains
   end subroutine cannot_be_read
 
   subroutine cannot_be_written(error, path, problem)
-    !! Fill `error` with the system's reason why a path cannot be written, unless there is an error already.
+    !! Set `error` to the system's reason why a path cannot be written, unless it is set.
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in) :: path
     integer, intent(in) :: problem

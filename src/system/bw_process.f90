@@ -1,10 +1,10 @@
 module bw_process
-  !! This process: how it ends, the signals that ask it to stop, and what the system has to grant it.
+  !! This process: how it ends, signals that ask it to stop, and resources of the system.
   !!
-  !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
-  !! that runs at exit turns every ending but `leave` into `status_fault`, or into `status_bad_file` where memory was refused.
-  !! `leave` ends the process at once: all is written and closed, and what libraries do at exit can crash (HDF5 over a file that was
-  !! refused) or hang (OpenBLAS over threads whose memory was refused).
+  !! A run-time error of the Fortran library ends a program with status 1 or 2, which would look like bad input. So an
+  !! exit handler turns every ending except `leave` into `status_fault`, or into `status_bad_file` if memory was
+  !! refused. `leave` ends the process at once: all files are written and closed, and exit handlers of libraries can
+  !! crash (HDF5 on a refused file) or hang (OpenBLAS on threads whose memory was refused).
   use, intrinsic :: iso_c_binding, only: c_null_char
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
@@ -17,14 +17,14 @@ module bw_process
   public :: free_disk, free_memory, open_standard_streams, watch_over_process, prepare_libraries
   public :: leave, pause, stop_after, stop_asked
 
-  integer(i8), parameter :: openblas_bytes = 140000000    !! what it claims at its first call, and hardly uses
+  integer(i8), parameter :: openblas_bytes = 140000000    !! claimed at its first call, and hardly used
 
 contains
 
   subroutine prepare_libraries(scene, error)
-    !! See to it that libraries use one thread and no locks of their own: those of HDF5 are not there on every file system.
+    !! Make libraries use one thread, and disable HDF5's file locks, which some file systems lack.
     !! **Errors**: OpenBLAS's memory is refused.
-    character(*), intent(in) :: scene                !! file of the first scene that is to be run, for messages
+    character(*), intent(in) :: scene                !! file of the first scene to run, for messages
     type(error_type), allocatable, intent(out) :: error
     call bw_set_environment('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char)
     if (bw_prepare_openblas(openblas_bytes) /= 0) then
@@ -34,14 +34,14 @@ contains
   end subroutine prepare_libraries
 
   integer(i8) function free_disk(path) result(bytes)
-    !! What may still be written where a path is; below 0: not known.
+    !! Return the free disk space at a path, bytes; below 0: unknown.
     character(*), intent(in) :: path
     bytes = bw_free_disk(path//c_null_char)
   end function free_disk
 
   logical function stop_asked()
-    !! A signal or the time has asked to stop. Who looks has to stop in order. Where nobody looks during a second of work the process
-    !! ends at once, as it does ten seconds of work after somebody has looked, and at a second signal.
+    !! Return whether a signal or the time limit has requested a stop. After true the caller has to stop. Without such a check
+    !! during one second of work the process ends at once, as it does ten seconds of work after a check, or at a second signal.
     stop_asked = bw_stop_asked() /= 0
   end function stop_asked
 

@@ -1,6 +1,6 @@
-/* What Fortran lacks of the operating system, taken from the system's own headers: files, locks, processes, signals.
+/* System functions that Fortran lacks, by the system's own headers: files, locks, processes, signals.
    bw_system_calls.f90 has the Fortran interfaces. Unless said otherwise a function returns 0, or the system's error number;
-   a call that a signal interrupts is made again. */
+   calls interrupted by a signal are repeated. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>
@@ -34,15 +34,15 @@
 
 /* ---- errors ------------------------------------------------------------------------------------------------------- */
 
-/* What a program can do about an error: the numbers are those of bw_system_calls.f90. */
+/* Kinds of errors: the numbers are those of bw_system_calls.f90. */
 int bw_kind_of_error(int number)
 {
   switch (number) {
-  case ENOENT: case ENOTDIR: return 1;                       /* nothing of that name is there */
-  case EEXIST: case ENOTEMPTY: return 2;                     /* something of that name is there */
-  case EWOULDBLOCK: return 3;                                /* somebody else holds it */
-  case ENOSYS: case ENOLCK: case EOPNOTSUPP: case EINVAL: case EPERM: case EMLINK: return 4;  /* this file system lacks it */
-  case EPIPE: return 5;                                      /* nobody reads any more */
+  case ENOENT: case ENOTDIR: return 1;                       /* the name does not exist */
+  case EEXIST: case ENOTEMPTY: return 2;                     /* the name exists */
+  case EWOULDBLOCK: return 3;                                /* another process holds it */
+  case ENOSYS: case ENOLCK: case EOPNOTSUPP: case EINVAL: case EPERM: case EMLINK: return 4;  /* not supported by this file system */
+  case EPIPE: return 5;                                      /* the reader has closed the pipe */
   default: return 0;
   }
 }
@@ -54,7 +54,7 @@ void bw_error_text(int number, char *text, int length)
 
 /* ---- files by descriptors ------------------------------------------------------------------------------------------ */
 
-/* No way empties a file. A pipe or a device is not waited for: whoever opens looks at what it is. */
+/* Open without truncation, and without waiting for a pipe or a device: the caller checks what it is. */
 int bw_open(const char *path, int way, int *descriptor)
 {
   const int always = O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
@@ -63,13 +63,13 @@ int bw_open(const char *path, int way, int *descriptor)
   return *descriptor < 0 ? errno : 0;
 }
 
-/* An interrupted close has closed. */
+/* An interrupted close is complete. */
 int bw_close(int descriptor)
 {
   return close(descriptor) < 0 && errno != EINTR ? errno : 0;
 }
 
-/* As many bytes as there are up to `count`. */
+/* Read up to `count` bytes. */
 int bw_read(int descriptor, void *bytes, int64_t count, int64_t offset, int64_t *have)
 {
   for (*have = 0; *have < count;) {
@@ -82,7 +82,7 @@ int bw_read(int descriptor, void *bytes, int64_t count, int64_t offset, int64_t 
   return 0;
 }
 
-/* All bytes. A stream that is full for the moment is waited for. */
+/* Write all bytes; wait while a stream is full. */
 int bw_write(int descriptor, const void *bytes, int64_t count)
 {
   for (int64_t have = 0; have < count;) {
@@ -100,7 +100,7 @@ int bw_write(int descriptor, const void *bytes, int64_t count)
   return 0;
 }
 
-/* More of what comes out of a pipe, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
+/* Read from a pipe, waiting up to so many milliseconds: return the number of bytes, 0 at its end, −1 if there are none yet. */
 int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
 {
   struct pollfd stream = {channel, POLLIN, 0};
@@ -110,7 +110,7 @@ int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
   return have < 0 ? 0 : have;
 }
 
-/* What a file holds, onto the disk, so that it outlives the machine. */
+/* Flush a file to the disk, so that it survives a crash of the machine. */
 int bw_flush(int descriptor)
 {
   int result;
@@ -118,8 +118,8 @@ int bw_flush(int descriptor)
   return result < 0 ? errno : 0;
 }
 
-/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes of an open file; where the descriptor is below 0, of a path:
-   of a link itself, or of what it leads to. */
+/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes of an open file; if the descriptor is below 0, of a path:
+   of a link itself, or of its target. */
 int bw_look_at(int descriptor, const char *path, int itself, int64_t state[5])
 {
   struct stat found;
@@ -132,10 +132,10 @@ int bw_look_at(int descriptor, const char *path, int itself, int64_t state[5])
   return 0;
 }
 
-/* ---- numbers in their places ------------------------------------------------------------------------------------------ */
+/* ---- numbers at known offsets ----------------------------------------------------------------------------------------- */
 
-/* Make a file so long, and have the disk keep room for its first bytes: a full disk tells now. Where a file system cannot do that,
-   it tells later. */
+/* Set the length of a file, and reserve disk space for its first bytes, so that a full disk is detected now, if the file system
+   supports that. */
 int bw_reserve(int descriptor, int64_t reserved, int64_t bytes)
 {
   int result;
@@ -160,17 +160,17 @@ static int write_at(int descriptor, const char *bytes, int64_t count, int64_t pl
   return 0;
 }
 
-/* A file whose numbers have their places. What is put is gathered as long as each comes behind the one before it. As long as a
-   process holds the file, numbers of other processes between its own are read, and written again with them: that is
+/* A file of numbers at known offsets. Consecutive numbers are gathered before they are written. While a process
+   holds the file, numbers of other processes between its own are read, and written back with them: that is
    faster than writing rows of less than a page one by one, and a mapping would have every process fault every page. */
 typedef struct {
   int descriptor, is_held;
-  int64_t place, count;                                      /* of the bytes that are gathered */
-  int64_t known;                                             /* these, and what the file has behind them */
+  int64_t place, count;                                      /* of the gathered bytes */
+  int64_t known;                                             /* these, and bytes of the file that follow */
   char bytes[1 << 18];
 } number_file;
 
-/* free() what is given. */
+/* The caller frees the result. */
 int bw_open_numbers(int descriptor, number_file **file)
 {
   number_file *made = *file = malloc(sizeof *made);
@@ -180,7 +180,7 @@ int bw_open_numbers(int descriptor, number_file **file)
   return 0;
 }
 
-/* Wait for those who hold the file, and keep others waiting until what is put has been written. */
+/* Wait until the file is free, and hold it until the numbers put from now on are written. */
 int bw_hold(number_file *file)
 {
   int result;
@@ -196,7 +196,7 @@ static int write_bytes(number_file *file)
   return count ? write_at(file->descriptor, file->bytes, count, file->place) : 0;
 }
 
-/* Write what is gathered, and hold the file no longer. */
+/* Write the gathered bytes, and release the file. */
 int bw_write_gathered(number_file *file)
 {
   int number = write_bytes(file);
@@ -205,7 +205,7 @@ int bw_write_gathered(number_file *file)
   return number;
 }
 
-/* Gather what the file has up to a place: 0 where that is too far. */
+/* Gather bytes of the file up to an offset: 0 if that is too far. */
 static int is_filled_up(number_file *file, int64_t place, int64_t width)
 {
   const int64_t page = 4096, piece = 1 << 15, most = sizeof file->bytes, to = place - file->place;
@@ -220,7 +220,7 @@ static int is_filled_up(number_file *file, int64_t place, int64_t width)
   return 1;
 }
 
-/* So many bytes of room for what comes next, of one number at least; NULL where what was there cannot be written. */
+/* Return room for the next numbers, at least for one; NULL if the gathered bytes cannot be written. */
 static char *room_for(number_file *file, int64_t place, int64_t count, int64_t width, int64_t *room, int *number)
 {
   const int64_t most = sizeof file->bytes;
@@ -236,7 +236,7 @@ static char *room_for(number_file *file, int64_t place, int64_t count, int64_t w
   return file->bytes + file->count - *room;
 }
 
-/* Copy words of eight bytes that have the most significant byte first at one of the two places. */
+/* Copy words of eight bytes, converting between native and big-endian order. */
 static void copy_words(void *restrict to, const void *restrict from, int64_t count)
 {
   for (int64_t i = 0; i < 8 * count; i += 8) {
@@ -247,7 +247,7 @@ static void copy_words(void *restrict to, const void *restrict from, int64_t cou
   }
 }
 
-/* Reals, the most significant byte first: in words of eight bytes, or of four as integers. With a width of 1, letters. */
+/* Put reals in big-endian order: eight bytes each, or as integers of four. With a width of 1, letters. */
 int bw_put(number_file *file, int64_t place, int width, const void *values, int64_t count)
 {
   const int64_t wide = width == 1 ? 1 : sizeof(double);
@@ -267,7 +267,7 @@ int bw_put(number_file *file, int64_t place, int width, const void *values, int6
   return 0;
 }
 
-/* Numbers that were written, by this process or another. */
+/* Get numbers written by this process or another. */
 int bw_get_numbers(number_file *file, int64_t place, int width, double *values, int64_t count)
 {
   char piece[8192];
@@ -288,20 +288,20 @@ int bw_get_numbers(number_file *file, int64_t place, int width, double *values, 
   return number;
 }
 
-/* ---- files by names ------------------------------------------------------------------------------------------------ */
+/* ---- files by name ------------------------------------------------------------------------------------------------- */
 
 static int flush_names(const char *directory)
 {
   int descriptor, number;
   AGAIN_WHERE_INTERRUPTED(descriptor = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (descriptor < 0) return errno == EACCES ? 0 : errno;    /* who may not read it cannot do this */
+  if (descriptor < 0) return errno == EACCES ? 0 : errno;    /* impossible without permission to read */
   AGAIN_WHERE_INTERRUPTED(number = fsync(descriptor));
-  number = number < 0 && errno != EINVAL && errno != EBADF ? errno : 0;       /* some file systems have no such thing */
+  number = number < 0 && errno != EINVAL && errno != EBADF ? errno : 0;       /* not supported by some file systems */
   bw_close(descriptor);
   return number;
 }
 
-/* What is done by names: the numbers are those of bw_system_calls.f90. */
+/* Operations by name: the numbers are those of bw_system_calls.f90. */
 int bw_do(int what, const char *path, const char *to)
 {
   int result = -1;
@@ -318,7 +318,7 @@ int bw_do(int what, const char *path, const char *to)
   return result < 0 ? errno : 0;
 }
 
-/* The names in a directory that end so, hidden ones apart, in their order, each with a NUL behind it; free() what is given. */
+/* List the names in a directory with a suffix, without hidden ones, sorted, each followed by NUL; the caller frees the list. */
 int bw_list(const char *path, const char *suffix, char **text, int64_t *length)
 {
   struct dirent **entries;
@@ -344,7 +344,7 @@ int bw_list(const char *path, const char *suffix, char **text, int64_t *length)
 
 /* ---- locks and their holders ----------------------------------------------------------------------------------------- */
 
-/* At once or not at all; a lock to read bears others of its kind. */
+/* Take a lock without waiting; a read lock is shared. */
 int bw_lock(int descriptor, int reading)
 {
   int result;
@@ -360,8 +360,8 @@ void bw_host(char *name, int length)
 
 int64_t bw_process(void) { return (int64_t)getpid(); }
 
-/* When a process of this machine began, in the system's ticks, which tells it from a later one of the same number; 0: not known;
-   below 0: it is not there. One that may not be asked is. */
+/* Return the start of a process of this machine, in the system's ticks, which tells it from a later one of the same number;
+   0: unknown; below 0: it does not exist. A process that may not be signalled counts as existing. */
 int64_t bw_beginning_of(int64_t process)
 {
   char path[64], line[1024];
@@ -371,18 +371,18 @@ int64_t bw_beginning_of(int64_t process)
   FILE *file = fopen(path, "re");
   if (!file) return 0;
   if (fgets(line, sizeof line, file)) {
-    char *place = strrchr(line, ')');                        /* the name in parentheses may hold anything */
+    char *place = strrchr(line, ')');                        /* the name in parentheses may contain any letter */
     if (place) sscanf(place + 1, " %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %*u %*u %*d %*d %*d %*d %*d %*d %llu", &ticks);
   }
   fclose(file);
   return (int64_t)ticks;
 }
 
-/* ---- how this process ends ------------------------------------------------------------------------------------------- */
+/* ---- end of this process --------------------------------------------------------------------------------------------- */
 
 enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, OF_FILE };
 
-/* What is said of an ending that is none of ours, and its status, which is one of bw_error.f90. */
+/* Messages of abnormal endings, and their statuses, which are those of bw_error.f90. */
 static const struct { const char *message; int status; } endings[] = {
   {"a fault in the program: please report it\n", 70},
   {"memory was refused\n", 3},
@@ -392,11 +392,11 @@ static const struct { const char *message; int status; } endings[] = {
 
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1, SIGXCPU, SIGHUP};
 static volatile sig_atomic_t received, time_is_up, is_unseen;
-static const char *file_of_library;                          /* that a library is reading; NULL: there is none */
+static const char *file_of_library;                          /* being read by a library; NULL: none */
 static const char *stack_top;
-static uint64_t stack_room;                                  /* below it, where nothing else lies */
+static uint64_t stack_room;                                  /* bytes kept free below it */
 
-/* Nothing here may allocate: the heap may be what is broken. */
+/* Nothing here may allocate, as the heap may be corrupt. */
 static void say(const char *text)
 {
   if (write(STDERR_FILENO, text, strlen(text)) < 0) return;
@@ -409,7 +409,7 @@ static void end_at_once(int ending)
   _exit(endings[ending].status);
 }
 
-/* Seconds of work until a stop is made at once: few as long as nobody has looked whether to stop, more to stop in order. */
+/* Set the processor time until the process ends at once: short until the program checks for a stop, then longer to stop in order. */
 static void watch_stop(int seconds)
 {
   setitimer(ITIMER_PROF, &(struct itimerval){{0, 0}, {seconds, 0}}, NULL);
@@ -423,7 +423,7 @@ static void ask_to_stop(void)
 
 static void on_stop(int number)
 {
-  if (received) _exit(128 + number);                         /* a second signal is obeyed at once */
+  if (received) _exit(128 + number);                         /* a second signal ends the process at once */
   received = number;
   ask_to_stop();
 }
@@ -447,8 +447,8 @@ static void on_library_time(int number)
   end_at_once(OF_FILE);
 }
 
-/* A fault in a library that reads a file comes of the file, one just below the stack of a stack that is full, and one just after memory
-   was refused of that. */
+/* A fault is blamed on the file that a library is reading, on a stack overflow if its address is just below the stack, or on refused
+   memory if that was just before. */
 static void on_fault(int number, siginfo_t *fault, void *unused)
 {
   uint64_t below = (uint64_t)(uintptr_t)stack_top - (uint64_t)(uintptr_t)fault->si_addr;
@@ -457,7 +457,7 @@ static void on_fault(int number, siginfo_t *fault, void *unused)
   end_at_once(file_of_library ? OF_FILE : is_of_stack ? OF_STACK : errno == ENOMEM ? OF_MEMORY : OF_FAULT);
 }
 
-/* Libraries exit with 1 or −1 where memory is refused (Fortran's, FFTW; HDF5); Fortran's has 2 for errors of the program. */
+/* Libraries exit with 1 or −1 if memory is refused (Fortran's, FFTW; HDF5); Fortran's exits with 2 after run-time errors. */
 #ifdef __GLIBC__
 static void on_end(int status, void *unused)
 {
@@ -469,14 +469,14 @@ static void on_end(void) { end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT); 
 #define on_exit(handler, unused) atexit(handler)
 #endif
 
-/* Standard streams that are closed go nowhere: the first file that is opened would take their place. */
+/* Open closed standard streams to /dev/null, as the first opened file would take their place. */
 void bw_open_standard_streams(void)
 {
   for (int stream = 0; stream <= 2; stream++)
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", stream ? O_WRONLY : O_RDONLY) < 0) return;
 }
 
-/* Let the stack grow as far as this process may have it, and note where it lies. The system keeps 128 MB below it free. */
+/* Raise the stack limit as far as allowed, and store the stack's place. The system keeps 128 MB below it free. */
 static void widen_stack(const char *top)
 {
   const rlim_t enough = 64 << 20, kept_free = 128 << 20;
@@ -491,8 +491,8 @@ static void widen_stack(const char *top)
   if (limit.rlim_cur > kept_free && limit.rlim_cur != RLIM_INFINITY) stack_room = limit.rlim_cur;
 }
 
-/* Keep memory that a case gives back for the next one, as glibc does by itself once something large was given back: until then the end of
-   the heap may go back to the system and be taken anew in each case. */
+/* Keep freed memory for the next case, as glibc does once a large block was freed: until then the end of the heap may be
+   returned to the system and allocated again in each case. */
 static void keep_memory(void)
 {
 #ifdef __GLIBC__
@@ -502,7 +502,7 @@ static void keep_memory(void)
 #endif
 }
 
-/* Watch for signals, and for endings that are none of ours. Call this once, before any work is done. */
+/* Install handlers of signals and abnormal endings. Call this once, before any work. */
 void bw_watch(void)
 {
   static char room[65536];
@@ -512,7 +512,7 @@ void bw_watch(void)
   for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) {
     struct sigaction before;
     sigaction(stops[i], NULL, &before);
-    if (stops[i] != SIGHUP || before.sa_handler != SIG_IGN) sigaction(stops[i], &action, NULL);       /* `nohup` has it ignored */
+    if (stops[i] != SIGHUP || before.sa_handler != SIG_IGN) sigaction(stops[i], &action, NULL);       /* `nohup` ignores it */
   }
   action.sa_handler = on_time;
   sigaction(SIGALRM, &action, NULL);
@@ -522,22 +522,22 @@ void bw_watch(void)
   sigaction(SIGVTALRM, &action, NULL);
   widen_stack(__builtin_frame_address(0));
   keep_memory();
-  sigaltstack(&stack, NULL);                                 /* for the fault of a stack that is full */
+  sigaltstack(&stack, NULL);                                 /* for a stack overflow */
   action = (struct sigaction){.sa_sigaction = on_fault, .sa_flags = SA_ONSTACK | SA_SIGINFO};
   for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) sigaction(faults[i], &action, NULL);
   signal(SIGXFSZ, SIG_IGN);                                  /* `ulimit -f`: the write fails, as on a full disk */
-  signal(SIGPIPE, SIG_IGN);                                  /* nobody reads any more: the write fails */
+  signal(SIGPIPE, SIG_IGN);                                  /* the reader has closed the pipe: the write fails */
 }
 
-/* A library reads a file, for seconds of work at most; NULL: it has come back. */
+/* Register the file that a library reads, with a time limit; NULL: it has returned. */
 void bw_let_library_read(const char *path)
 {
-  const int most = 5;                                        /* a hundred times what the slowest compression takes */
+  const int most = 5;                                        /* s, a hundred times the slowest decompression */
   file_of_library = path;
   setitimer(ITIMER_VIRTUAL, &(struct itimerval){{0, 0}, {path ? most : 0, 0}}, NULL);
 }
 
-/* Ask to stop after so many seconds. */
+/* Request a stop after so many seconds. */
 void bw_stop_after(double seconds)
 {
   const double most = 1e9;
@@ -549,7 +549,7 @@ void bw_stop_after(double seconds)
   if (!time_is_up) setitimer(ITIMER_REAL, &span, NULL);
 }
 
-/* A signal or the time has asked to stop. Who looks gets time to. */
+/* Return whether a signal or the time limit requests a stop. A program that checks gets time to stop in order. */
 int bw_stop_asked(void)
 {
   if (is_unseen) watch_stop(10);
@@ -561,7 +561,7 @@ int bw_stop_asked(void)
 
 void bw_pause(int microseconds) { usleep((useconds_t)microseconds); }
 
-/* Bytes that this user may still write where a path is; below 0: not known. */
+/* Return the free disk space for this user at a path, bytes; below 0: unknown. */
 int64_t bw_free_disk(const char *path)
 {
   struct statvfs found;
@@ -572,8 +572,8 @@ int64_t bw_free_disk(const char *path)
   return (int64_t)(found.f_bavail * found.f_frsize);
 }
 
-/* Bytes of memory that the machine can still grant without swapping; where that is not told, all that it has. Below 0: not
-   known. */
+/* Return the memory available without swapping, bytes; if unknown, the whole memory. Below 0:
+   unknown. */
 int64_t bw_free_memory(void)
 {
   long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
@@ -586,8 +586,8 @@ int64_t bw_free_memory(void)
   return pages < 0 || size < 0 ? -1 : (int64_t)pages * size;
 }
 
-/* Where LAPACK is OpenBLAS, it works with one thread, and claims the memory of so many bytes that it takes at its first call:
-   refused at that call it would ask again without end. Elsewhere nothing is done. ENOMEM: it is refused. */
+/* If LAPACK is OpenBLAS, set it to one thread, and let it allocate the memory of its first call now, so many bytes:
+   if that were refused later, it would retry endlessly. ENOMEM: it is refused. */
 int bw_prepare_openblas(int64_t bytes)
 {
   void (*set_threads)(int);
@@ -607,5 +607,5 @@ int bw_prepare_openblas(int64_t bytes)
   return 0;
 }
 
-/* What is set already stays. */
+/* An existing value is kept. */
 void bw_set_environment(const char *name, const char *value) { setenv(name, value, 0); }

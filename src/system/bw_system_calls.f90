@@ -1,20 +1,20 @@
 module bw_system_calls
-  !! The functions of bw_system.c, which says what each does, and some of the system's own. A path ends with `c_null_char`;
-  !! an integer result is 0, or the number of the system's error.
+  !! Interfaces of bw_system.c, where each function is described, and of some system functions. A path ends with
+  !! `c_null_char`; an integer result is 0, or the system's error number.
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_int64_t, c_ptr
   implicit none (type, external)
   public
 
   integer(c_int), parameter :: error_not_there = 1, error_is_there = 2, error_is_held = 3, error_not_offered = 4
   integer(c_int), parameter :: error_nobody_reads = 5
-    !! what `bw_kind_of_error` tells of an error: nothing of that name, something of that name, another process holds it,
-    !! the file system does not offer it, the other end of a pipe is closed; 0: anything else
+    !! kinds of errors by `bw_kind_of_error`: name does not exist, name exists, held by another process, not supported
+    !! by the file system, the reader of a pipe has closed it; 0: any other
   integer(c_int), parameter :: to_read = 1, new_file = 2, to_change = 3
-    !! ways of `bw_open`: to read; a file that must not be there yet; an existing file, and no link to one
+    !! ways of `bw_open`: read; create a file that must not exist; change an existing file that is no link
   integer(c_int), parameter :: to_remove = 1, to_make_directory = 2, to_remove_directory = 3, may_be_written = 4, &
     to_flush_names = 5, to_rename = 6, to_link = 7
-    !! what `bw_do` does with a path, or finds out; the last two with another one
-  integer, parameter :: is_file = 1, is_directory = 2      !! kinds of what a path names; anything else is above
+    !! operations and queries of `bw_do` on a path; the last two take a second one
+  integer, parameter :: is_file = 1, is_directory = 2      !! kinds of objects of a path; others are above
 
   interface
     pure integer(c_int) function bw_kind_of_error(number) bind(c)

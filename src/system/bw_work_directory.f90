@@ -1,7 +1,7 @@
 module bw_work_directory
-  !! The directory DIR/<result>.partial, in which a result is made as `draft.nc`: one run at a time has its lock, and with it the
-  !! right to lay out drafts and to give the result its name. The parts of a sweep that are run by themselves have that lock for
-  !! moments only, and one of their own each while they work.
+  !! The directory DIR/<result>.partial, in which a result is made as `draft.nc`. Its lock, held by one run at a time,
+  !! gives the right to lay out drafts and to name the result. Separately run parts of a sweep hold that lock only
+  !! briefly, and each holds one of its own while it works.
   use bw_error, only: error_type, fail, status_bad_file
   use bw_file_lock, only: file_lock, first_of_lock, lock_suffix, unique_name
   use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, directory_of, files_in, flush_directory, link_file, &
@@ -19,7 +19,7 @@ module bw_work_directory
     character(:), allocatable :: path        !! DIR/<result>.partial
     character(:), allocatable :: result      !! DIR/<result>.nc
     logical :: overwrite = .false.           !! replace a result that is there
-    integer :: part = 1, parts = 1           !! the part that this process runs by itself
+    integer :: part = 1, parts = 1           !! the part run by this process, and the number of parts
     type(file_lock), private :: lock, part_lock
   contains
     procedure :: plan
@@ -40,7 +40,7 @@ module bw_work_directory
 contains
 
   pure subroutine plan(self, result, overwrite)
-    !! Which result is to be made.
+    !! Set the result to be made.
     class(work_directory), intent(inout) :: self
     character(*), intent(in) :: result       !! DIR/<result>.nc
     logical, intent(in) :: overwrite
@@ -50,7 +50,7 @@ contains
   end subroutine plan
 
   subroutine begin(self, error)
-    !! Make the directory and take its lock; a part takes it for moments.
+    !! Make the directory and take its lock; a part takes it briefly.
     !! **Errors**: another run is at work, or the system refuses it.
     class(work_directory), intent(inout) :: self
     type(error_type), allocatable, intent(out) :: error
@@ -58,7 +58,7 @@ contains
     integer :: problem
     problem = make_directory(self%path)
     if (problem /= 0 .and. bw_kind_of_error(problem) /= error_is_there) call cannot_be_written(error, self%path, problem)
-    problem = may_write(directory_of(self%path))         ! where the result will get its name
+    problem = may_write(directory_of(self%path))         ! of the result
     if (problem /= 0) call cannot_be_written(error, directory_of(self%path), problem)
     problem = look_at(self%path, state, itself=.true.)
     if (problem == 0 .and. state%kind > 0 .and. state%kind /= is_directory .and. .not. allocated(error)) then
@@ -73,7 +73,7 @@ contains
   end subroutine begin
 
   subroutine begin_part(self, error)
-    !! Take the lock of the part, and let others have that of the directory.
+    !! Take the lock of the part, and release that of the directory.
     !! **Errors**: another run is at work on this part, or the system refuses it.
     class(work_directory), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
@@ -84,10 +84,10 @@ contains
   end subroutine begin_part
 
   subroutine begin_end(self, is_busy, error)
-    !! Take the lock of the directory again; as long as the part has its own, nobody finishes the file.
+    !! Take the lock of the directory again; while the part holds its own, no other process finishes the file.
     !! **Errors**: the system refuses it.
     class(work_directory), intent(inout) :: self
-    logical, intent(out) :: is_busy          !! another process has it for longer
+    logical, intent(out) :: is_busy          !! another process holds it for longer
     type(error_type), allocatable, intent(inout) :: error
     type(error_type), allocatable :: refused
     call self%lock%take(self%path//'/lock', refused)
@@ -96,8 +96,8 @@ contains
   end subroutine begin_end
 
   subroutine end_part(self, is_busy, error)
-    !! Give the lock of the part back. Who then has the lock of the directory and meets no other part may finish the file.
-    !! **Errors**: it cannot be told whether there are other parts.
+    !! Release the lock of the part. If no other part is left, the holder of the directory's lock may finish the file.
+    !! **Errors**: it is unknown whether there are other parts.
     class(work_directory), intent(inout) :: self
     logical, intent(inout) :: is_busy        !! others are at work
     type(error_type), allocatable, intent(inout) :: error
@@ -110,8 +110,8 @@ contains
   end subroutine end_part
 
   subroutine refuse_other_parts(self, error)
-    !! Find out whether other processes run parts; locks that ended ones left are taken away.
-    !! **Errors**: one does, or that cannot be told.
+    !! Check whether other processes run parts; locks of ended ones are removed.
+    !! **Errors**: one does, or this is unknown.
     class(work_directory), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     type(string), allocatable :: names(:)
@@ -127,7 +127,7 @@ contains
   end subroutine refuse_other_parts
 
   pure function draft_of(self, host) result(path)
-    !! The path of the draft of a further host; of an empty name that of the first one, which becomes the result.
+    !! Return the path of the draft of a further host; for an empty name, of the first one, which becomes the result.
     class(work_directory), intent(in) :: self
     character(*), intent(in) :: host
     character(:), allocatable :: path
@@ -136,7 +136,7 @@ contains
   end function draft_of
 
   subroutine drafts(self, paths, error)
-    !! All drafts that there are.
+    !! List all drafts.
     !! **Errors**: the directory cannot be read.
     class(work_directory), intent(in) :: self
     type(string), allocatable, intent(out) :: paths(:)
@@ -152,15 +152,15 @@ contains
   end subroutine drafts
 
   function scratch(self) result(path)
-    !! A path that nothing else has, for a file that gets another name before the lock is given back.
+    !! Return a unique path, for a file that is renamed before the lock is released.
     class(work_directory), intent(in) :: self
     character(:), allocatable :: path
     path = self%path//'/'//first_of_scratch//unique_name()
   end function scratch
 
   subroutine publish(self, error)
-    !! Give the first draft, which is on the disk, the name of the result, so that it outlives the machine.
-    !! **Errors**: that is refused, another run has taken the work over, or a result was put there meanwhile.
+    !! Give the first draft, which is on the disk, the name of the result, durably.
+    !! **Errors**: the system refuses it, another run has taken over, or a result has appeared meanwhile.
     class(work_directory), intent(in) :: self
     type(error_type), allocatable, intent(inout) :: error
     logical :: taken
@@ -175,10 +175,10 @@ contains
   end subroutine publish
 
   subroutine give_name(draft, path, overwrite, taken, problem)
-    !! Give a file that is whole its name, at once and within one file system, unless something has the name.
+    !! Name a complete file atomically, within one file system, unless the name exists.
     character(*), intent(in) :: draft, path
-    logical, intent(in) :: overwrite         !! what has the name is replaced; a link itself, and not what it leads to
-    logical, intent(out) :: taken            !! something has
+    logical, intent(in) :: overwrite         !! an existing file of this name is replaced; a link itself, not its target
+    logical, intent(out) :: taken            !! the name exists
     integer, intent(out) :: problem
     type(path_state) :: mine, there
     integer :: linked, ignored
@@ -192,12 +192,12 @@ contains
     problem = look_at(path, there)
     if (problem == 0) problem = look_at(draft, mine)
     if (problem /= 0) return
-    taken = there%kind > 0 .and. .not. same_file(mine, there)      ! a server may say that of its own answer to a first try
+    taken = there%kind > 0 .and. .not. same_file(mine, there)      ! a server may report this when it repeats a successful request
     if (.not. taken) problem = rename_file(draft, path)
   end subroutine give_name
 
   subroutine discard(self)
-    !! Take away all drafts, and give the lock back.
+    !! Remove all drafts, and release the lock.
     class(work_directory), intent(inout) :: self
     type(string), allocatable :: paths(:)
     type(error_type), allocatable :: ignored_too
@@ -212,7 +212,7 @@ contains
   end subroutine discard
 
   subroutine leave(self)
-    !! Give the locks back; the directory stays where something is left in it.
+    !! Release the locks; the directory stays if it is not empty.
     class(work_directory), intent(inout) :: self
     integer :: ignored
     if (self%lock%is_held()) call remove_rubbish(self%path)
@@ -222,7 +222,7 @@ contains
   end subroutine leave
 
   subroutine clear(self)
-    !! Take away what a run left that was killed when its result had its final name already, unless another run is at work.
+    !! Remove what a run left that was killed after it had named its result, unless another run is at work.
     class(work_directory), intent(inout) :: self
     type(error_type), allocatable :: error
     if (.not. directory_is_there(self%path)) return
@@ -231,7 +231,7 @@ contains
   end subroutine clear
 
   subroutine remove_rubbish(path)
-    !! Remove files that runs have begun and not come to an end with; whatever else is there is not theirs.
+    !! Remove unfinished temporary files of runs, and nothing else.
     character(*), intent(in) :: path
     integer :: ignored, i
     type(string), allocatable :: names(:)
