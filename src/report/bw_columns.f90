@@ -1,5 +1,5 @@
 module bw_columns
-  !! Tables of printed reports, and numbers in their columns.
+  !! Tables of printed reports, and formats of numbers in them.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_screen, only: detail_mark, row_mark
@@ -9,12 +9,12 @@ module bw_columns
   public :: fixed, note_rest, pair_cells, right, seconds_text, short, table_of, to_its_error, to_width, wrapped
 
   character, parameter :: mark = '|'                !! between the cells of a row
-  integer, parameter, public :: most_rows = 40      !! of a list, however much is to be shown
+  integer, parameter, public :: most_rows = 40      !! of a list, whatever its length
   integer, parameter, public :: text_width = 110    !! letters of a line of words
 
   type, public :: text_table
-    !! Columns with a name and a unit each. Words stand at the right of a column, at the left where its width is negative, and
-    !! behind three blanks, as they are, in one of width 0, the last.
+    !! Columns with a name and a unit each. Text is right-aligned, or left-aligned if the width is negative; a last
+    !! column of width 0 holds text of any length after three blanks.
     private
     character(:), allocatable :: names, units
     integer, allocatable :: widths(:)
@@ -28,7 +28,7 @@ module bw_columns
 contains
 
   pure function wrapped(text, width, hang) result(lines)
-    !! A text over lines of at most `width` letters, broken at blanks; a word that is longer stays whole.
+    !! Wrap a text at blanks to at most `width` letters; a longer word is not split.
     character(*), intent(in) :: text
     integer, intent(in) :: width
     integer, intent(in) :: hang                   !! blanks before each line but the first
@@ -49,7 +49,7 @@ contains
   end function wrapped
 
   pure function seconds_text(seconds) result(text)
-    !! Below a second in whole ms, else three digits.
+    !! Format seconds: whole ms below a second, else three digits.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds < 1.0_dp) then
@@ -60,8 +60,8 @@ contains
   end function seconds_text
 
   pure function fixed(value) result(text)
-    !! Seven digits, aligned at the point as far as they can, five of numbers that are very large or small; a dash for what does
-    !! not exist.
+    !! Format a number with seven digits, aligned at the point if possible; five digits if very large or small; a dash
+    !! if missing.
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     character(20) :: buffer
@@ -78,7 +78,7 @@ contains
   end function fixed
 
   pure function right(text, width) result(field)
-    !! Text at the right of a field that it never overflows.
+    !! Right-align a text; the field grows if the text is longer.
     character(*), intent(in) :: text
     integer, intent(in) :: width
     character(:), allocatable :: field
@@ -86,10 +86,10 @@ contains
   end function right
 
   pure type(text_table) function table_of(names, units, widths, shown, is_list) result(table)
-    !! A table of columns.
+    !! Define a table by its columns.
     character(*), intent(in) :: names, units      !! of all columns, `|` between them; no units: they have no line
     integer, intent(in) :: widths(:)
-    logical, intent(in), optional :: shown(:)     !! columns that are; absent: all
+    logical, intent(in), optional :: shown(:)     !! visible columns; absent: all
     logical, intent(in), optional :: is_list      !! rows are of one kind, so that the first stand for all; absent: they are
     table%names = names
     table%units = units
@@ -100,7 +100,7 @@ contains
   end function table_of
 
   subroutine put_head(self, lines)
-    !! The lines of names and units.
+    !! Print the lines of names and units.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     call lines%append_line(self%line_of(self%names))
@@ -108,12 +108,12 @@ contains
   end subroutine put_head
 
   subroutine put_row(self, lines, cells, remark, detail)
-    !! The line of a row.
+    !! Print the line of a row.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     character(*), intent(in) :: cells             !! of all columns, `|` between them; the last ones may be left out
-    character(*), intent(in), optional :: remark  !! any text behind them
-    logical, intent(in), optional :: detail       !! the row is one; absent: it is none
+    character(*), intent(in), optional :: remark  !! any text after the cells
+    logical, intent(in), optional :: detail       !! the row is a detail; absent: it is none
     character(:), allocatable :: line, kind
     line = self%line_of(cells)
     if (present(remark)) line = trim(line//remark)
@@ -126,7 +126,7 @@ contains
   end subroutine put_row
 
   pure function line_of(self, cells) result(line)
-    !! Cells in their columns, without blanks at the end.
+    !! Align cells in their columns, without trailing blanks.
     class(text_table), intent(in) :: self
     character(*), intent(in) :: cells
     character(:), allocatable :: line
@@ -148,13 +148,13 @@ contains
   end function line_of
 
   subroutine put_numbers(self, lines, most, columns, rounded, count)
-    !! The head, and rows of numbers, each behind its own from 1 on; those beyond `most` are details.
+    !! Print the head and numbered rows; those beyond `most` are details.
     class(text_table), intent(in) :: self
     type(text_builder), intent(inout) :: lines
     integer, intent(in) :: most
     real(dp), intent(in) :: columns(:, :)         !! (rows, columns)
     integer, intent(in), optional :: rounded      !! a column of errors, of which two digits are enough
-    integer, intent(in), optional :: count        !! how many rows there are; absent: as many as the columns have
+    integer, intent(in), optional :: count        !! number of rows; absent: the length of the columns
     character(:), allocatable :: cells
     integer :: k, c, errors, rows
     rows = size(columns, 1)
@@ -174,14 +174,14 @@ contains
   end subroutine put_numbers
 
   subroutine note_rest(lines, count, most)
-    !! How many rows there are, where not all are shown.
+    !! Print the number of rows, if not all are shown.
     type(text_builder), intent(inout) :: lines
     integer, intent(in) :: count, most
     if (count > most) call lines%append_line('   ...  '//text_of(count)//' in the file')
   end subroutine note_rest
 
   pure function short(value, digits) result(text)
-    !! Few digits of a number; a dash where there is none.
+    !! Format a number with few digits; a dash if it is missing.
     real(dp), intent(in) :: value
     integer, intent(in), optional :: digits       !! absent: two, as of an error
     character(:), allocatable :: text
@@ -192,7 +192,7 @@ contains
   end function short
 
   pure function pair_cells(value, error) result(cells)
-    !! A number and half its interval; dashes where there is none.
+    !! Format a number and half its interval; dashes if missing.
     real(dp), intent(in) :: value, error
     character(:), allocatable :: cells
     cells = '-|-'
@@ -200,7 +200,7 @@ contains
   end function pair_cells
 
   pure function to_its_error(value, error) result(text)
-    !! A number with as many digits as two of its error tell.
+    !! Format a number with the digits justified by its error, of which two digits count.
     real(dp), intent(in) :: value, error
     character(:), allocatable :: text
     character(40) :: buffer
@@ -223,7 +223,7 @@ contains
   end function to_its_error
 
   pure function to_width(value, width) result(text)
-    !! A number with as many digits as an interval of this width tells, two of its own at least; a dash where there is none.
+    !! Format a number with the digits justified by the width of its interval, at least two; a dash if missing.
     real(dp), intent(in) :: value, width
     character(:), allocatable :: text
     integer :: digits

@@ -1,6 +1,6 @@
 module bw_frequency_report
-  !! What a report says of the response to a harmonic force: its resonances, with the damping that their half-power widths show, and
-  !! its antiresonances.
+  !! The printed report of a harmonic response: resonances, with damping from their half-power widths, and
+  !! antiresonances.
   use bw_case_result, only: answer_type
   use bw_columns, only: fixed, note_rest, table_of, text_table
   use bw_constants, only: two_pi
@@ -18,7 +18,7 @@ module bw_frequency_report
 contains
 
   subroutine report_answer(asked, answer, lines)
-    !! The resonances and antiresonances of all points.
+    !! Print the resonances and antiresonances of all points.
     type(frequency_response_par), intent(in) :: asked
     type(answer_type), intent(in) :: answer
     type(text_builder), intent(inout) :: lines
@@ -53,7 +53,7 @@ contains
   end subroutine report_answer
 
   subroutine report_junctions(frequency, answer, lines)
-    !! What the bodies and steps within the beam transmit, at least and at most.
+    !! Print the least and largest transmission of bodies and steps within the beam.
     real(dp), intent(in) :: frequency(:)             !! Hz
     type(answer_type), intent(in) :: answer
     type(text_builder), intent(inout) :: lines

@@ -1,7 +1,7 @@
 module bw_hint
-  !! The line of a report that names what was left out: which absent effect would change the frequencies most, what damping would
-  !! leave of the motion, and how well the place of a blow must be known. It is estimated; `beamwave effects` runs both scenes.
-  !! Nothing is ever switched on by itself.
+  !! The line of a report that names omitted effects: the absent effect that would change frequencies most, the decay
+  !! that usual damping would cause, and the sensitivity to the place of a blow. These are estimates; `beamwave effects`
+  !! runs both scenes. Nothing is ever switched on automatically.
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
   use bw_beam_units, only: beam_units, units_of
@@ -15,28 +15,28 @@ module bw_hint
   private
   public :: estimate_absent, hint_line
 
-  integer, parameter, public :: compared_modes = 10     !! the first modes, whose frequencies effects are judged by
+  integer, parameter, public :: compared_modes = 10     !! number of first modes by which effects are judged
 
   type, public :: estimate_type
-    !! What an absent effect would do to the frequencies, relatively; nothing where it is not absent.
+    !! The relative influence of an absent effect on frequencies; zero if it is present.
     integer :: effect = 0                !! its number
-    integer :: mode = 0                  !! of the first `compared_modes`, the one that it would change most
+    integer :: mode = 0                  !! of the first `compared_modes`, the one changed most
     real(dp) :: change = 0.0_dp          !! of that mode
-    integer :: last = 0                  !! the last mode that was asked for
-    real(dp) :: last_change = 0.0_dp     !! of that one
-    logical :: steadies = .false.        !! mode 1 grows without bound, and would not
+    integer :: last = 0                  !! the last mode examined
+    real(dp) :: last_change = 0.0_dp     !! of the last mode
+    logical :: steadies = .false.        !! mode 1 is unstable, and would be stable with the effect
   end type estimate_type
 
   type, public :: aside_type
-    !! What else a scene leaves open.
-    real(dp) :: left = 1.0_dp            !! of the amplitude of mode 1 at the end of the record, were every mode damped as usual
-    integer :: mode = 0                  !! of the first `compared_modes`, the one that the place of a captured mass changes most
+    !! Other omissions of a scene.
+    real(dp) :: left = 1.0_dp            !! fraction of the amplitude of mode 1 at the end of the record with usual damping
+    integer :: mode = 0                  !! of the first `compared_modes`, the one most sensitive to the place of a captured mass
     real(dp) :: moved = 0.0_dp           !! the relative change of its frequency by `place_step`
   end type aside_type
 
   type :: remark_type
-    !! One thing that is left out.
-    real(dp) :: weight = 0.0_dp          !! how much it matters; of the ends of a sweep the larger is told
+    !! One omission.
+    real(dp) :: weight = 0.0_dp          !! its importance; of the first and last case of a sweep the larger is reported
     character(:), allocatable :: words
   end type remark_type
 
@@ -45,8 +45,8 @@ module bw_hint
 contains
 
   function hint_line(scene) result(text)
-    !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance. Of a
-    !! sweep the first and the last case are looked at.
+    !! Return one line with its end; empty if no absent effect would change a frequency by more than the tolerance. In a
+    !! sweep the first and last case are examined.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     type(remark_type) :: found(size(absent_words) + 2), now(size(found))
@@ -78,7 +78,7 @@ contains
   end function hint_line
 
   subroutine find_remarks(scene, remarks)
-    !! What an effect would change, in the order of `absent_words`; then damping, and the place of a captured mass.
+    !! Find the influence of absent effects, in the order of `absent_words`; then damping, and the place of a captured mass.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(remark_type), intent(out) :: remarks(:)
     type(estimate_type) :: estimates(size(absent_words))
@@ -102,7 +102,7 @@ contains
   end subroutine find_remarks
 
   pure function frequency_words(remarks, tolerance) result(text)
-    !! The two effects that would matter most, as far as they do.
+    !! Describe the two most important effects, if they matter.
     type(remark_type), intent(in) :: remarks(:)    !! in the order of `absent_words`
     real(dp), intent(in) :: tolerance
     character(:), allocatable :: text
@@ -123,7 +123,7 @@ contains
   end function frequency_words
 
   function estimate_absent(scene, aside) result(estimates)
-    !! In the order of `absent_words`.
+    !! Estimate absent effects, in the order of `absent_words`.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(aside_type), intent(out), optional :: aside
     type(estimate_type) :: estimates(size(absent_words))
@@ -149,8 +149,8 @@ contains
   end function estimate_absent
 
   pure real(dp) function damped_part(scene, square) result(part)
-    !! What damping of every mode by the usual ratio would leave of the amplitude of mode 1 at the end of the record: e^(−ζβT). All,
-    !! where the scene has damping, nothing moves, or the mode grows.
+    !! Return the fraction of the amplitude of mode 1 at the end of the record with the usual damping ratio: e^(−ζβT). 1
+    !! if the scene has damping, nothing moves, or the mode is unstable.
     type(scene_type), intent(in) :: scene          !! without sweeps
     real(dp), intent(in) :: square                 !! β² of mode 1
     type(beam_units) :: units
@@ -162,14 +162,14 @@ contains
   end function damped_part
 
   elemental real(dp) function weight(estimate)
-    !! A mode that would no longer grow weighs more than any change.
+    !! Weigh an estimate; stabilising a mode weighs more than any change.
     type(estimate_type), intent(in) :: estimate
     weight = abs(estimate%change)
     if (estimate%steadies) weight = huge(weight)
   end function weight
 
   pure function words(estimate) result(text)
-    !! What an effect would do to the mode that it would change most, and to the last one where that is more.
+    !! Describe the influence of an effect on the mode changed most, and on the last one if that is larger.
     type(estimate_type), intent(in) :: estimate
     character(:), allocatable :: text
     text = ''
@@ -181,7 +181,7 @@ contains
   end function words
 
   pure function change_words(mode, change) result(text)
-    !! What an effect would do to a mode: of one that loses all its frequency nothing is left but growth.
+    !! Describe the change of a mode; one that loses all its frequency becomes unstable.
     integer, intent(in) :: mode
     real(dp), intent(in) :: change               !! relative
     character(:), allocatable :: text

@@ -1,6 +1,6 @@
 module bw_history_report
-  !! The printed report of histories: the largest sample at each point and its time, what samples hide, how far it may be off,
-  !! the largest stress, and the waves that were measured.
+  !! The printed report of histories: the largest sample at each point and its time, aliased content, error, largest
+  !! stress, and measured waves.
   use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, most_rows, short, table_of, text_table
@@ -20,7 +20,7 @@ module bw_history_report
 contains
 
   subroutine report_histories(scene, result, lines)
-    !! A row for each quantity at each point; of many points those where it is largest and where its error is worst.
+    !! Print a row for each quantity at each point; of many points those of the largest value and the largest error.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -60,14 +60,14 @@ contains
   end subroutine report_histories
 
   subroutine report_quantity(name, unit, scene, histories, error, table, lines, bound)
-    !! The rows of one quantity; of the first point, mostly where the beam is held, in any case.
+    !! Print the rows of one quantity; the first point, mostly where the beam is held, is always shown.
     character(*), intent(in) :: name, unit
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: histories(:, :)           !! (samples, points)
-    real(dp), intent(in), optional :: error(:)        !! (points); absent: there is no estimate
+    real(dp), intent(in), optional :: error(:)        !! (points); absent: no estimate
     type(text_table), intent(in) :: table
     type(text_builder), intent(inout) :: lines
-    real(dp), intent(in), optional :: bound(:)        !! of the error, (points); absent: none is proved
+    real(dp), intent(in), optional :: bound(:)        !! of the error, (points); absent: not proved
     real(dp), dimension(size(histories, 2)) :: peak, part
     real(dp) :: step
     character(:), allocatable :: head, cells
@@ -89,7 +89,7 @@ contains
     head = '  '//name//', '//unit
     do p = 1, size(peak)
       if (.not. shown(p) .and. size(peak) > most_rows) cycle
-      cells = '|-|-|-|-|-'                                     ! nothing of it is given
+      cells = '|-|-|-|-|-'                                     ! no value exists
       if (peak(p) == 0.0_dp) cells = '|0'
       if (peak(p) > 0.0_dp) then
         cells = '|'//fixed(peak(p))//'|'//shortest((at(p) - 1)*step, 5)//'|'// &
@@ -104,7 +104,7 @@ contains
   end subroutine report_quantity
 
   subroutine report_stress(scene, response, lines)
-    !! The largest sample of the bending stress at any point, where the section is known.
+    !! Print the largest sample of bending stress at any point, if the section is known.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
     type(text_builder), intent(inout) :: lines
@@ -130,7 +130,7 @@ contains
   end subroutine report_stress
 
   pure function later_counts(result) result(words)
-    !! Other counts of modes that a beam which changes in time has later on.
+    !! Return further mode counts of a beam that changes in time.
     type(case_result), intent(in) :: result
     character(:), allocatable :: words
     integer :: i
@@ -143,7 +143,7 @@ contains
   end function later_counts
 
   pure function bound_words(bound) result(words)
-    !! To two digits that are not below it.
+    !! Round up to two digits.
     real(dp), intent(in) :: bound
     character(:), allocatable :: words
     real(dp) :: shown
@@ -155,7 +155,7 @@ contains
   end function bound_words
 
   subroutine report_measured(result, lines)
-    !! Waves found in the histories, with the bounds of their errors.
+    !! Print waves found in the histories, with error bounds.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: frequency, bound, wavenumber, phase, group

@@ -1,5 +1,5 @@
 module bw_load_report
-  !! The printed report of loads: what was applied.
+  !! The printed report of applied loads.
   use bw_case_result, only: case_result
   use bw_scene, only: scene_type
   use bw_text, only: replaced, shortest, text_builder, text_of
@@ -12,7 +12,7 @@ module bw_load_report
 contains
 
   subroutine report_loads(scene, result, lines)
-    !! A line for each load.
+    !! Print a line for each load.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -37,7 +37,7 @@ contains
   end subroutine report_loads
 
   pure function in_words(shape) result(words)
-    !! `half sine`.
+    !! Return the name of a shape in words: `half sine`.
     character(*), intent(in) :: shape
     character(:), allocatable :: words
     words = replaced(shape, '_', ' ')

@@ -1,7 +1,7 @@
 module bw_notes
-  !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
-  !! number of others that have it too and what differs in the last of them. Warnings come before remarks. The cases may come
-  !! in any order.
+  !! The collected notes of a scene's cases. In a sweep each kind of note is given once, for its first case, with the
+  !! number of other cases that have it and the differing values of the last one. Warnings precede remarks. Cases may be
+  !! added in any order.
   use bw_kinds, only: i8
   use bw_note, only: is_remark, kind_of, remark_mark, unmarked
   use bw_text, only: append, string, text_builder, text_of
@@ -11,9 +11,9 @@ module bw_notes
   type :: kind_type
     !! One kind of note.
     integer(i8) :: first = 0                      !! the first case that has it
-    integer :: place = 0                          !! where it stands among the notes of that case
+    integer :: place = 0                          !! its position among the notes of that case
     integer(i8) :: last = 0                       !! the last case that has it
-    integer(i8) :: cases = 0                      !! how many have it
+    integer(i8) :: cases = 0                      !! number of cases with it
   end type kind_type
 
   type, public :: notes_type
@@ -29,7 +29,7 @@ module bw_notes
 contains
 
   pure subroutine add(self, index, notes)
-    !! Take account of the notes of a case.
+    !! Add the notes of a case.
     class(notes_type), intent(inout) :: self
     integer(i8), intent(in) :: index       !! of the case
     type(string), intent(in) :: notes(:)
@@ -56,9 +56,9 @@ contains
   end subroutine add
 
   pure function lines(self, cases) result(text)
-    !! The notes, one line for each kind, warnings before remarks, in the order of their first cases, with the ends of lines.
+    !! Return the notes, one line for each kind, warnings first, in the order of their first cases.
     class(notes_type), intent(in) :: self
-    integer, intent(in) :: cases           !! of the sweep; 0 where there is none
+    integer, intent(in) :: cases           !! of the sweep; 0 if there is none
     character(:), allocatable :: text
     logical, allocatable :: remarks(:)
     integer :: k
@@ -69,9 +69,9 @@ contains
   end function lines
 
   pure function chosen_lines(self, cases, chosen) result(text)
-    !! Those of some kinds.
+    !! Return the notes of selected kinds.
     class(notes_type), intent(in) :: self
-    integer, intent(in) :: cases           !! of the sweep; 0 where there is none
+    integer, intent(in) :: cases           !! of the sweep; 0 if there is none
     logical, intent(in) :: chosen(:)       !! (kinds)
     character(:), allocatable :: text
     type(text_builder) :: built
@@ -100,9 +100,9 @@ contains
   end function chosen_lines
 
   pure function what_differs(text, first) result(rest)
-    !! A note of the same kind as the first one, without the words at its beginning and the clauses at its end that the first one
-    !! has said. A clause in which what differs is the value of a symbol, as xi = 0.5, is whole.
-    character(*), intent(in) :: text, first       !! not the same
+    !! Return a note without the words at its beginning and the clauses at its end that it shares with the first one of
+    !! its kind. If only the value of a symbol differs, as in xi = 0.5, the whole clause is kept.
+    character(*), intent(in) :: text, first       !! different texts
     character(:), allocatable :: rest
     integer :: cut, at, begin, clause
     cut = len(text)
@@ -132,7 +132,7 @@ contains
   end function ends_with
 
   pure integer function earliest(kinds, left) result(k)
-    !! The place of the kind that comes first among those that are left.
+    !! Return the index of the kind that comes first among the remaining ones.
     type(kind_type), intent(in) :: kinds(:)
     logical, intent(in) :: left(:)
     integer :: i

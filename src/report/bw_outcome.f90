@@ -1,5 +1,5 @@
 module bw_outcome
-  !! How a scene ended, and what there is to say of it.
+  !! The outcome of a scene: its status, report and notes.
   use bw_case_result, only: case_done
   use bw_error, only: status_done, status_not_trusted, status_stopped
   use bw_existing_result, only: existing_result
@@ -17,11 +17,11 @@ module bw_outcome
 
   type, public :: outcome_type
     integer :: status = status_done           !! an exit status
-    logical :: was_there = .false.            !! the finished result was there already
+    logical :: was_there = .false.            !! a finished result existed already
     character(:), allocatable :: file         !! the result
     character(:), allocatable :: report       !! what to print
-    character(:), allocatable :: notes        !! lines, which the result has too: warnings and remarks
-    character(:), allocatable :: told         !! warnings about this run, lines, which the result has not
+    character(:), allocatable :: notes        !! lines, also in the result: warnings and remarks
+    character(:), allocatable :: told         !! warnings about this run, lines, not in the result
   contains
     procedure :: tell
     procedure :: set_found
@@ -36,7 +36,7 @@ module bw_outcome
 contains
 
   subroutine tell(self, text)
-    !! Something to say about this run, however it ends.
+    !! Add a warning about this run.
     class(outcome_type), intent(inout) :: self
     character(*), intent(in) :: text          !! a line
     if (.not. allocated(self%told)) self%told = ''
@@ -44,7 +44,7 @@ contains
   end subroutine tell
 
   subroutine set_found(self, scene, layout, existing)
-    !! The finished result is there already: its report again.
+    !! Report an existing finished result again.
     class(outcome_type), intent(inout) :: self
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -61,11 +61,11 @@ contains
   end subroutine set_found
 
   subroutine set_notes(self, notes, layout, not_trusted)
-    !! The notes, and the status that they call for.
+    !! Set the notes, and the status that follows from them.
     class(outcome_type), intent(inout) :: self
-    character(*), intent(in) :: notes         !! of the cases, put together; lines
+    character(*), intent(in) :: notes         !! of all cases; lines
     type(result_layout), intent(in) :: layout
-    integer(i8), intent(in) :: not_trusted    !! cases that hold numbers that cannot be trusted
+    integer(i8), intent(in) :: not_trusted    !! cases with numbers that cannot be trusted
     self%notes = notes
     if (not_trusted == 0) return
     self%status = status_not_trusted
@@ -74,33 +74,33 @@ contains
   end subroutine set_notes
 
   pure subroutine trust(self, trusted)
-    !! What was found beside the cases can be trusted, or the status says that it cannot.
+    !! Set the status to not trusted if findings beside the cases cannot be trusted.
     class(outcome_type), intent(inout) :: self
     logical, intent(in) :: trusted
     if (.not. trusted) self%status = max(self%status, status_not_trusted)
   end subroutine trust
 
   pure function notes_text(self) result(text)
-    !! The notes without the last line's end.
+    !! Return the notes without the last line end.
     class(outcome_type), intent(in) :: self
     character(:), allocatable :: text
     text = without_last_end(self%notes)
   end function notes_text
 
   pure function without_last_end(lines) result(text)
-    !! Lines without the end of the last of them.
+    !! Remove the last line end.
     character(*), intent(in) :: lines
     character(:), allocatable :: text
     text = lines(:max(0, len(lines) - 1))
   end function without_last_end
 
   subroutine set_report(self, scene, layout, body, taken_over, times)
-    !! What to print of a scene that is done.
+    !! Set the report of a finished scene.
     class(outcome_type), intent(inout) :: self
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: body          !! the case, or the table of cases
-    integer(i8), intent(in) :: taken_over     !! cases that an earlier run had finished
+    integer(i8), intent(in) :: taken_over     !! cases finished by an earlier run
     character(*), intent(in) :: times         !! the table of stages
     type(text_builder) :: report
     call report%append(scene_heading(scene))
@@ -120,12 +120,12 @@ contains
   end subroutine set_report
 
   subroutine set_part(self, scene, part, parts, statuses)
-    !! A part of a sweep that is done while others are not.
+    !! Report a part of a sweep that is finished while others are not.
     class(outcome_type), intent(inout) :: self
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: part, parts
-    integer(i1), intent(in) :: statuses(:)    !! how the cases ended, `not_done` of those that have not, (cases)
-    integer, parameter :: shown = 10          ! parts that lack cases
+    integer(i1), intent(in) :: statuses(:)    !! of all cases, `not_done` for unfinished ones, (cases)
+    integer, parameter :: shown = 10          ! unfinished parts
     integer :: failed, missing, p, waiting
     failed = count(statuses(part::parts) /= case_done)
     if (failed > 0) self%status = status_not_trusted
@@ -137,7 +137,7 @@ contains
     if (all(statuses /= not_done)) self%report = self%report// &
       '  no case is missing; the last running part finishes '//self%file//new_line('a')
     waiting = 0
-    do p = 1, min(parts, size(statuses))      ! further parts have no case
+    do p = 1, min(parts, size(statuses))      ! further parts have no cases
       missing = count(statuses(p::parts) == not_done)
       if (missing == 0) cycle
       waiting = waiting + 1
@@ -149,7 +149,7 @@ contains
   end subroutine set_part
 
   subroutine set_part_without_case(self, scene, part, parts)
-    !! A part of a scene that has one case only.
+    !! Report a part without a case, of a scene that has one case only.
     class(outcome_type), intent(inout) :: self
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: part, parts
@@ -159,7 +159,7 @@ contains
   end subroutine set_part_without_case
 
   subroutine set_stopped(self, saved, cases)
-    !! Work that is left for later.
+    !! Report unfinished work.
     class(outcome_type), intent(inout) :: self
     integer(i8), intent(in) :: saved, cases
     self%status = status_stopped

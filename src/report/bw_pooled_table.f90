@@ -17,7 +17,7 @@ module bw_pooled_table
 contains
 
   function pooled_table(pooled, cases, confidence, sensors, frequencies) result(text)
-    !! The table; nothing where repeats share no line.
+    !! Return the table; empty if repeats share no line.
     type(pooled_lines), intent(in) :: pooled
     integer, intent(in) :: cases                  !! repeats
     real(dp), intent(in) :: confidence            !! of the intervals
@@ -48,7 +48,7 @@ contains
   end function pooled_table
 
   subroutine report_constants(pooled, sensors, lines)
-    !! A row for each line, with the modal constant of the sensor that tells it best, and what mass of the mode that is.
+    !! Print a row for each line, with the modal constant of the sensor that measures it best, and the modal mass.
     type(pooled_lines), intent(in) :: pooled
     type(sensor_type), intent(in) :: sensors(:)
     type(text_builder), intent(inout) :: lines
@@ -75,7 +75,7 @@ contains
   end subroutine report_constants
 
   subroutine report_responses(pooled, frequencies, lines)
-    !! H1, H2 and coherence over the repeats at the lines' frequencies, at the sensor that moves most.
+    !! Print H1, H2 and coherence over the repeats at the lines' frequencies, at the sensor of largest motion.
     type(pooled_lines), intent(in) :: pooled
     real(dp), intent(in) :: frequencies(:)        !! Hz
     type(text_builder), intent(inout) :: lines
@@ -97,8 +97,8 @@ contains
   end subroutine report_responses
 
   pure real(dp) function damping_part(frequency, decay) result(part)
-    !! The damping ratio, %.
-    real(dp), intent(in) :: frequency, decay      !! rad/s, 1/s; missing: so is the ratio
+    !! Return the damping ratio, %.
+    real(dp), intent(in) :: frequency, decay      !! rad/s, 1/s; if missing, so is the ratio
     part = missing
     if (.not. (is_missing(frequency) .or. is_missing(decay))) part = 100*decay/hypot(frequency, decay)
   end function damping_part

@@ -17,7 +17,7 @@ module bw_quantile_table
 contains
 
   function quantile_table(draft, quantiles) result(text)
-    !! A line for each number that is not 0 in every case; of modes the first.
+    !! Print a line for each number that is not 0 in every case; of modes the first.
     type(result_draft), intent(in) :: draft
     type(case_quantiles), intent(in) :: quantiles(:)
     character(:), allocatable :: text
@@ -39,9 +39,9 @@ contains
   end function quantile_table
 
   function cells_of(draft, s, quantiles, n) result(cells)
-    !! The line of a number.
+    !! Return the cells of a number.
     type(result_draft), intent(in) :: draft
-    integer, intent(in) :: s                !! which summary of the draft
+    integer, intent(in) :: s                !! index of the draft's summary
     type(case_quantiles), intent(in) :: quantiles
     integer, intent(in) :: n
     character(:), allocatable :: cells, words, unit

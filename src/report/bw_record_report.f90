@@ -1,5 +1,5 @@
 module bw_record_report
-  !! The printed report of a record: its lines with their intervals, what else was looked at and why it is no line, and the noise.
+  !! The printed report of a record: lines with intervals, rejected candidates with reasons, and the noise.
   use bw_case_result, only: record_result
   use bw_columns, only: fixed, most_rows, note_rest, pair_cells, short, table_of, text_table, to_its_error
   use bw_constants, only: two_pi
@@ -20,7 +20,7 @@ module bw_record_report
 contains
 
   subroutine report_record(record, measured, confidence, lines)
-    !! All of it.
+    !! Print the whole report.
     type(record_result), intent(in) :: record
     type(measured_type), intent(in) :: measured      !! waves
     real(dp), intent(in) :: confidence               !! of the intervals
@@ -34,7 +34,7 @@ contains
   end subroutine report_record
 
   subroutine report_lines(record, confidence, lines)
-    !! A row for each line, with the amplitude where it stands out of the noise most.
+    !! Print a row for each line, with the amplitude of the best signal-to-noise ratio.
     type(record_result), intent(in) :: record
     real(dp), intent(in) :: confidence
     type(text_builder), intent(inout) :: lines
@@ -56,7 +56,7 @@ contains
   end subroutine report_lines
 
   subroutine report_line(record, k, table, lines)
-    !! The row of line k.
+    !! Print the row of line k.
     type(record_result), intent(in) :: record
     integer, intent(in) :: k
     type(text_table), intent(in) :: table
@@ -75,7 +75,7 @@ contains
   end subroutine report_line
 
   pure function short_name(name) result(text)
-    !! A sensor's name without its unit.
+    !! Return a sensor's name without its unit.
     character(*), intent(in) :: name
     character(:), allocatable :: text
     text = name
@@ -83,7 +83,7 @@ contains
   end function short_name
 
   function place_text(record, s) result(text)
-    !! The sensor and its unit.
+    !! Return the sensor and its unit.
     type(record_result), intent(in) :: record
     integer, intent(in) :: s
     character(:), allocatable :: text
@@ -95,7 +95,7 @@ contains
   end function place_text
 
   pure function kinds_text(status) result(text)
-    !! What a line is beside a line, behind a semicolon.
+    !! List the statuses of a line, after a semicolon.
     integer, intent(in) :: status
     character(:), allocatable :: text, word
     integer :: i
@@ -110,7 +110,7 @@ contains
   end function kinds_text
 
   subroutine report_constants(record, lines)
-    !! A row for each line, with the modal constant of the sensor that tells it best, and what mass of the mode that is.
+    !! Print a row for each line, with the modal constant of the sensor that measures it best, and the modal mass.
     type(record_result), intent(in) :: record
     type(text_builder), intent(inout) :: lines
     type(text_table) :: table
@@ -135,7 +135,7 @@ contains
   end subroutine report_constants
 
   subroutine report_drifts(record, lines)
-    !! Lines that change along the record.
+    !! Print lines that drift along the record.
     type(record_result), intent(in) :: record
     type(text_builder), intent(inout) :: lines
     integer, parameter :: drifting = findloc(status_words == 'drifting', .true., dim=1) - 1
@@ -151,7 +151,7 @@ contains
   end subroutine report_drifts
 
   subroutine report_waves(record, measured, lines)
-    !! Wave numbers and velocities with half their intervals, and what their dispersion tells of the beam.
+    !! Print wave numbers and velocities with half their intervals, and properties of the beam from their dispersion.
     type(record_result), intent(in) :: record
     type(measured_type), intent(in) :: measured
     type(text_builder), intent(inout) :: lines
@@ -173,7 +173,7 @@ contains
   end subroutine report_waves
 
   pure function rotation_text(pair) result(text)
-    !! The angular velocity that the dispersion tells, behind a comma.
+    !! Return the angular velocity estimated from the dispersion, after a comma.
     real(dp), intent(in) :: pair(2)
     character(:), allocatable :: text
     text = ''
@@ -182,7 +182,7 @@ contains
   end function rotation_text
 
   subroutine report_rejected(record, lines)
-    !! What was looked at and is no line, and why.
+    !! Print rejected candidates of lines, and why.
     type(record_result), intent(in) :: record
     type(text_builder), intent(inout) :: lines
     type(text_table) :: table
@@ -201,7 +201,7 @@ contains
   end subroutine report_rejected
 
   subroutine report_noise(record, lines)
-    !! What the lines leave of each sensor.
+    !! Print the residual noise of each sensor.
     type(record_result), intent(in) :: record
     type(text_builder), intent(inout) :: lines
     character(:), allocatable :: text

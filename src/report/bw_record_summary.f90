@@ -1,5 +1,5 @@
 module bw_record_summary
-  !! What `beamwave check` says of a record: its samples and its sensors.
+  !! The description of a record by `beamwave check`: its samples and sensors.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_record, only: clock_text, is_even, record_extent, sensor_type
@@ -11,12 +11,12 @@ module bw_record_summary
 
   integer, parameter :: most_sensors = 16            !! listed one by one
   integer, parameter :: digits = 6
-  real(dp), parameter :: long_ago = 1.0e3_dp         !! durations; six digits do not tell the end from the beginning much later
+  real(dp), parameter :: long_ago = 1.0e3_dp !! in durations; with six digits, later start and end times cannot be distinguished
 
 contains
 
   function record_summary(record) result(text)
-    !! Line by line, indented by two.
+    !! Return the description line by line, indented by two.
     type(record_extent), intent(in) :: record
     character(:), allocatable :: text
     type(text_builder) :: lines
@@ -36,7 +36,7 @@ contains
   end function record_summary
 
   pure function samples_text(record) result(text)
-    !! How many samples there are, of how many, and how many sensors.
+    !! Report the number of samples used, of all, and of sensors.
     type(record_extent), intent(in) :: record
     character(:), allocatable :: text
     text = text_of(record%samples)//' samples'
@@ -46,7 +46,7 @@ contains
   end function samples_text
 
   pure function times_text(record) result(text)
-    !! From when to when, and how often. Of times that a clock counts from long ago, when and how long.
+    !! Report time span and sampling rate; for times counted from a distant origin, start and duration.
     type(record_extent), intent(in) :: record
     character(:), allocatable :: text
     if (abs(record%origin) > long_ago*record%duration) then
@@ -63,7 +63,7 @@ contains
   end function times_text
 
   pure function sensor_text(sensor) result(text)
-    !! Its name, what it measures, and where it is.
+    !! Return a sensor's name, quantity, and position.
     type(sensor_type), intent(in) :: sensor
     character(:), allocatable :: text
     text = sensor%name

@@ -1,5 +1,5 @@
 module bw_record_table
-  !! The printed table of the cases of a record, repeats or parts of it: of a few cases all, of many the first and the last.
+  !! The printed table of the cases of a record, repeats or parts: all of a few cases, or the first and last of many.
   use bw_columns, only: pair_cells, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp, i8
@@ -11,12 +11,12 @@ module bw_record_table
   private
   public :: record_table
 
-  integer, parameter :: shown = 10            !! first cases, and last ones
+  integer, parameter :: shown = 10            !! number of first cases, and of last ones
 
 contains
 
   function record_table(draft) result(text)
-    !! The table of all cases of a draft, as it is printed.
+    !! Return the table of all cases of a draft.
     type(result_draft), intent(inout) :: draft
     character(:), allocatable :: text
     type(text_builder) :: built
@@ -37,7 +37,7 @@ contains
   end function record_table
 
   function row_cells(draft, case) result(cells)
-    !! The numbers of a case: of its strongest line, and the noise of the first sensor.
+    !! Return the cells of a case: its strongest line, and the noise of the first sensor.
     type(result_draft), intent(inout) :: draft
     integer(i8), intent(in) :: case
     character(:), allocatable :: cells
@@ -61,9 +61,9 @@ contains
   end function row_cells
 
   pure integer function strongest(amplitude, peaks) result(k)
-    !! The line whose amplitude is largest at any sensor.
+    !! Return the line of the largest amplitude at any sensor.
     real(dp), intent(in) :: amplitude(:)      !! the lines of the first sensor, of the second, …
-    integer, intent(in) :: peaks              !! room for so many
+    integer, intent(in) :: peaks              !! reserved number of lines
     k = modulo(maxloc(amplitude, dim=1, mask=.not. is_missing(amplitude)) - 1, peaks) + 1
   end function strongest
 

@@ -1,5 +1,5 @@
 module bw_repeat_cases
-  !! The lines of all cases of a result whose cases are repeats of one record, pooled.
+  !! Pooled lines of a result whose cases are repeats of one record.
   use bw_constants, only: two_pi
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
@@ -18,12 +18,12 @@ module bw_repeat_cases
 contains
 
   function pooled_cases(draft) result(pooled)
-    !! What all cases of a draft say together, in SI.
+    !! Pool the lines of all cases of a draft, in SI.
     type(result_draft), intent(inout) :: draft
     type(pooled_lines) :: pooled
     type(repeated_lines) :: lines
     real(dp), dimension(draft%layout%peaks) :: least
-    real(dp) :: quantile                        ! standard deviations of half an interval
+    real(dp) :: quantile                        ! half an interval in standard deviations
     real(dp) :: resolution                      ! rad/s, of the longest record
     logical :: drifts(draft%layout%peaks)
     integer(i8) :: c
@@ -39,7 +39,7 @@ contains
       lines%frequency(:, c) = draft%get('measured_angular_frequency', c)
       lines%decay(:, c) = draft%get('measured_decay_rate', c)
       drifts = btest(nint(draft%get('peak_status', c)), drifting)
-      least = epsilon(least)*max(lines%frequency(:, c), resolution)       ! of a record without noise
+      least = epsilon(least)*max(lines%frequency(:, c), resolution)       ! for a record without noise
       call part_error(draft%get('measured_angular_frequency_error', c), draft%get('measured_angular_frequency_bound', c), &
                       quantile, drifts, least, lines%frequency_deviation(:, c), lines%frequency_drift(:, c))
       call part_error(draft%get('measured_decay_rate_error', c), draft%get('measured_decay_rate_bound', c), &
@@ -52,9 +52,9 @@ contains
   end function pooled_cases
 
   subroutine pool_constants(draft, quantile, pooled)
-    !! Modal constants of the lines that repeats share.
+    !! Pool the modal constants of the lines that repeats share.
     type(result_draft), intent(inout) :: draft
-    real(dp), intent(in) :: quantile          !! standard deviations of half an interval
+    real(dp), intent(in) :: quantile          !! half an interval in standard deviations
     type(pooled_lines), intent(inout) :: pooled
     real(dp), dimension(draft%layout%peaks, draft%layout%points, draft%layout%cases) :: part, other, deviation
     integer :: c, k, s
@@ -81,8 +81,8 @@ contains
   end subroutine pool_constants
 
   subroutine pool_responses(draft, pooled)
-    !! Frequency responses from the averages of all cases' power and cross spectra: with the force F and the response HF of a case
-    !! H1 = ΣH|F|²/Σ|F|², H2 = Σ|HF|²/Σ(H|F|²)*, and coherence H1/H2. `missing` where no case has a force.
+    !! Find frequency responses from power and cross spectra averaged over all cases: with the force F and response HF
+    !! of a case H1 = ΣH|F|²/Σ|F|², H2 = Σ|HF|²/Σ(H|F|²)*, coherence H1/H2. `missing` if no case has a force.
     type(result_draft), intent(inout) :: draft
     type(pooled_lines), intent(inout) :: pooled
     real(dp), dimension(draft%layout%frequencies, draft%layout%points) :: part, force, response, power
@@ -113,11 +113,11 @@ contains
   end subroutine pool_responses
 
   elemental subroutine part_error(error, bound, quantile, drifts, least, deviation, drift)
-    !! Part half an interval into what differs from repeat to repeat, as a standard deviation, and what a drift along the record
-    !! adds to it, which is the same in each.
+    !! Split half an interval into a standard deviation that varies between repeats, and the contribution of a drift
+    !! along the record, which all repeats share.
     real(dp), intent(in) :: error, bound, quantile
     logical, intent(in) :: drifts
-    real(dp), intent(in) :: least             !! deviation
+    real(dp), intent(in) :: least             !! least deviation
     real(dp), intent(out) :: deviation, drift
     deviation = missing
     drift = 0

@@ -1,6 +1,6 @@
 module bw_report
-  !! The printed report of a case: the first modes with their wave velocities, the jump, the balance, the histories, and what to
-  !! beware of.
+  !! The printed report of a case: the first modes with their wave velocities, the jump, the balance, the histories, and
+  !! warnings.
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_case_rows, only: all_modes, starts_of, values_of
@@ -25,7 +25,7 @@ module bw_report
 contains
 
   function case_report(scene, result) result(text)
-    !! What is printed of one case.
+    !! Return the report of one case.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     character(:), allocatable :: text
@@ -53,7 +53,7 @@ contains
   end function case_report
 
   subroutine report_modes(scene, result, lines)
-    !! The first modes, and above which angular velocity one is unstable.
+    !! Print the first modes, and the critical angular velocity.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -77,7 +77,7 @@ contains
     call report_critical(scene, result, lines)
   contains
     function first_of(name) result(values)
-      !! A variable of the modes that are shown.
+      !! Return a variable of the modes shown.
       character(*), intent(in) :: name
       real(dp), allocatable :: values(:)
       values = values_of(result, name)
@@ -86,7 +86,7 @@ contains
   end subroutine report_modes
 
   subroutine report_configurations(result, lines)
-    !! The first frequencies of a beam that changes in time, of every configuration.
+    !! Print the first frequencies of every configuration of a beam that changes in time.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     integer, parameter :: shown = 5
@@ -114,14 +114,14 @@ contains
   end subroutine report_configurations
 
   pure logical function leaves_again(result)
-    !! The captured mass is released, and the modes of the beam alone are known.
+    !! Return whether the captured mass is released and the modes of the beam alone are known.
     type(case_result), intent(in) :: result
     leaves_again = allocated(result%before) .and. allocated(result%events)
     if (leaves_again) leaves_again = any(result%events%kind == release_event)
   end function leaves_again
 
   function released_frequency(result, count) result(frequency)
-    !! Of the first modes of the beam alone, rad/s; missing beyond them, and where the mass stays.
+    !! Return frequencies of the first modes of the beam alone, rad/s; missing beyond them, and if the mass stays.
     type(case_result), intent(in) :: result
     integer, intent(in) :: count
     real(dp) :: frequency(count)
@@ -135,7 +135,7 @@ contains
   end function released_frequency
 
   pure function why_not(growth, frequency, phase, group, rigid) result(text)
-    !! Why numbers of the modes that are shown do not exist; empty where all do.
+    !! Say why values of the modes shown do not exist; empty if all do.
     real(dp), intent(in) :: growth(:), frequency(:), phase(:), group(:)
     logical, intent(in) :: rigid(:)                !! the first modes move the beam as a rigid body
     character(:), allocatable :: text
@@ -154,7 +154,7 @@ contains
   end function why_not
 
   subroutine report_critical(scene, result, lines)
-    !! The critical speed of a beam that turns.
+    !! Print the critical speed of a rotating beam.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -171,7 +171,7 @@ contains
   end subroutine report_critical
 
   subroutine report_impact(scene, result, lines)
-    !! The jump, and the balance of every event.
+    !! Print the jump, and the balance of every event.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -195,7 +195,7 @@ contains
   end subroutine report_impact
 
   subroutine report_contact(scene, result, lines)
-    !! How long the first contact lasts, how hard it is, how much the mass rebounds, and what an instantaneous blow would have said.
+    !! Print duration and peak force of the first contact, the rebound of the mass, and the result of an instantaneous blow.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
@@ -252,7 +252,7 @@ contains
   end subroutine report_contact
 
   pure function give_or_take(error, unit) result(text)
-    !! An error beside its number; nothing where it is not known.
+    !! Format an error after its number; empty if unknown.
     real(dp), intent(in) :: error
     character(*), intent(in) :: unit
     character(:), allocatable :: text
@@ -261,8 +261,8 @@ contains
   end function give_or_take
 
   pure function forces_that_matter(result) result(matters)
-    !! Contacts with more than a small part of the largest force, (events up to the last contact). The waves that run ahead of a beam that is
-    !! let go let a mass beside it chatter long before it feels the beam.
+    !! Select contacts with more than a small fraction of the largest force, (events up to the last contact). Waves that
+    !! precede the motion of a released beam make a nearby mass chatter before the beam reaches it.
     type(case_result), intent(in) :: result
     logical, allocatable :: matters(:)
     real(dp), parameter :: part = 1.0e-6_dp
@@ -273,7 +273,7 @@ contains
   end function forces_that_matter
 
   pure function part_of_approach(scene, leaving) result(text)
-    !! The last velocity of a mass beside the one it came with, if it did.
+    !! Return the final velocity of a mass relative to its approach velocity, if it has one.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: leaving
     character(:), allocatable :: text
@@ -283,11 +283,11 @@ contains
   end function part_of_approach
 
   subroutine report_events(result, lines, matters)
-    !! The balance of every event; their times where not all are at t = 0, with their errors where contacts amplify them,
-    !! their ends where one lasts.
+    !! Print the balance of every event; times unless all are at t = 0, with errors if contacts amplify them, and ends
+    !! if one lasts.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    logical, intent(in), optional :: matters(:)   !! which contacts do; absent: all events matter
+    logical, intent(in), optional :: matters(:)   !! contacts that matter; absent: all events do
     real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time, &
       impulse, hub
     type(text_table) :: table
@@ -352,7 +352,7 @@ contains
   end subroutine report_events
 
   pure function notes_report(notes) result(text)
-    !! The notes, indented and wrapped: warnings, and remarks as notes.
+    !! Return the notes, indented and wrapped: warnings as they are, remarks marked as notes.
     character(*), intent(in) :: notes             !! lines
     character(:), allocatable :: text
     type(string), allocatable :: lines(:)

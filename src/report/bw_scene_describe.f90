@@ -1,5 +1,5 @@
 module bw_scene_describe
-  !! Every input name with its type, unit, range, default and meaning: plain text that is Markdown too.
+  !! The description of every input name with type, unit, range, default and meaning: plain text that is also Markdown.
   use bw_columns, only: text_width, wrapped
   use bw_effect_table, only: effect_table
   use bw_error, only: error_type, fail, status_bad_input
@@ -49,7 +49,7 @@ module bw_scene_describe
 contains
 
   function describe_text(group, error) result(text)
-    !! One group, or all of them and how a scene is written; without the last line end.
+    !! Describe one group, or how a scene is written and all groups; without the last line end.
     character(*), intent(in) :: group             !! with or without `&`, in any case; '' for all
     character(:), allocatable :: text
     type(error_type), allocatable, intent(out) :: error   !! `status_bad_input` for an unknown group
@@ -77,7 +77,7 @@ contains
   end function describe_text
 
   pure subroutine put_effects(builder)
-    !! The effects that a scene may have, as `beamwave effects` compares them.
+    !! List the effects that a scene may have, as `beamwave effects` compares them.
     type(text_builder), intent(inout) :: builder
     character(widest) :: cells(2, 0:size(effect_table))
     integer :: width(2), i
@@ -96,7 +96,7 @@ contains
   end subroutine put_effects
 
   pure subroutine put_group(builder, group)
-    !! One group: what its absence means, its names as a table, its rules.
+    !! Describe one group: the meaning of its absence, a table of names, its rules.
     type(text_builder), intent(inout) :: builder
     type(input_group), intent(in) :: group
     integer, allocatable :: rows(:)
@@ -131,7 +131,7 @@ contains
   end subroutine put_group
 
   pure subroutine put_example(builder, example)
-    !! The lines of an example, as a block of code.
+    !! Put the lines of an example, as a code block.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: example
     call builder%append_line('')
@@ -141,7 +141,7 @@ contains
   end subroutine put_example
 
   pure subroutine put_needs(builder, group)
-    !! The groups that a group needs and those that it excludes, if there are any.
+    !! Put the groups that a group needs or excludes, if any.
     type(text_builder), intent(inout) :: builder
     type(input_group), intent(in) :: group
     character(:), allocatable :: text
@@ -154,9 +154,9 @@ contains
   end subroutine put_needs
 
   pure function listed(groups, between) result(text)
-    !! Groups as a list in words.
+    !! List groups in words.
     character(*), intent(in) :: groups            !! by blanks; by `|` where one of them is enough
-    character(*), intent(in) :: between           !! the last two
+    character(*), intent(in) :: between           !! conjunction of the last two
     character(:), allocatable :: text
     type(string), allocatable :: names(:)
     integer :: i
@@ -175,7 +175,7 @@ contains
   end function listed
 
   pure function swept_text(rows) result(text)
-    !! Which of a group's names a sweep may vary; there is one at least.
+    !! Say which names of a group a sweep may vary; there is at least one.
     integer, intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: i
@@ -187,7 +187,7 @@ contains
   end function swept_text
 
   pure subroutine put_table(builder, rows)
-    !! A pipe table, its columns aligned.
+    !! Put a pipe table with aligned columns.
     type(text_builder), intent(inout) :: builder
     integer, intent(in) :: rows(:)
     character(widest) :: cells(columns, 0:size(rows))
@@ -206,7 +206,7 @@ contains
   end subroutine put_table
 
   pure function cells_of(row) result(cells)
-    !! The cells of one name's line of the table.
+    !! Return the cells of a name's row.
     type(input_name), intent(in) :: row
     character(widest) :: cells(columns)
     cells(1) = '`'//trim(row%name)//'`'
@@ -221,7 +221,7 @@ contains
   end function cells_of
 
   pure subroutine put_row(builder, cells, width)
-    !! One line of a pipe table, its cells filled up to their widths.
+    !! Put one line of a pipe table, with padded cells.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: cells(:)
     integer, intent(in) :: width(:)
@@ -233,7 +233,7 @@ contains
   end subroutine put_row
 
   pure subroutine put_wrapped(builder, paragraph)
-    !! A paragraph over lines of at most `text_width`, broken at blanks; behind a `|` begins an item of a list.
+    !! Wrap a paragraph at blanks to `text_width`; `|` begins a list item.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: paragraph
     type(string), allocatable :: parts(:)

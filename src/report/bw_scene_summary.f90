@@ -1,5 +1,5 @@
 module bw_scene_summary
-  !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
+  !! The summary of a scene, its method and cost: the head of a report, and `beamwave check`.
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_beam_par, only: beam_text, has_fibre
@@ -24,7 +24,7 @@ module bw_scene_summary
 contains
 
   pure function scene_heading(scene) result(text)
-    !! The scene's name, and its title if it has one.
+    !! Return the scene's name, and its title if it has one.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = scene%name
@@ -33,10 +33,10 @@ contains
   end function scene_heading
 
   function scene_summary(scene, layout, hint) result(text)
-    !! What is simulated, line by line, indented by two.
+    !! Describe the simulation line by line, indented by two.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    logical, intent(in), optional :: hint          !! and what is left out, which takes a few modes; absent: it is
+    logical, intent(in), optional :: hint          !! add the line on omitted effects, which needs a few modes; absent: yes
     character(:), allocatable :: text
     type(text_builder) :: lines
     type(beam_units) :: units
@@ -67,7 +67,7 @@ contains
   end function scene_summary
 
   function unknowns_text(scene) result(text)
-    !! A line for each number that is to be identified, with its range.
+    !! List the numbers to be identified, with their ranges.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     integer :: i
@@ -83,7 +83,7 @@ contains
   end function unknowns_text
 
   pure function method_text(scene) result(text)
-    !! How modes are found; of a sweep in how many cases, where not all have the same method.
+    !! Name the method of finding modes; in a sweep with the number of cases, if methods differ.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     character(:), allocatable :: otherwise
@@ -98,7 +98,7 @@ contains
   end function method_text
 
   function modes_text(scene, layout) result(text)
-    !! How many modes are summed, or by which tolerance that is found.
+    !! Report the number of modes, or the tolerance that determines it.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
@@ -113,7 +113,7 @@ contains
   end function modes_text
 
   function response_text(scene) result(text)
-    !! The histories, and the spectrum if there is one.
+    !! Describe the histories, and the spectrum if there is one.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     type(string), allocatable :: asked(:)
@@ -137,7 +137,7 @@ contains
   end function response_text
 
   function harmonic_text(scene) result(text)
-    !! The response to a harmonic force, and what it follows from.
+    !! Describe the response to a harmonic force, and its method.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     associate (asked => scene%frequency_response)
@@ -154,7 +154,7 @@ contains
   end function harmonic_text
 
   pure function places_text(points) result(text)
-    !! Where the histories are: each place, of many how many there are.
+    !! List the points of histories, or give the number of many.
     real(dp), intent(in) :: points(:)              !! ξ
     character(:), allocatable :: text
     integer, parameter :: most = 4
@@ -170,7 +170,7 @@ contains
   end function places_text
 
   function sweep_text(scene) result(text)
-    !! How many cases there are, and what they are the product of, or which table they are the rows of.
+    !! Report the number of cases, and the sweeps or the table that define them.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     integer, parameter :: most = 8                !! sweeps that are listed
@@ -194,7 +194,7 @@ contains
   end function sweep_text
 
   pure function span_text(values) result(text)
-    !! The swept values, or the first and the last of many, in brackets.
+    !! List the swept values, or the first and the last of many, in brackets.
     real(dp), intent(in) :: values(:)
     integer, parameter :: most = 4                !! that are listed
     character(:), allocatable :: text
@@ -211,7 +211,7 @@ contains
   end function span_text
 
   function cost_summary(scene, layout, bytes) result(text)
-    !! What `beamwave check` says of memory and of the disk.
+    !! Report the memory and disk space of a run, for `beamwave check`.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: bytes          !! of memory
@@ -221,7 +221,7 @@ contains
   end function cost_summary
 
   function disk_bytes(scene, layout) result(bytes)
-    !! What a run writes.
+    !! Return the bytes that a run writes.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8) :: bytes
@@ -231,7 +231,7 @@ contains
   end function disk_bytes
 
   integer(i8) function case_numbers(scene, layout) result(count)
-    !! How many numbers a case has.
+    !! Return the number of values of a case.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(result_draft) :: draft
@@ -240,17 +240,17 @@ contains
   end function case_numbers
 
   integer(i8) function working_bytes(scene, layout) result(bytes)
-    !! Memory of the first case, as far as it can be told without running it: its numbers as they are found and once more on their
-    !! way to the file, times, shapes, modes, what is needed to search histories for waves, and about 27 MB of program and
-    !! libraries; of a sweep also other cases on their way and how all of them ended.
+    !! Estimate the memory of the first case without running it: its numbers, twice while they are written, times,
+    !! shapes, modes, the search of histories for waves, and about 27 MB of program and libraries; for a sweep also
+    !! buffered cases and the statuses of all.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
     integer, parameter :: time_copies = 3
     integer, parameter :: line_bytes = 20000000      ! of a group of lines that are fitted together
-    integer, parameter :: of_case = 16               ! its number and how it ended
-    integer(i8), parameter :: column_numbers = 2**22 ! of all cases, of which quantiles are found at a time
+    integer, parameter :: of_case = 16               ! its number and status
+    integer(i8), parameter :: column_numbers = 2**22 ! of all cases, for which quantiles are found together
     integer(i8) :: shapes, numbers
     shapes = int(max(layout%modes, layout%modes_before), i8)*max(layout%points, 2*layout%profile)
     shapes = min(shapes, int(most_shapes, i8))
@@ -264,8 +264,8 @@ contains
   end function working_bytes
 
   pure integer(i8) function record_bytes(samples, sensors) result(bytes)
-    !! Memory of a record while its lines are searched for: itself, what the lines leave of it, and once more where it stays for the next
-    !! case; what is looked at for shared noise and for blows; transforms of one sensor, bands of all; measured.
+    !! Estimate the memory of a record while its lines are found: the record, its residuals, and a copy if the next case
+    !! needs it; searches for shared noise and blows; transforms of one sensor, bands of all; measured.
     integer, intent(in) :: samples, sensors
     integer, parameter :: of_sample = 240, of_sensor = 700000, of_libraries = 10000000
     integer(i8) :: numbers
@@ -276,7 +276,7 @@ contains
   end function record_bytes
 
   pure function bytes_text(bytes) result(text)
-    !! In kB, MB or GB of 1000s, three digits.
+    !! Format bytes in kB, MB or GB (powers of 1000) with three digits.
     integer(i8), intent(in) :: bytes
     character(:), allocatable :: text
     if (bytes < 1000000) then

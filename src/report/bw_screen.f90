@@ -1,27 +1,27 @@
 module bw_screen
-  !! What of a report is printed: one screen of it, or all with `--verbose`.
+  !! The printed part of a report: one screen, or all with `--verbose`.
   !!
-  !! A screen says what was simulated, what came out, how sure that is and what is wrong. Details are printed with `--verbose`
-  !! alone: what single cases say where a section speaks of all, where the time went, rows of a list beyond the first, and what a
-  !! note says beyond its first line. If the rest is longer than a screen, its lists are cut, all to the same number of rows. The
-  !! kind of a line is the number of blanks at its end, so that the report in a result remains plain text.
+  !! A screen says what was simulated, the results, their accuracy and any warnings. Details are printed with
+  !! `--verbose` only: single cases in sections on all, run times, further rows of a list, and all but the first line of
+  !! notes. If the rest exceeds a screen, all lists are cut to the same number of rows. The number of trailing blanks
+  !! marks the kind of a line, so that the report in a result remains plain text.
   use bw_text, only: lines_of, string, text_builder, text_of
   implicit none (type, external)
   private
   public :: details, printed
 
-  character(*), parameter, public :: row_mark = ' '       !! at the end of a row of a list
-  character(*), parameter, public :: detail_mark = '  '   !! at the end of a line that is a detail
+  character(*), parameter, public :: row_mark = ' '       !! ends a row of a list
+  character(*), parameter, public :: detail_mark = '  '   !! ends a line that is a detail
   character(*), parameter, public :: note_mark = '  note: '   !! before a remark
   character(*), parameter, public :: note_hang = '    '   !! before the lines of a note but the first
 
   integer, parameter :: screen = 45                       !! lines
-  integer, parameter :: fewest = 3                        !! rows of a list that are shown on any screen
+  integer, parameter :: fewest = 3                        !! rows of a list shown on any screen
 
 contains
 
   pure function details(section) result(text)
-    !! A section whose lines are all details. It begins with a blank line, or stands behind a line that is no row.
+    !! Mark all lines of a section as details. It begins with a blank line, or follows a line that is no row.
     character(*), intent(in) :: section           !! lines
     character(:), allocatable :: text
     type(string), allocatable :: lines(:)
@@ -35,12 +35,12 @@ contains
   end function details
 
   function printed(report, verbose) result(text)
-    !! A report as it is printed, without marks; behind what is cut to a screen a line says how to see all.
+    !! Return a report as printed, without marks; if it is cut, a line says how to see all.
     character(*), intent(in) :: report            !! lines
     logical, intent(in) :: verbose                !! all of it
     character(:), allocatable :: text
     type(string), allocatable :: lines(:)
-    integer, allocatable :: rank(:)               ! of a row in its list; 0: of no list, `huge`: a detail
+    integer, allocatable :: rank(:)               ! of a row in its list; 0: not in a list, `huge`: a detail
     integer :: i, row, most, height
     logical :: in_note
     lines = lines_of(report)
@@ -80,7 +80,7 @@ contains
     integer :: i, rows, hidden
     height = 0
     hidden = 0
-    rows = 0                                      ! hidden behind the last row that is shown
+    rows = 0                                      ! hidden after the last row shown
     in_list = .false.
     do i = 1, size(lines)
       in_list = in_list .and. lines(i)%text /= ''

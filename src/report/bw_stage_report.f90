@@ -1,5 +1,5 @@
 module bw_stage_report
-  !! Where the time of a run went: a line, and of a long run a table as a detail.
+  !! The run time by stage: a line, and for a long run a table as a detail.
   use bw_columns, only: seconds_text, table_of, text_table
   use bw_kinds, only: dp, i8
   use bw_screen, only: details
@@ -10,13 +10,13 @@ module bw_stage_report
   public :: stage_report
 
   real(dp), parameter :: short = 1.0_dp           !! s, of a run without a table
-  real(dp), parameter :: told = 0.01_dp           !! of a run, that a stage must take to be told in the line
-  real(dp), parameter :: least = 5.0e-4_dp        !! s, which are told as 1 ms
+  real(dp), parameter :: told = 0.01_dp           !! least fraction of a run for a stage to be named in the line
+  real(dp), parameter :: least = 5.0e-4_dp        !! s, printed as 1 ms
 
 contains
 
   function stage_report(watch, elapsed, processes, cases) result(text)
-    !! Stages are summed over processes; the last line of the table is the run as a whole.
+    !! Report stages, summed over processes; the last line of the table is the whole run.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed               !! wall time from the first case to the result, s
     integer, intent(in) :: processes
@@ -27,7 +27,7 @@ contains
   end function stage_report
 
   pure function stage_line(watch, elapsed, processes, cases) result(text)
-    !! The stages that took most of a run.
+    !! Name the stages that took most of a run.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed
     integer, intent(in) :: processes
@@ -48,7 +48,7 @@ contains
   end function stage_line
 
   function stage_table(watch, elapsed, processes, cases) result(text)
-    !! All stages, with what is in none of them. Only several cases have a rate.
+    !! Print all stages, and the remainder. Only several cases have a rate.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed
     integer, intent(in) :: processes
@@ -62,10 +62,10 @@ contains
     table = table_of('  stage|wall|CPU|share|calls|cases/s', '', [-10, 12, 10, 8, 10, 10], [(.true., i=1, 5), cases > 1])
     call table%put_head(lines)
     do i = 1, stage_count
-      if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
+      if (watch%calls(i) < 1.0_dp) cycle          ! the scene has no such stage
       call table%put_row(lines, stage_row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
     end do
-    remainder = wall - sum(watch%seconds)         ! in none of the stages: making scenes of cases, handing them out, waiting
+    remainder = wall - sum(watch%seconds)         ! outside all stages: making and distributing cases, waiting
     if (nint(100.0_dp*remainder/wall) > 0) call table%put_row(lines, '  other|'//seconds_text(remainder)//'||'// &
                                                               text_of(nint(100.0_dp*remainder/wall))//' %')
     call table%put_row(lines, stage_row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))
@@ -75,10 +75,10 @@ contains
   end function stage_table
 
   pure function stage_row(name, seconds, cpu, whole, calls) result(cells)
-    !! The cells of a stage.
+    !! Return the cells of a stage.
     character(*), intent(in) :: name
     real(dp), intent(in) :: seconds, cpu
-    real(dp), intent(in) :: whole                 !! of which `seconds` is the share, s
+    real(dp), intent(in) :: whole                 !! total of which `seconds` is a share, s
     integer(i8), intent(in) :: calls
     character(:), allocatable :: cells
     cells = '  '//trim(name)//'|'//seconds_text(seconds)//'|'//seconds_text(cpu)//'|'// &

@@ -1,6 +1,6 @@
 module bw_sweep_table
-  !! The printed table of a sweep: of a few cases all, of many the first, the last, and those that are extreme, each with the
-  !! values that it was given.
+  !! The printed table of a sweep: all of a few cases, or the first, the last and the extreme ones of many, each with
+  !! its swept values.
   use bw_case_result, only: case_done
   use bw_columns, only: fixed, short, table_of, text_table
   use bw_constants, only: two_pi
@@ -15,7 +15,7 @@ module bw_sweep_table
   public :: sweep_table
 
   integer, parameter :: most_rows = 20      !! of a sweep whose cases are all shown
-  integer, parameter :: at_once = 4096      !! cases that are looked at together
+  integer, parameter :: at_once = 4096      !! cases read together
   character(*), parameter :: reasons(*) = [character(24) :: 'first', 'last', 'lowest frequency', 'highest frequency', &
     'smallest displacement', 'largest displacement', 'largest stress', 'largest force', 'first without frequency', &
     'first not trusted']                    !! why cases of a large sweep are shown
@@ -28,19 +28,19 @@ module bw_sweep_table
   integer, parameter :: direction(*) = [0, 0, -1, 1, -1, 1, 1, 1, 0, 0]      !! 1: the largest is shown, −1: the smallest
 
   type :: case_row
-    !! What there is to say of a case that may be shown.
+    !! The properties of a case that may be shown.
     integer(i8) :: case = 0                 !! its number; 0: none yet
     integer :: status = case_done
-    real(dp) :: frequency = missing         !! of the lowest mode that bends the beam, rad/s
-    real(dp) :: outcome(size(outcomes)) = missing   !! the largest of all places
+    real(dp) :: frequency = missing         !! of the lowest bending mode, rad/s
+    real(dp) :: outcome(size(outcomes)) = missing   !! the largest over all points
   end type case_row
 
 contains
 
   function sweep_table(draft, statuses) result(lines)
-    !! The table of all cases of a draft, as it is printed.
+    !! Return the table of all cases of a draft.
     type(result_draft), intent(inout) :: draft
-    integer(i1), intent(in) :: statuses(:)    !! how they ended, (cases)
+    integer(i1), intent(in) :: statuses(:)    !! of all cases, (cases)
     character(:), allocatable :: lines
     type(case_row), allocatable :: rows(:)    ! by case, or by reason
     type(text_builder) :: built
@@ -68,7 +68,7 @@ contains
     else
       call built%append_line('  Each case; '//mode//' has '//fixed(rows(1)%frequency/two_pi)//' Hz in all')
     end if
-    wave = varies .and. .not. any(has(stress:))       ! there is room for all of a mode
+    wave = varies .and. .not. any(has(stress:))       ! there is room for all columns of a mode
     table = table_of('case|modes|'//mode//': frequency|'//trim(merge('frequency        ', mode//': frequency', wave))// &
                      '|phase velocity|group velocity|displacement|stress|contact force|restitution|mass leaves at|swept', &
                      '||rad/s|Hz|m/s|m/s|m, largest sample|Pa|N||m/s|', &
@@ -90,13 +90,13 @@ contains
   end function sweep_table
 
   pure integer function lowest_mode(draft) result(mode)
-    !! The number of the lowest mode that bends the beam: behind the turn of a free hub.
+    !! Return the number of the lowest bending mode: after the rigid rotation on a free hub.
     type(result_draft), intent(in) :: draft
     mode = merge(2, 1, allocated(draft%scene%hub) .and. draft%length_of('mode') > 1)
   end function lowest_mode
 
   subroutine choose_rows(draft, statuses, rows)
-    !! Look at all cases for those that are shown.
+    !! Select the cases that are shown.
     type(result_draft), intent(inout) :: draft
     integer(i1), intent(in) :: statuses(:)
     type(case_row), intent(inout) :: rows(:)
@@ -129,13 +129,13 @@ contains
   end subroutine choose_rows
 
   pure logical function is_better(row, than, reason, cases)
-    !! A case is to be shown for a reason instead of another: of equal ones the first.
+    !! Return whether a case is to replace another for a reason; of equal ones the first stays.
     type(case_row), intent(in) :: row
-    type(case_row), intent(in) :: than        !! shown so far; case 0: none is
+    type(case_row), intent(in) :: than        !! selected so far; case 0: none
     integer, intent(in) :: reason             !! its number in `reasons`
     integer(i8), intent(in) :: cases          !! in all
     real(dp), parameter :: same = 1.0e-9_dp
-    real(dp) :: value, other, alike           ! the last: what two ways to the same modes differ by
+    real(dp) :: value, other, alike           ! the last: difference between two methods for the same modes
     logical :: is_first
     is_first = than%case == 0 .or. row%case < than%case
     if (ordered(reason) >= 0) then
@@ -155,7 +155,7 @@ contains
   end function is_better
 
   pure integer function next_row(rows, printed) result(next)
-    !! The row of the lowest case behind the last that is printed; 0 where there is none.
+    !! Return the row of the lowest case after the last printed; 0 if there is none.
     type(case_row), intent(in) :: rows(:)
     integer(i8), intent(in) :: printed
     integer :: k
@@ -171,7 +171,7 @@ contains
   end function next_row
 
   pure function why(rows, r) result(words)
-    !! The reasons for which a case of a large sweep is shown.
+    !! Give the reasons for which a case of a large sweep is shown.
     type(case_row), intent(in) :: rows(:)
     integer, intent(in) :: r
     character(:), allocatable :: words
@@ -186,7 +186,7 @@ contains
   end function why
 
   function row_cells(draft, row) result(cells)
-    !! The numbers of a case.
+    !! Return the cells of a case.
     type(result_draft), intent(inout) :: draft
     type(case_row), intent(in) :: row
     character(:), allocatable :: cells

@@ -1,5 +1,5 @@
 module bw_swept_text
-  !! What a case of a sweep was given, in words.
+  !! The swept values of a case, in words.
   use bw_kinds, only: i8
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_positions
@@ -13,8 +13,8 @@ module bw_swept_text
 contains
 
   function swept_text(scene, i) result(text)
-    !! The swept values of a case: 'name = value, …'; a file of a record by its name; of a design with many columns the first, and
-    !! its line.
+    !! Return the swept values of a case: 'name = value, …'; a record's file by its name; of a design with many columns
+    !! the first, and its line in the table.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: i
     character(:), allocatable :: text
