@@ -20,17 +20,18 @@ contains
     if (first > 0) is_comment = line(first:first) == '#' .or. line(first:first) == '%'
   end function is_comment
 
-  subroutine name_columns(lines, separator, columns)
+  subroutine name_columns(lines, separator, closed, columns)
     !! Names from the last line of the header with as many fields as there are columns, or from the one before where that holds
     !! units; from a comment where no other line does.
     type(string), intent(in) :: lines(:)                       !! of the header
     character, intent(in) :: separator
+    logical, intent(in) :: closed                              !! one more column is empty in all rows
     type(column_type), intent(inout) :: columns(:)
     type(string), allocatable :: names(:), units(:)
     integer :: i
     allocate (names(0), units(0))
-    call find_names(lines, .false., separator, size(columns), names, units)
-    if (size(names) == 0) call find_names(lines, .true., separator, size(columns), names, units)
+    call find_names(lines, .false., separator, closed, size(columns), names, units)
+    if (size(names) == 0) call find_names(lines, .true., separator, closed, size(columns), names, units)
     do i = 1, size(columns)
       associate (column => columns(i))
         if (size(names) > 0) column%name = names(i)%text
@@ -42,12 +43,13 @@ contains
     end do
   end subroutine name_columns
 
-  pure subroutine find_names(lines, comments, separator, columns, names, units)
+  pure subroutine find_names(lines, comments, separator, closed, columns, names, units)
     !! The last line that can hold names, and the units behind it. Away from the rows, `Rate,1000` holds no names; a line of
     !! numbers does only where there is no other.
     type(string), intent(in) :: lines(:)
     logical, intent(in) :: comments                            !! look at comments, else at other lines
     character, intent(in) :: separator
+    logical, intent(in) :: closed
     integer, intent(in) :: columns                             !! how many there are
     type(string), allocatable, intent(inout) :: names(:), units(:)
     type(string), allocatable :: fields(:), above(:)
@@ -58,8 +60,8 @@ contains
     call next_above(lines, comments, separator, n, fields)
     do while (size(fields) > 0)
       call next_above(lines, comments, separator, n, above)
-      if (fits(fields, columns)) then
-        if (size(units) == 0 .and. are_units(fields(:columns), above, columns)) then
+      if (fits(fields, closed, columns)) then
+        if (size(units) == 0 .and. are_units(fields(:columns), above, closed, columns)) then
           units = fields(:columns)
           is_near = .true.
         else if (are_words(fields(:columns)) .or. (is_near .and. count_words(fields(:columns)) > 0)) then
@@ -103,12 +105,14 @@ contains
     if (verify(text, '#% ') == 0) text = ''
   end function uncommented
 
-  pure logical function fits(fields, columns)
-    !! There is a field for each column, and at most one more, which says nothing or is the word `Comment` of LabVIEW.
+  pure logical function fits(fields, closed, columns)
+    !! There is a field for each column, and at most one more: of an empty column, or which says nothing, or is LabVIEW's `Comment`.
     type(string), intent(in) :: fields(:)
+    logical, intent(in) :: closed
     integer, intent(in) :: columns
     fits = size(fields) == columns
-    if (size(fields) == columns + 1) fits = fields(columns + 1)%text == '' .or. lower(fields(columns + 1)%text) == 'comment'
+    if (size(fields) == columns + 1) fits = closed .or. fields(columns + 1)%text == '' .or. &
+      & lower(fields(columns + 1)%text) == 'comment'
     if (fits) fits = any_text(fields(:columns))
   end function fits
 
@@ -140,11 +144,12 @@ contains
     end do
   end function count_words
 
-  pure logical function are_units(fields, above, columns)
+  pure logical function are_units(fields, above, closed, columns)
     !! A line of units: each field is one, or is empty. Where only some are known, words stand above all of them, and they are
     !! no names themselves.
     type(string), intent(in) :: fields(:)
     type(string), intent(in) :: above(:)                       !! of the line before
+    logical, intent(in) :: closed
     integer, intent(in) :: columns                             !! how many there are
     integer :: i, known, others
     known = 0
@@ -160,7 +165,7 @@ contains
       end associate
     end do
     are_units = others == 0
-    if (are_units .or. known == 0 .or. .not. fits(above, columns)) return
+    if (are_units .or. known == 0 .or. .not. fits(above, closed, columns)) return
     are_units = are_words(above(:columns))
     do i = 1, columns
       are_units = are_units .and. bare_name(fields(i)%text) /= 'time' .and. above(i)%text /= '' .and. &

@@ -100,7 +100,7 @@ contains
       layout%columns(i)%unit = ''
       layout%columns(i)%is_numeric = numeric(i)
     end do
-    call name_columns(lines(:layout%header), layout%separator, layout%columns)
+    call name_columns(lines(:layout%header), layout%separator, layout%closed, layout%columns)
     call find_mark(path, probed(layout%header + 1:), layout, error)
   end subroutine choose_columns
 
