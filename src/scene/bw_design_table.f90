@@ -1,5 +1,5 @@
 module bw_design_table
-  !! The table of a `&design`: names and numbers of a text, with all that is wrong with its cells by line.
+  !! Read the table of a `&design`: column names and numbers, with every faulty cell reported by its line.
   use bw_error, only: error_type
   use bw_kinds, only: dp, i1
   use bw_line_reader, only: line_reader, text_between
@@ -13,20 +13,20 @@ module bw_design_table
   public :: read_design_table
 
   integer, parameter :: most_rows = 1000000
-  character, parameter :: separators(*) = [tab, ';', ',']   !! the first of them in the line of names; else blanks
+  character, parameter :: separators(*) = [tab, ';', ','] !! the first one in the header line applies; else blanks
 
   type, public :: design_table
     type(string), allocatable :: names(:)      !! in lower case, (columns)
-    integer :: line = 0                        !! of the names; 0: there is none
-    integer, allocatable :: lines(:)           !! of the rows, (rows)
-    real(dp), allocatable :: numbers(:, :)     !! `missing` where there is none, (columns, rows)
+    integer :: line = 0                        !! line of the header; 0: there is none
+    integer, allocatable :: lines(:)           !! line of each row, (rows)
+    real(dp), allocatable :: numbers(:, :)     !! `missing` in a faulty cell, (columns, rows)
   end type design_table
 
 contains
 
   subroutine read_design_table(path, line, table, messages, error)
-    !! Read a table from front to back. Whatever of it is no number is added to the messages with its place `path:LINE`.
-    !! **Errors**: `status_bad_file` where it cannot be read.
+    !! Read a table from front to back. Every cell that is no number is reported, with its place `path:LINE`.
+    !! **Errors**: `status_bad_file` if the table cannot be read.
     character(*), intent(in) :: path
     integer, intent(in) :: line                !! of the scene, which names the table
     type(design_table), intent(out) :: table
@@ -67,7 +67,7 @@ contains
   end subroutine read_design_table
 
   subroutine read_names(text, form, table, messages)
-    !! The line of names, which also tells what separates columns; of what is no text there are none.
+    !! Read the header line: the separator and the column names. A line that is not text is reported and gives no names.
     character(*), intent(in) :: text
     type(row_form), intent(out) :: form
     type(design_table), intent(inout) :: table
@@ -92,7 +92,7 @@ contains
   end subroutine read_names
 
   subroutine read_row(reader, form, row, table, messages)
-    !! Read the line at hand as a row.
+    !! Read the current line of the reader as a row.
     type(line_reader), intent(in) :: reader
     type(row_form), intent(in) :: form
     integer, intent(in) :: row
@@ -113,7 +113,7 @@ contains
   end subroutine read_row
 
   pure subroutine grow(table)
-    !! Twice as much room for rows.
+    !! Double the capacity for rows.
     type(design_table), intent(inout) :: table
     real(dp), allocatable :: numbers(:, :)
     integer, allocatable :: lines(:)
@@ -127,7 +127,7 @@ contains
   end subroutine grow
 
   subroutine refuse_row(names, fields, messages)
-    !! Say of each cell of a row that could not be read what is wrong with it. A column without a name is refused for that.
+    !! Report what is wrong with each cell of a row that could not be read. A column without a name is reported as such.
     type(string), intent(in) :: names(:), fields(:)
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: problem
@@ -146,7 +146,7 @@ contains
   end subroutine refuse_row
 
   function cell_problem(field) result(problem)
-    !! Why a cell holds no number that can be taken; empty where it does.
+    !! Return why a cell holds no valid number; empty if it holds one.
     character(*), intent(in) :: field
     character(:), allocatable :: problem, marks
     problem = ''

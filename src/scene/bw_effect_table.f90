@@ -1,10 +1,10 @@
 module bw_effect_table
-  !! The table of effects that a scene may have or lack: what each is called, which groups or which number of the scene switch it,
-  !! and with which values it is tried where the scene lacks it. `beamwave effects` runs each row with and without, `describe` lists
-  !! them. Beside it the corrections that `beamwave identify` tries on a model that does not explain its lines.
+  !! The table of effects that a scene may have or lack: their names, the groups or the number that switch them, and the values
+  !! with which an effect is tried if the scene lacks it. `beamwave effects` runs each row with and without its effect,
+  !! `describe` lists them. A second table holds the corrections that `beamwave identify` tries on a model that does not
+  !! explain its lines.
   !!
-  !! Whether a group is an effect or an event, whether modes then have a closed form, and what it needs, is said in its own row of
-  !! the table of groups.
+  !! The table of groups says whether a group is an effect or an event, whether modes have a closed form, and what it needs.
   use bw_damping_par, only: usual_ratio
   use bw_input_name, only: name_length
   use bw_kinds, only: dp
@@ -15,23 +15,23 @@ module bw_effect_table
 
   integer, parameter, public :: plain = 1, own_unit = 2, of_first_speed = 3, of_sphere = 4, of_duration = 5, of_section = 6, &
                               of_sphere_radius = 7
-    !! what the number is measured in with which an effect is tried: nothing; what its unit is in the beam's own length, mass and
-    !! time; the speed at which mode 1 would be unstable; inertia and radius of a sphere of the beam's density; the duration of
+    !! units of the number with which an effect is tried: dimensionless; its unit formed from the beam's length, mass and time;
+    !! the speed at which mode 1 becomes unstable; inertia and radius of a sphere of the beam's density; the duration of
     !! the response; the usual shear coefficient of the section
 
   type, public :: effect_type
     !! One effect. In texts `@` stands for the number with which it is tried.
     character(21) :: name = ''                    !! in results; reports write its underscores as blanks
-    character(name_length) :: groups = ''         !! that switch it, by blanks
-    character(name_length) :: input = ''          !! the name that does; '': it is whether the groups are there
-    character(8) :: on = '', off = ''             !! values of that name with the effect and without it
-    character(40) :: values = ''                  !! of the first group, which is tried where the scene lacks it; '': all defaults
-    real(dp) :: tried = 0.0_dp                    !! the number
-    integer :: measure = plain                    !! what it is measured in
-    character(32) :: needs = '', excludes = ''    !! groups of the scene without or with which it is not compared, by blanks
-    logical :: alone = .false.                    !! compared without the groups that need its own
-    logical :: counted = .false.                  !! compared, where it is on, with counts of modes alone
-    character(96) :: remark_off = '', remark_on = ''   !! on what is tried where it is off, and beside what it stands where it is on
+    character(name_length) :: groups = ''         !! groups that switch it, separated by blanks
+    character(name_length) :: input = ''          !! name that switches it; '': the presence of the groups does
+    character(8) :: on = '', off = ''             !! values of this name with the effect and without it
+    character(40) :: values = ''                  !! of the first group, if the scene lacks it; '': all defaults
+    real(dp) :: tried = 0.0_dp                    !! number with which it is tried
+    integer :: measure = plain                    !! unit of this number
+    character(32) :: needs = '', excludes = ''    !! groups that a comparison needs or excludes, separated by blanks
+    logical :: alone = .false.                    !! compared without the groups that need its group
+    logical :: counted = .false.                  !! if present, compared only in scenes that count their modes
+    character(96) :: remark_off = '', remark_on = ''   !! what is tried if the scene lacks it; how it is compared if not
     character(56) :: beside = 'the scene without it'   !! what it is compared with
   end type effect_type
 
@@ -98,18 +98,18 @@ module bw_effect_table
                 beside='a blow at the tip')]
 
   integer, parameter, public :: added = 1, given = 2, toggled = 3
-    !! a correction adds a group or a name; it changes what the scene gives; it switches the effect of its row over
+    !! `added`: a group or a name is added; `given`: a given value is changed; `toggled`: the effect of the row is switched
 
   type, public :: correction_type
-    !! What may be wrong with a model of a beam: an effect that it leaves out, or a number that it gives.
+    !! A possible error of a model of a beam: an effect that it lacks, or a wrong number.
     character(40) :: words = ''
-    character(name_length) :: group = ''          !! of the scene, or the effect that is switched over
+    character(name_length) :: group = ''          !! group of the scene, or effect that is toggled
     integer :: kind = added
-    character(36) :: unknown = ''                 !! its numbers that are fitted, by blanks, at most two
-    real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges, in units of the beam's own length, mass and time
-    real(dp) :: factor = 0.0_dp                   !! or by how much the range is larger and smaller than what the scene gives
-    character(16) :: values = ''                  !! what else is set
-    logical :: neutral_at_last = .false.          !! at the end of its range an addition is the model without it, else at 0
+    character(36) :: unknown = ''                 !! numbers of the group to be fitted, at most two, separated by blanks
+    real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges, in units of the beam's length, mass and time
+    real(dp) :: factor = 0.0_dp                   !! if not 0: the range is the given value divided and multiplied by this
+    character(16) :: values = ''                  !! further values that are set
+    logical :: neutral_at_last = .false.          !! an addition has no effect at the end of its range; else at its start
   end type correction_type
 
   type(correction_type), parameter, public :: correction_table(*) = [ &
@@ -133,13 +133,13 @@ module bw_effect_table
 contains
 
   pure integer function effect_number(name)
-    !! Place of an effect in `effect_table`; 0 for an unknown one.
+    !! Return the place of an effect in `effect_table`; 0 for an unknown one.
     character(*), intent(in) :: name
     effect_number = findloc(effect_table%name == name, .true., dim=1)
   end function effect_number
 
   pure function in_words(name) result(words)
-    !! The name of an effect in words.
+    !! Return the name of an effect in words.
     character(*), intent(in) :: name
     character(:), allocatable :: words
     words = replaced(trim(name), '_', ' ')

@@ -1,9 +1,8 @@
 module bw_input_name
   !! One row of the table of input names, and the group that it belongs to.
   !!
-  !! A row says all there is to say about a name: the reader, its messages, `beamwave describe`, the resolved
-  !! scene and the input variables of the result all come from it. Texts have fixed lengths, so that the
-  !! table is a constant of the program.
+  !! A row holds everything about a name: the reader, its messages, `beamwave describe`, the resolved scene and the
+  !! input variables of the result all use it. Texts have fixed lengths, so that the table is a constant.
   use bw_kinds, only: dp, i8
   use bw_text, only: replaced, text_of
   implicit none (type, external)
@@ -13,10 +12,10 @@ module bw_input_name
 
   integer, parameter, public :: name_length = 24
   integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5, &
-                                texts_input = 6, columns_input = 7      !! of a table: names in quotes, or numbers from 1
+                                texts_input = 6, columns_input = 7      !! column names in quotes, or numbers from 1
 
   type, public :: number_range
-    !! The numbers a name accepts: low … high, both included unless `above`.
+    !! The numbers that a name accepts: low … high, both included unless `above` is true.
     real(dp) :: low = -huge(1.0_dp)
     real(dp) :: high = huge(1.0_dp)
     logical :: above = .false.               !! `low` itself is not accepted
@@ -31,21 +30,21 @@ module bw_input_name
   type, public :: input_group
     !! A namelist group.
     character(name_length) :: name = ''
-    character(120) :: absent = ''            !! what it means that the group is not there
+    character(120) :: absent = ''            !! what its absence means
     character(480) :: physics = ''           !! what it models, in a sentence or two
-    character(480) :: example = ''           !! its use in a scene, `|` between lines; beside a beam that it need not name
-    character(1000) :: rules = ''            !! what its names have to do with each other
-    character(48) :: needs = ''              !! groups that have to be there too, by blanks; `a|b`: one of the two
-    character(48) :: excludes = ''           !! groups that it stands instead of, by blanks
+    character(480) :: example = ''           !! its use in a scene, `|` between lines; the beam may be left out
+    character(1000) :: rules = ''            !! rules between its names
+    character(48) :: needs = ''              !! groups that it requires, separated by blanks; `a|b`: one of the two
+    character(48) :: excludes = ''           !! groups that it replaces, separated by blanks
     logical :: required = .false.
     character(name_length) :: unless = ''    !! a group with which a required one may be absent
-    logical :: implied = .false.             !! absent is the same as empty
+    logical :: implied = .false.             !! an absent group is treated as an empty one
     logical :: repeatable = .false.
-    character(8) :: along = ''               !! dimension of a result along which its repeats lie; '' where it has none
-    logical :: is_effect = .false.           !! it changes the beam or how it moves by itself
-    logical :: is_event = .false.            !! it happens to the beam at an instant; results name both in their attribute `effects`
-    logical :: builds_up = .false.           !! it holds the beam otherwise than by a clamp, or attaches something to it
-    logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form here
+    character(8) :: along = ''               !! dimension along which its repeats lie in a result; '': none
+    logical :: is_effect = .false.           !! it changes the beam or its free motion
+    logical :: is_event = .false.            !! it occurs at an instant; results list events, too, in their attribute `effects`
+    logical :: builds_up = .false.           !! it changes the boundary conditions or attaches something
+    logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form
   end type input_group
 
   type, public :: input_name
@@ -53,75 +52,75 @@ module bw_input_name
     character(name_length) :: group = ''
     character(name_length) :: name = ''
     integer :: kind = real_input             !! one of the kinds above
-    character(12) :: unit = '1'              !! as UDUNITS writes it; '' where another name has it
+    character(12) :: unit = '1'              !! as UDUNITS writes it; '' if another name gives it
     type(number_range) :: range = any_number !! of each number
-    character(24) :: default = ''            !! as a scene would write it; '' where there is none
+    character(24) :: default = ''            !! as a scene would write it; '' for none
     logical :: required = .false.
-    character(40) :: unless = ''             !! names of the same group, by blanks, with one of which a required one may be absent
+    character(40) :: unless = ''             !! names of the group, by blanks; a required name may be absent with any of them
     logical :: swept = .false.               !! `&sweep` may vary it: a number that sets no axis of the result
-    integer :: most = 1                      !! most elements
-    character(8) :: along = ''               !! of one number or a list: dimension of a result along which the list lies
-    character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
-    character(72) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
+    integer :: most = 1                      !! largest number of elements
+    character(8) :: along = ''               !! dimension of a result along which the numbers of a list lie
+    character(80) :: words = ''              !! accepted words of a text, separated by blanks; '': any text
+    character(72) :: excludes = ''           !! names of the same group that it replaces, separated by blanks
     character(80) :: meaning = ''
-    logical :: changes_shapes = .false.      !! where it is not `plain`, modes have no closed form here
+    logical :: changes_shapes = .false.      !! modes have no closed form unless the number is `plain`
     real(dp) :: plain = 0.0_dp
   end type input_name
 
 contains
 
   elemental logical function is_simulated(group)
-    !! The group is an effect or an event.
+    !! Tell whether the group is an effect or an event.
     type(input_group), intent(in) :: group
     is_simulated = group%is_effect .or. group%is_event
   end function is_simulated
 
   elemental logical function in_range(range, value)
-    !! A value that the range accepts.
+    !! Tell whether the range accepts a value.
     type(number_range), intent(in) :: range
     real(dp), intent(in) :: value
     in_range = value >= range%low .and. value <= range%high .and. .not. (range%above .and. value == range%low)
   end function in_range
 
   elemental logical function is_number(row)
-    !! One real or one whole number.
+    !! Tell whether the name takes one number, real or whole.
     type(input_name), intent(in) :: row
     is_number = row%kind == real_input .or. row%kind == integer_input
   end function is_number
 
   elemental logical function is_list(row)
-    !! It takes several values.
+    !! Tell whether the name takes several values.
     type(input_name), intent(in) :: row
     is_list = row%most > 1
   end function is_list
 
   elemental logical function has_unit(row)
-    !! One number or several, with a unit of their own.
+    !! Tell whether the name takes numbers with a unit of their own.
     type(input_name), intent(in) :: row
     has_unit = row%unit /= '' .and. has_numbers(row)
   end function has_unit
 
   elemental logical function has_numbers(row)
-    !! One number or several.
+    !! Tell whether the name takes numbers, one or several.
     type(input_name), intent(in) :: row
     has_numbers = is_number(row) .or. row%kind == reals_input
   end function has_numbers
 
   elemental logical function is_sweepable(row)
-    !! A `&sweep` may vary it, of a list one of its numbers.
+    !! Tell whether a `&sweep` may vary the name or, of a list, one of its numbers.
     type(input_name), intent(in) :: row
     is_sweepable = row%swept .and. has_numbers(row)
   end function is_sweepable
 
   pure function place_of(row) result(place)
-    !! `group%name`, as messages and sweeps call it.
+    !! Return `group%name`, as messages and sweeps call it.
     type(input_name), intent(in) :: row
     character(:), allocatable :: place
     place = trim(row%group)//'%'//trim(row%name)
   end function place_of
 
   pure function kind_text(row) result(text)
-    !! `real`, `whole number`, `logical`, `text`, `reals`, `real or list`.
+    !! Return the kind in words: `real`, `whole number`, `logical`, `text`, `reals`, `real or list`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     character(16), parameter :: names(*) = [character(16) :: 'real', 'whole number', 'logical', 'text', 'reals', &
@@ -132,7 +131,7 @@ contains
   end function kind_text
 
   pure function range_text(row) result(text)
-    !! `> 0`, `0 to 1`, `any`, `.true., .false.`, `one word`: short enough for a column.
+    !! Return the range as text short enough for a column: `> 0`, `0 to 1`, `any`, `.true., .false.`, `one word`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     logical :: low, high
@@ -158,7 +157,7 @@ contains
   end function range_text
 
   pure function accepted_text(row) result(text)
-    !! What a name accepts, in words, for a message: `a real, > 0 (m)`.
+    !! Describe in words what a name accepts, for a message: `a real, > 0 (m)`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     select case (row%kind)
@@ -187,14 +186,14 @@ contains
   end function accepted_text
 
   pure function quoted_words(words) result(text)
-    !! `in out` → `'in', 'out'`.
+    !! Quote words: `in out` → `'in', 'out'`.
     character(*), intent(in) :: words
     character(:), allocatable :: text
     text = "'"//replaced(trim(words), ' ', "', '")//"'"
   end function quoted_words
 
   elemental logical function has_word(words, word)
-    !! Is a word one of those in a list by blanks?
+    !! Tell whether a list separated by blanks has the word.
     character(*), intent(in) :: words, word
     has_word = index(' '//words//' ', ' '//trim(word)//' ') > 0
   end function has_word

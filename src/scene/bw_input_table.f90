@@ -1,7 +1,7 @@
 module bw_input_table
-  !! The table of input names: all groups and all their rows, in the order in which they are shown; and what to say of groups
-  !! and names that are not in it: the known ones, and the one that was likely meant.
-  !! A new group is one file in `groups/`, its line in each of the two lists here, and its lines in `bw_scene`.
+  !! The table of input names: all groups and all their rows, in the order in which they are shown. For groups and names
+  !! that are not in it, messages list the known ones and suggest the nearest.
+  !! A new group is one file in `groups/`, a line in each of the two lists here, and its lines in `bw_scene`.
   use bw_beam_par, only: beam_group, beam_names
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
@@ -91,7 +91,7 @@ module bw_input_table
 contains
 
   pure integer function group_row(group)
-    !! Place of a group in `group_table`; 0 for an unknown one.
+    !! Return the place of a group in `group_table`; 0 for an unknown one.
     character(*), intent(in) :: group
     do group_row = size(group_table), 1, -1
       if (group_table(group_row)%name == group) return
@@ -99,7 +99,7 @@ contains
   end function group_row
 
   pure integer function name_row(group, name)
-    !! Place of a name in `name_table`; 0 for an unknown one.
+    !! Return the place of a name in `name_table`; 0 for an unknown one.
     character(*), intent(in) :: group, name
     do name_row = size(name_table), 1, -1
       if (name_table(name_row)%group == group .and. name_table(name_row)%name == name) return
@@ -107,7 +107,7 @@ contains
   end function name_row
 
   pure function rows_of(group) result(rows)
-    !! Places of a group's rows in `name_table`, (n).
+    !! Return the places of a group's rows in `name_table`, (n).
     character(*), intent(in) :: group
     integer, allocatable :: rows(:)
     integer :: i
@@ -115,16 +115,16 @@ contains
   end function rows_of
 
   pure function unknown_group(group) result(text)
-    !! Message for a group that is not in the table.
+    !! Return the message for a group that is not in the table.
     character(*), intent(in) :: group
     character(:), allocatable :: text
     text = 'is not a known group'//suggestion(group, group_table%name, '&')//'; accepted: '//joined(group_table%name, '&')
   end function unknown_group
 
   pure function unknown_name(group, name, to_sweep) result(text)
-    !! Message for a name that is not in its group.
+    !! Return the message for a name that is not in its group.
     character(*), intent(in) :: group, name
-    logical, intent(in), optional :: to_sweep   !! a sweep names it, and accepts fewer names
+    logical, intent(in), optional :: to_sweep   !! of a sweep, which accepts fewer names
     character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
     names = pack(name_table%name, name_table%group == group)
@@ -140,7 +140,7 @@ contains
   end function unknown_name
 
   pure integer function closest(word, known)
-    !! Place of the nearest of the known words, else of the first that has the word as a part or is a part of it; 0 for none.
+    !! Return the place of the nearest known word, else of the first that contains the word or is contained in it; 0 for none.
     character(*), intent(in) :: word
     character(*), intent(in) :: known(:)
     integer :: i, distance, least
@@ -155,24 +155,24 @@ contains
       end if
     end do
     if (closest > 0) return
-    do i = 1, size(known)                     ! as velocity for approach_velocity, or damping_ratio for ratio
+    do i = 1, size(known)                     ! velocity in approach_velocity, ratio in damping_ratio
       if (is_part(trim(word), trim(known(i))) .or. is_part(trim(known(i)), trim(word))) closest = i
       if (closest > 0) return
     end do
   end function closest
 
   pure logical function is_part(word, name)
-    !! A word is the beginning or the end of a name whose words underscores join.
+    !! Tell whether a word is the beginning or the end of a name whose parts are joined by underscores.
     character(*), intent(in) :: word, name
     is_part = .false.
     if (len(name) > len(word)) is_part = index(name, word//'_') == 1 .or. name(len(name) - len(word):) == '_'//word
   end function is_part
 
   pure function suggestion(word, known, before) result(text)
-    !! ` (did you mean &beam?)`, or nothing.
+    !! Return ` (did you mean &beam?)`, or nothing.
     character(*), intent(in) :: word
     character(*), intent(in) :: known(:)
-    character(*), intent(in) :: before        !! stands before the word that is suggested
+    character(*), intent(in) :: before        !! precedes the suggested word
     character(:), allocatable :: text
     integer :: i
     i = closest(word, known)
@@ -181,8 +181,8 @@ contains
   end function suggestion
 
   pure integer function edits(a, b)
-    !! Letters inserted, dropped, replaced or swapped with their neighbour on the way from a to b
-    !! (optimal string alignment).
+    !! Count the letters inserted, deleted, replaced or swapped with their neighbour between a and b
+    !! (optimal string alignment distance).
     character(*), intent(in) :: a, b
     integer :: table(0:len(a), 0:len(b)), i, j
     table(:, 0) = [(i, i=0, len(a))]
@@ -198,7 +198,7 @@ contains
   end function edits
 
   pure logical function swapped(a, b)
-    !! Do a and b end in the same two letters in opposite order?
+    !! Tell whether a and b end in the same two letters in opposite order.
     character(*), intent(in) :: a, b
     swapped = .false.
     if (len(a) > 1 .and. len(b) > 1) swapped = a(len(a) - 1:) == b(len(b):)//b(len(b) - 1:len(b) - 1)

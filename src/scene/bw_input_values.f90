@@ -1,5 +1,5 @@
 module bw_input_values
-  !! What the groups of a scene say, value by value: between the text of the scene and its types.
+  !! The values of the groups of a scene, by name: between the text of the scene and its types.
   use bw_kinds, only: dp
   use bw_input_name, only: name_length
   use bw_text, only: shortest, string
@@ -8,19 +8,19 @@ module bw_input_values
   public :: position_of, positions_of
 
   type, public :: input_value
-    !! What a scene says about one name.
+    !! The value of one name in a scene.
     character(name_length) :: name = ''
     integer :: row = 0                         !! its place in `name_table`
-    integer :: line = 0                        !! where it is said; 0: nowhere
+    integer :: line = 0                        !! where it is given; 0: nowhere
     logical :: given = .false.                 !! named in its group, or swept
     logical :: known = .false.                 !! has a value: given, by default, or derived from others
-    logical :: redundant = .false.             !! only repeats another value, and is not shown beside it
+    logical :: redundant = .false.             !! it repeats another value, and is not shown
     logical :: flag = .false.
     character(:), allocatable :: text
-    type(string), allocatable :: texts(:)      !! of a list of texts, or names of columns, '' where a number stands for it, (n)
-    real(dp), allocatable :: numbers(:)        !! of one number or several, whole or not; unallocated where none is known, (n)
+    type(string), allocatable :: texts(:)      !! texts of a list, or names of columns ('' for a column given by number), (n)
+    real(dp), allocatable :: numbers(:)        !! one number or several, real or whole; unallocated: not known, (n)
     integer, allocatable :: lines(:)           !! line of each of `numbers`, (n)
-    integer, allocatable :: sweeps(:)          !! number of the sweep that each of them follows; 0: none, (n)
+    integer, allocatable :: sweeps(:)          !! index of the sweep that each number follows; 0: none, (n)
   contains
     procedure :: set_numbers
     procedure :: follow
@@ -28,11 +28,11 @@ module bw_input_values
   end type input_value
 
   type, public :: group_values
-    !! What a scene says in one group: a value for each row of the group in the table of names.
+    !! The values of one group of a scene, one for each of its rows in the table of names.
     character(name_length) :: group = ''
     integer :: row = 0                         !! its place in `group_table`
-    integer :: line = 0                        !! where the group opens; 0 where it is only implied
-    logical :: changed = .true.                !! values are others than those that the scene was built from last
+    integer :: line = 0                        !! where the group opens; 0 if it is only implied
+    logical :: changed = .true.                !! a value has changed since the scene was last built
     type(input_value), allocatable :: values(:)
   contains
     procedure :: at
@@ -53,7 +53,7 @@ module bw_input_values
 contains
 
   pure subroutine set_numbers(self, numbers, line)
-    !! Give a value its numbers, which no sweep varies.
+    !! Set the numbers of a value; no sweep varies them.
     class(input_value), intent(inout) :: self
     real(dp), intent(in) :: numbers(:)
     integer, intent(in) :: line                !! of all of them
@@ -64,13 +64,13 @@ contains
   end subroutine set_numbers
 
   pure subroutine follow(self, element, sweep, line, numbers, is_known)
-    !! Let a sweep give one of the numbers, whose value is that of the first case from here on.
+    !! Let a sweep vary one of the numbers, which takes the sweep's first value.
     class(input_value), intent(inout) :: self
-    integer, intent(in) :: element             !! which of the numbers
-    integer, intent(in) :: sweep               !! its number
-    integer, intent(in) :: line                !! of the scene, which says so
-    real(dp), intent(in) :: numbers(:)         !! of the sweep, (n); of size 0 where they are not known
-    logical, intent(in) :: is_known            !! they are right
+    integer, intent(in) :: element             !! index of the number
+    integer, intent(in) :: sweep               !! index of the sweep
+    integer, intent(in) :: line                !! line of the scene that names the sweep
+    real(dp), intent(in) :: numbers(:)         !! values of the sweep, (n); of size 0 if not known
+    logical, intent(in) :: is_known            !! the values are valid
     if (.not. allocated(self%numbers)) call self%set_numbers([0.0_dp], line)
     self%known = (self%known .or. size(self%numbers) == 1) .and. is_known
     self%given = .true.
@@ -81,14 +81,14 @@ contains
   end subroutine follow
 
   elemental logical function follows_sweep(self)
-    !! A sweep gives one of its numbers, or what that follows from.
+    !! Tell whether a number follows a sweep, directly or as a derived value.
     class(input_value), intent(in) :: self
     follows_sweep = .false.
     if (allocated(self%sweeps)) follows_sweep = any(self%sweeps > 0)
   end function follows_sweep
 
   pure integer function position_of(groups, group)
-    !! Place of a group among those of a scene, the last one of those that it may have several of; 0 where it is absent.
+    !! Return the place of a group in a scene, the last if there are several; 0 if it is absent.
     type(group_values), intent(in) :: groups(:)
     character(*), intent(in) :: group
     do position_of = size(groups), 1, -1
@@ -97,7 +97,7 @@ contains
   end function position_of
 
   pure function positions_of(groups, group) result(positions)
-    !! Places of all groups of that name among those of a scene, in the order of the scene.
+    !! Return the places of all groups of this name, in the order of the scene.
     type(group_values), intent(in) :: groups(:)
     character(*), intent(in) :: group
     integer, allocatable :: positions(:)
@@ -106,7 +106,7 @@ contains
   end function positions_of
 
   pure integer function at(self, name)
-    !! Place of a name in its group; 0 where the group has no such name.
+    !! Return the place of a name in its group; 0 if the group has no such name.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     do at = size(self%values), 1, -1
@@ -115,28 +115,28 @@ contains
   end function at
 
   pure logical function given(self, name)
-    !! The name stands in its group, or a sweep varies it.
+    !! Tell whether the name is given in its group, or a sweep varies it.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     given = self%values(self%at(name))%given
   end function given
 
   pure logical function known(self, name)
-    !! The name has a value.
+    !! Tell whether the name has a value.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     known = self%values(self%at(name))%known
   end function known
 
   pure real(dp) function number(self, name)
-    !! The value of a real or a whole number, of a list the first; 0 where none is known.
+    !! Return a real or a whole number, the first of a list; 0 if it is not known.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     number = self%number_at(name, 1)
   end function number
 
   pure real(dp) function number_at(self, name, i) result(number)
-    !! Number i of a list; one number alone stands for all. 0 where none is known.
+    !! Return number i of a list; a single number applies to all i. 0 if it is not known.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     integer, intent(in) :: i
@@ -147,7 +147,7 @@ contains
   end function number_at
 
   pure integer function count_of(self, name) result(count)
-    !! How many numbers a name has; 0 where none is known.
+    !! Count the numbers of a name; 0 if none is known.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     count = 0
@@ -157,14 +157,14 @@ contains
   end function count_of
 
   pure integer function whole(self, name)
-    !! A whole number; the table keeps its range within that of integers.
+    !! Return a whole number; its range in the table lies within that of integers.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     whole = nint(self%number(name))
   end function whole
 
   pure function text(self, name)
-    !! The value of a text.
+    !! Return the value of a text.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     character(:), allocatable :: text
@@ -172,25 +172,25 @@ contains
   end function text
 
   pure integer function line_of(self, name)
-    !! Line of the scene at which the name is given; 0 where it is not.
+    !! Return the line of the scene at which the name is given; 0 if it is not given.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     line_of = self%values(self%at(name))%line
   end function line_of
 
   pure logical function is_swept(self, name)
-    !! A sweep gives its values, or those that it follows from.
+    !! Tell whether a value of the name follows a sweep, directly or as a derived value.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     is_swept = self%values(self%at(name))%follows_sweep()
   end function is_swept
 
   pure function number_or_swept(self, name, unit, digits) result(text)
-    !! A number as reports show it, or the word `swept`.
+    !! Return a number as reports show it, or the word `swept`.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
-    character(*), intent(in) :: unit           !! with the blank before it
-    integer, intent(in), optional :: digits    !! of the number; else six
+    character(*), intent(in) :: unit           !! with a leading blank
+    integer, intent(in), optional :: digits    !! significant digits; absent: six
     character(:), allocatable :: text
     integer :: most
     most = 6
@@ -200,7 +200,7 @@ contains
   end function number_or_swept
 
   pure subroutine derive(self, name, number, sweep)
-    !! Give a number that follows from others; `sweep` is the sweep that it then follows.
+    !! Set a derived number; `sweep` is the sweep that it follows.
     class(group_values), intent(inout) :: self
     character(*), intent(in) :: name
     real(dp), intent(in) :: number
@@ -213,7 +213,7 @@ contains
   end subroutine derive
 
   pure subroutine drop(self, name)
-    !! Let a value that only repeats another go unsaid.
+    !! Mark a value that only repeats another as redundant, so that it is not shown.
     class(group_values), intent(inout) :: self
     character(*), intent(in) :: name
     self%values(self%at(name))%redundant = .true.

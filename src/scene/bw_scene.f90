@@ -1,6 +1,6 @@
 module bw_scene
-  !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent. Here each group's
-  !! own file is asked for what it knows: its rules, its values that follow from others, its component, its words in a report.
+  !! A scene as plain data in SI units: one component per input group, unallocated if the group is absent. The file of each
+  !! group provides its rules, derived values, component and words in a report; this module calls them.
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
   use bw_body_par, only: bodies_text, body_par, build_body, check_body, comes_or_leaves
   use bw_capture_par, only: capture_par, capture_text
@@ -42,11 +42,11 @@ module bw_scene
     method_name, unit_velocity
 
   type, public :: scene_type
-    !! What one file asks for. With sweeps, the components are those of the first case.
-    character(:), allocatable :: file             !! path as the user wrote it
-    character(:), allocatable :: name             !! stem of the file, which names the result
+    !! The content of one scene file. With sweeps, the components are those of the first case.
+    character(:), allocatable :: file             !! path as the user gave it
+    character(:), allocatable :: name             !! stem of the file, the name of the result
     type(scene_par) :: header                     !! &scene
-    type(beam_par) :: beam                        !! &beam; of length 0 where a record alone is analysed
+    type(beam_par) :: beam                        !! &beam; of length 0 if only a record is analysed
     type(support_par), allocatable :: support     !! &support; absent: the root is clamped
     type(support_par), allocatable :: tip_support !! &tip_support; absent: the tip is free
     type(hub_par), allocatable :: hub             !! &hub; absent: the hub's motion is prescribed
@@ -68,11 +68,11 @@ module bw_scene
     type(frequency_response_par), allocatable :: frequency_response   !! &frequency_response; absent: none
     type(record_par), allocatable :: record       !! &record; absent: histories are simulated
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
-    type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 where nothing is fitted
-    integer :: further_unknowns = 0               !! of the scenes that these name, once they are read
+    type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 if nothing is fitted
+    integer :: further_unknowns = 0               !! number of unknowns in the scenes that these name, once read
     type(design_par), allocatable :: design       !! &design, whose columns are among the sweeps; absent: none
     type(sweep_par), allocatable :: sweeps(:)     !! &sweep, the first varying slowest; of size 0 for one case
-    type(group_values), allocatable :: groups(:)  !! all values by name, from which the components were built
+    type(group_values), allocatable :: groups(:)  !! all values by name, from which the components are built
   end type scene_type
 
   character(*), parameter :: movers(4) = [character(7) :: 'impact', 'initial', 'force', 'base']   !! groups that move the beam
@@ -80,8 +80,8 @@ module bw_scene
 contains
 
   pure subroutine build_scene(scene, messages)
-    !! Build the components from those of `scene%groups` that are new, which are checked and completed; the others stay as they
-    !! are. What follows from the inputs and does not fit into double precision is reported.
+    !! Check, complete and build the components of the groups of `scene%groups` that have changed; keep the others. Report
+    !! derived numbers that overflow or underflow in double precision.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
     logical :: new, other_beam
@@ -94,16 +94,16 @@ contains
     if (messages%count > before) return
     do g = 1, size(scene%groups)
       new = scene%groups(g)%changed
-      if (.not. new .and. other_beam) new = any(scene%groups(g)%group == ['impact', 'body  '])   ! their masses by that of the beam
-      if (scene%groups(g)%group == 'contact') new = .true.   ! its law follows from the place that is struck
+      if (.not. new .and. other_beam) new = any(scene%groups(g)%group == ['impact', 'body  ']) ! body masses depend on the beam's
+      if (scene%groups(g)%group == 'contact') new = .true.   ! its law depends on the place of impact
       if (new) call build_group(scene, g, messages)
     end do
   end subroutine build_scene
 
   pure subroutine build_group(scene, g, messages)
-    !! Build the component of one group; the beam's is there.
+    !! Build the component of one group; that of the beam exists already.
     type(scene_type), intent(inout) :: scene
-    integer, intent(in) :: g                       !! the group's place among `scene%groups`
+    integer, intent(in) :: g                       !! place of the group in `scene%groups`
     type(message_list), intent(inout) :: messages
     select case (scene%groups(g)%group)
     case ('scene'); scene%header = build_header(scene%groups(g))
@@ -134,11 +134,11 @@ contains
   end subroutine build_group
 
   pure subroutine build_one(scene, g, messages)
-    !! Build the component of one of the bodies, of the forces, or of the motions of the base.
+    !! Build the component of one body, one force, or one motion of the base.
     type(scene_type), intent(inout) :: scene
-    integer, intent(in) :: g                       !! the group's place among `scene%groups`
+    integer, intent(in) :: g                       !! place of the group in `scene%groups`
     type(message_list), intent(inout) :: messages
-    integer :: n, i                                ! how many there are, and which of them it is
+    integer :: n, i                                ! number of such groups, and index of this one
 
     associate (group => scene%groups(g), alike => positions_of(scene%groups, scene%groups(g)%group))
       n = size(alike)
@@ -159,7 +159,7 @@ contains
   end subroutine build_one
 
   pure subroutine check_rules(group, messages)
-    !! The rules of a group's own names, those apart that the table of names tells.
+    !! Check the rules of a group's own names, apart from those in the table of names.
     type(group_values), intent(in) :: group
     type(message_list), intent(inout) :: messages
     select case (group%group)
@@ -180,7 +180,7 @@ contains
   end subroutine check_rules
 
   pure subroutine check_rules_together(groups, messages)
-    !! The rules that groups have with each other, their needs apart.
+    !! Check the rules between groups, apart from their needs.
     type(group_values), intent(in) :: groups(:)    !! without &sweep
     type(message_list), intent(inout) :: messages
     call check_shear(groups, messages)
@@ -192,7 +192,7 @@ contains
   end subroutine check_rules_together
 
   pure subroutine check_timeline(groups, messages)
-    !! What bodies that come or leave and a first motion have to do with other groups; and something has to move the beam.
+    !! Check moving bodies and initial conditions against other groups, and that something moves the beam.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     character(*), parameter :: elsewhere(2) = [character(9) :: 'recontact', 'record']
@@ -208,7 +208,7 @@ contains
       if (.not. timed) cycle
       do i = 1, size(elsewhere)
         if (position_of(groups, trim(elsewhere(i))) == 0) cycle
-        if (has_word(group_table(groups(g)%row)%excludes, trim(elsewhere(i)))) cycle      ! told already
+        if (has_word(group_table(groups(g)%row)%excludes, trim(elsewhere(i)))) cycle      ! reported already
         call messages%add(groups(g)%line, '&'//trim(groups(g)%group), 'begins a motion that changes in time, which excludes &'// &
                           trim(elsewhere(i))//' of line '//text_of(groups(position_of(groups, trim(elsewhere(i))))%line)// &
                           '; accepted: without one of them, or &body without from and until')
@@ -220,7 +220,7 @@ contains
   end subroutine check_timeline
 
   pure subroutine complete_groups(groups, messages)
-    !! Fill in the values of new groups that follow from others, which may change from case to case.
+    !! Fill in derived values of changed groups; they may differ from case to case.
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
     logical :: struck, captured, lasting, loaded, timed
@@ -233,7 +233,7 @@ contains
       case ('frequency_response'); call complete_frequency_response(groups, g)
       case ('contact'); call complete_contact(groups)
       case ('initial')
-        if (.not. groups(g)%known('force')) call groups(g)%drop('position')     ! of which it says the place
+        if (.not. groups(g)%known('force')) call groups(g)%drop('position')     ! the place of that force
       case ('hub', 'stiffening'); call complete_hub(groups)
       case ('force', 'base'); call complete_loads(groups, messages)
       case ('record'); call complete_record(groups, messages)
@@ -247,13 +247,13 @@ contains
         lasting = lasting .or. (.not. struck .and. (loaded .or. timed .or. position_of(groups, 'initial') > 0))
         call complete_modes(groups(g), struck .and. .not. (captured .or. lasting), captured .or. timed, lasting, &
                             position_of(groups, 'response') > 0, messages)
-      case default                                   ! nothing follows from others
+      case default                                   ! no derived values
       end select
     end do
   end subroutine complete_groups
 
   pure function effects_text(scene) result(text)
-    !! The effects and events of a scene with their numbers, as a report tells them.
+    !! Return the effects and events of a scene with their numbers, for a report.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     integer :: i, g
@@ -288,7 +288,7 @@ contains
   end function effects_text
 
   pure function effect_names(scene) result(names)
-    !! The groups of a scene that are effects or events, by blanks, in the order of the table of groups.
+    !! Return the groups of a scene that are effects or events, separated by blanks, in the order of the table of groups.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: names
     integer :: i
@@ -300,8 +300,8 @@ contains
   end function effect_names
 
   pure logical function changes_shapes(scene) result(changes)
-    !! Its modes have no closed form here: the beam has pieces, or a group is there, or a number is not the plain one, of which
-    !! the table says so.
+    !! Tell whether the modes have no closed form: the beam has several pieces, or the table says so of a group or of a
+    !! number that is not the plain one.
     type(scene_type), intent(in) :: scene
     integer :: g, v
     changes = allocated(scene%beam%pieces)
@@ -318,7 +318,7 @@ contains
   end function changes_shapes
 
   pure logical function is_plain(scene, value)
-    !! A number is in every case the one with which modes keep their closed form.
+    !! Tell whether a number equals, in every case, the plain one, for which modes have a closed form.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: value         !! one number
     is_plain = value%numbers(1) == name_table(value%row)%plain
@@ -326,7 +326,7 @@ contains
   end function is_plain
 
   pure function method_name(scene) result(name)
-    !! How the modes of a scene are found, those of all its cases; `record` where there are none.
+    !! Return how the modes of all cases of a scene are found; `record` if none are.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: name
     integer(i8) :: closed, cases
@@ -341,12 +341,12 @@ contains
   end function method_name
 
   pure subroutine count_methods(scene, closed, cases)
-    !! Of how many cases the modes have a closed form: swept numbers of which the table says that they change shapes are the plain
-    !! ones in them.
+    !! Count the cases whose modes have a closed form: in them all swept numbers that change shapes have their plain
+    !! values.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(out) :: closed
-    integer(i8), intent(out) :: cases              !! 1 without sweeps
-    type(scene_type) :: rest                       ! with the plain numbers in the place of swept ones
+    integer(i8), intent(out) :: cases              !! all cases, 1 without sweeps
+    type(scene_type) :: rest                       ! with plain numbers in place of swept ones
     logical, allocatable :: plain(:)               ! along an axis
     integer :: axis, s
     rest%groups = scene%groups
@@ -365,11 +365,11 @@ contains
   end subroutine count_methods
 
   pure subroutine put_plain(scene, axis, groups, plain)
-    !! Put the plain number in the place of every one that changes shapes and follows an axis of the sweeps.
+    !! Set every number that changes shapes and follows an axis of the sweeps to its plain value.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: axis
     type(group_values), intent(inout) :: groups(:)
-    logical, intent(inout) :: plain(:)             !! no longer true where one of them is another, along the axis
+    logical, intent(inout) :: plain(:)             !! set to false where a value along the axis is not plain
     integer :: g, v
     do g = 1, size(groups)
       do v = 1, size(groups(g)%values)
@@ -385,34 +385,34 @@ contains
   end subroutine put_plain
 
   pure logical function by_pieces(scene)
-    !! Its modes have no closed form, but are found exactly, piece by piece: nothing varies along a piece, as tension does.
+    !! Tell whether modes have no closed form but are found exactly by pieces, since nothing varies along a piece.
     type(scene_type), intent(in) :: scene
     by_pieces = changes_shapes(scene) .and. .not. varies_along_pieces(scene)
   end function by_pieces
 
   pure logical function varies_along_pieces(scene) result(varies)
-    !! Tension varies along a piece, or the section does; a hub that is free is found by the same method.
+    !! Tell whether tension or the section varies along a piece, or the hub is free: then modes are found by Galerkin's method.
     type(scene_type), intent(in) :: scene
     varies = allocated(scene%stiffening) .or. allocated(scene%beam%outer) .or. allocated(scene%hub)
   end function varies_along_pieces
 
   pure logical function answers_by_modes(scene) result(by_modes)
-    !! Its response to a harmonic force follows from modes alone, and not from a boundary problem: with tension, with a taper, on a hub
-    !! that is free, and with a ratio of damping that all modes share.
+    !! Tell whether the response to a harmonic force is a sum of modes and not the solution of a boundary problem: with
+    !! tension, a taper, a free hub, or the same damping ratio for all modes.
     type(scene_type), intent(in) :: scene
     by_modes = varies_along_pieces(scene)
     if (allocated(scene%damping)) by_modes = by_modes .or. by_ratio(scene%damping)
   end function answers_by_modes
 
   pure logical function is_loaded(scene)
-    !! Forces act on the beam, or its frame is accelerated.
+    !! Tell whether forces act on the beam or its base is accelerated.
     type(scene_type), intent(in) :: scene
     is_loaded = allocated(scene%forces) .or. allocated(scene%bases)
   end function is_loaded
 
   pure logical function changes_in_time(scene) result(changes)
-    !! Bodies come or leave, also a captured one while loads act, or the beam moves from the beginning: its motion is a timeline of any
-    !! number of configurations. That of contacts of a finite duration is not: they have a run of their own.
+    !! Tell whether the motion is a timeline of several configurations: bodies come or leave, a captured one is released under
+    !! loads, or the beam has initial conditions. Contacts of finite duration are run in another way.
     type(scene_type), intent(in) :: scene
     changes = .false.
     if (allocated(scene%contact)) return
@@ -420,7 +420,7 @@ contains
   end function changes_in_time
 
   pure logical function bodies_change(scene) result(change)
-    !! Some come or leave; under loads a mass that is captured some time after it has met the beam is one of them.
+    !! Tell whether bodies come or leave, also a mass that is captured under loads after a contact of finite duration.
     type(scene_type), intent(in) :: scene
     change = allocated(scene%contact) .and. allocated(scene%capture) .and. is_loaded(scene)
     if (allocated(scene%bodies)) change = change &
@@ -428,20 +428,20 @@ contains
   end function bodies_change
 
   pure logical function has_configurations(scene) result(has)
-    !! Any number of them: its beam changes in time, also while a contact of a finite duration lasts.
+    !! Tell whether the beam may have any number of configurations: it changes in time, also during a contact of finite duration.
     type(scene_type), intent(in) :: scene
     has = changes_in_time(scene) .or. bodies_change(scene)
   end function has_configurations
 
   pure logical function counts_in_its_run(scene)
-    !! How many modes a tolerance takes is found in the run itself, by what more modes change, and not planned beforehand.
+    !! Tell whether the number of modes for a tolerance is found during the run, by convergence, and not planned beforehand.
     type(scene_type), intent(in) :: scene
     counts_in_its_run = allocated(scene%contact) .or. changes_in_time(scene) .or. &
       (is_loaded(scene) .and. .not. allocated(scene%impact))
   end function counts_in_its_run
 
   pure real(dp) function unit_velocity(scene) result(velocity)
-    !! What velocities without dimensions are in: that of the mass that strikes, or 1 m/s where it need not be what moves the beam, m/s.
+    !! Return the unit of dimensionless velocities, m/s: that of the striking mass, or 1 m/s if something else may move the beam.
     type(scene_type), intent(in) :: scene
     velocity = 1.0_dp
     if (.not. allocated(scene%impact) .or. changes_in_time(scene)) return
@@ -449,7 +449,7 @@ contains
   end function unit_velocity
 
   pure function at_start(scene) result(present)
-    !! Which bodies are there after all that happens at t = 0, (bodies).
+    !! Tell which bodies are attached after all events at t = 0, (bodies).
     type(scene_type), intent(in) :: scene
     logical, allocatable :: present(:)
     allocate (present(0))
@@ -458,14 +458,14 @@ contains
   end function at_start
 
   pure logical function has_parts(groups)
-    !! The beam is more than one piece, clamped, with nothing attached to it.
+    !! Tell whether the beam has several pieces, another support than a clamped root and a free tip, or attached parts.
     type(group_values), intent(in) :: groups(:)
     has_parts = any(group_table(groups%row)%builds_up)
     if (position_of(groups, 'beam') > 0) has_parts = has_parts .or. groups(position_of(groups, 'beam'))%count_of('length') > 1
   end function has_parts
 
   pure logical function is_built_up(scene)
-    !! The beam is more than the paper's, which has no parts, and is struck at its tip.
+    !! Tell whether the beam differs from the paper's, which has no parts and is struck at its tip.
     type(scene_type), intent(in) :: scene
     integer :: impact
     is_built_up = has_parts(scene%groups)

@@ -1,6 +1,6 @@
 module bw_scene_cases
-  !! The cases of a scene with sweeps: the product of their axes, the first varying slowest. A `&sweep` is an axis by itself; the
-  !! columns of a `&design` share one, whose places are the rows.
+  !! The cases of a scene with sweeps: the product of its axes, the first varying slowest. A `&sweep` is an axis by itself; the
+  !! columns of a `&design` share one, along its rows.
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
@@ -12,18 +12,18 @@ module bw_scene_cases
   private
   public :: case_count, case_positions, case_scene, case_words, check_corners, complete, few_corners, times_in_a_row
 
-  integer, parameter :: most_free_ends = 12       !! sweeps whose ends are combined in all ways, so that a check has an end
+  integer, parameter :: most_free_ends = 12       !! sweeps whose ends are combined in all ways; limits the work of a check
 
 contains
 
   pure integer(i8) function case_count(scene)
-    !! Number of cases, 1 without sweeps.
+    !! Count the cases, 1 without sweeps.
     type(scene_type), intent(in) :: scene
     case_count = product(int(axis_lengths(scene), i8))
   end function case_count
 
   pure function axis_lengths(scene) result(lengths)
-    !! How many places each axis has, (axes).
+    !! Return the number of places along each axis, (axes).
     type(scene_type), intent(in) :: scene
     integer, allocatable :: lengths(:)
     integer :: i
@@ -34,7 +34,7 @@ contains
   end function axis_lengths
 
   pure function case_positions(scene, index) result(positions)
-    !! Which value of each sweep a case has, (n_sweeps).
+    !! Return the index of each sweep's value in a case, (n_sweeps).
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
     integer :: positions(size(scene%sweeps))
@@ -52,24 +52,24 @@ contains
   end function case_positions
 
   pure integer function times_in_a_row(scene, sweep) result(cases)
-    !! In how many neighbouring cases a sweep takes the same value.
+    !! Return for how many consecutive cases a sweep keeps its value.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: sweep                  !! its number
+    integer, intent(in) :: sweep                  !! index of the sweep
     integer, allocatable :: lengths(:)
     lengths = axis_lengths(scene)
     cases = product(lengths(scene%sweeps(sweep)%axis + 1:))
   end function times_in_a_row
 
   pure subroutine case_scene(scene, index, one, error)
-    !! The scene of one case, without sweeps. Cheap: nothing is read again, what no sweep changes stays as it is, and the
-    !! scales of all cases were checked when the scene was read, at the corners of its sweeps, unless these are too many, or row by
-    !! row of its design.
+    !! Build the scene of one case, without sweeps. Only components that a sweep changes are built again. The scales of all
+    !! cases were checked when the scene was read: at the corners of its sweeps, unless these are too many, or for each row of
+    !! its design.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
     type(scene_type), intent(inout) :: one
-      !! empty, or another case of this scene, which is turned into this one; after an error of no use
+      !! empty, or another case of this scene, which is changed into this one; invalid after an error
     type(error_type), allocatable, intent(out) :: error
-      !! `status_bad_input` where this combination of values makes no sense
+      !! `status_bad_input` if this combination of values is inconsistent
     type(message_list) :: messages
     if (index < 1 .or. index > case_count(scene)) then
       call fail(error, status_fault, scene%file//': there is no case '//text_of(index))
@@ -88,7 +88,7 @@ contains
     !! Put the values of one case in their places.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: positions(:)           !! (n_sweeps)
-    type(scene_type), intent(inout) :: one        !! as that of `case_scene`
+    type(scene_type), intent(inout) :: one        !! as in `case_scene`
     type(message_list), intent(inout) :: messages
     integer :: g, before
     if (.not. allocated(one%groups)) then
@@ -111,9 +111,9 @@ contains
   end subroutine set_case
 
   pure logical function differs(scene, given, positions, values)
-    !! Some swept number of a group is not what it was, to the bit: zeros have signs.
+    !! Tell whether a swept number of a group has changed in any bit, the sign of zero included.
     type(scene_type), intent(in) :: scene
-    type(input_value), intent(in) :: given(:)     !! of all cases
+    type(input_value), intent(in) :: given(:)     !! for all cases
     integer, intent(in) :: positions(:)
     type(input_value), intent(in) :: values(:)    !! of another case
     integer :: v, i
@@ -131,9 +131,9 @@ contains
   end function differs
 
   pure subroutine set_values(scene, given, positions, values)
-    !! The numbers of a group, as they were before any was derived. Texts are those of all cases.
+    !! Set the numbers of a group as they were before any was derived. Texts do not vary.
     type(scene_type), intent(in) :: scene
-    type(input_value), intent(in) :: given(:)     !! of all cases
+    type(input_value), intent(in) :: given(:)     !! for all cases
     integer, intent(in) :: positions(:)
     type(input_value), intent(inout) :: values(:)
     integer :: v, i
@@ -150,7 +150,7 @@ contains
   end subroutine set_values
 
   pure subroutine complete(scene, messages)
-    !! From checked values to the components of a scene; report what does not fit together.
+    !! Build the components of a scene from checked values; report what is inconsistent.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
     integer :: modes
@@ -162,11 +162,11 @@ contains
     if (messages%count > 0) return
     modes = position_of(scene%groups, 'modes')
     if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. counts_in_its_run(scene))) &
-      & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact that lasts, or loads
+      & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact of finite duration, or loads
   end subroutine complete
 
   pure subroutine enter_row_of_case(scene, index, messages)
-    !! Messages are on the row of a design from which a case comes.
+    !! Attribute messages to the row of the design that gives the case.
     type(scene_type), intent(in) :: scene         !! with a design
     integer(i8), intent(in) :: index              !! of the case
     type(message_list), intent(inout) :: messages
@@ -178,9 +178,9 @@ contains
   end subroutine enter_row_of_case
 
   pure subroutine check_corners(scene, messages)
-    !! Check the cases at the corners. What is checked of a case (products, equal counts) is monotone in each input, so that
-    !! these stand for all. Of many sweeps some take their ends together; what these corners miss is found in the case itself.
-    !! Where the corners of a design do not stand for its rows, or are no fewer, each row is checked.
+    !! Check the cases at the corners. Everything checked (products, equal counts) is monotone in each input, so corners bound
+    !! all cases. If sweeps are many, some are varied together; errors that these corners miss are found in the case itself.
+    !! Rows of a design are checked one by one if a corner fails or corners are no fewer than rows.
     type(scene_type), intent(in) :: scene         !! with sweeps
     type(message_list), intent(inout) :: messages
     type(message_list) :: corners
@@ -199,8 +199,8 @@ contains
   end subroutine check_corners
 
   pure subroutine check_ends(scene, messages)
-    !! Check what comes of the least and the largest values of all sweeps, up to the first error.
-    type(scene_type), intent(in) :: scene         !! with sweeps; of a design, what need not be one of its cases
+    !! Check the least and the largest values of all sweeps combined, up to the first error.
+    type(scene_type), intent(in) :: scene         !! with sweeps; a corner of a design need not be one of its cases
     type(message_list), intent(inout) :: messages
     type(scene_type) :: one
     integer :: ends(2, size(scene%sweeps)), positions(size(scene%sweeps)), i, k, side
@@ -218,7 +218,7 @@ contains
   end subroutine check_ends
 
   pure subroutine check_rows(scene, messages)
-    !! Check a case of every row of a design, and say of all that is wrong with it.
+    !! Check one case for each row of a design, and report all errors.
     type(scene_type), intent(in) :: scene         !! with a design
     type(message_list), intent(inout) :: messages
     type(scene_type), allocatable :: one
@@ -233,16 +233,16 @@ contains
       call set_case(scene, case_positions(scene, 1 + (row - 1)*each), one, messages)
       if (messages%count == before) call check_case(one, messages)
       if (messages%count == before) cycle
-      deallocate (one)                            ! after an error of no use
+      deallocate (one)                            ! invalid after an error
       allocate (one)
     end do
     call messages%leave_row()
   end subroutine check_rows
 
   pure function few_corners(scene) result(cases)
-    !! The cases in which every sweep takes its least value, or every one its largest, and those in which one sweep does not: of up
-    !! to three sweeps all corners, and of many no more than twice their number. Of a design the rows in which a column has its
-    !! least value or its largest.
+    !! Return the cases in which all sweeps take their least value, or all their largest, and those in which one sweep differs:
+    !! all corners for up to three sweeps, and 2(n + 1) for n. For a design, return the rows in which a column has its least or
+    !! largest value.
     type(scene_type), intent(in) :: scene
     integer(i8), allocatable :: cases(:)
     integer(i8) :: corner
@@ -267,7 +267,7 @@ contains
   end function few_corners
 
   pure function sweep_ends(scene) result(ends)
-    !! Which value of each sweep is its least, and which its largest, (2, n_sweeps).
+    !! Return the indices of the least and the largest value of each sweep, (2, n_sweeps).
     type(scene_type), intent(in) :: scene
     integer :: ends(2, size(scene%sweeps))
     integer :: i
@@ -277,7 +277,7 @@ contains
   end function sweep_ends
 
   pure integer(i8) function corner_case(scene, ends, largest) result(index)
-    !! The case in which these sweeps take their largest value, and the others their least.
+    !! Return the case in which the marked sweeps take their largest value, and the others their least.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: ends(:, :)             !! of the sweeps
     logical, intent(in) :: largest(:)             !! (n_sweeps)
@@ -289,7 +289,7 @@ contains
   end function corner_case
 
   pure function case_words(scene, index) result(text)
-    !! How a message ends that holds for one case.
+    !! Return the end of a message that concerns one case.
     type(scene_type), intent(in) :: scene         !! with sweeps
     integer(i8), intent(in) :: index              !! of the case
     character(:), allocatable :: text
@@ -303,7 +303,7 @@ contains
   end function case_words
 
   pure function position_words(scene, positions) result(text)
-    !! The same by the value that each sweep has.
+    !! Return the same, given the index of each sweep's value.
     type(scene_type), intent(in) :: scene         !! with sweeps
     integer, intent(in) :: positions(:)           !! (n_sweeps)
     character(:), allocatable :: text

@@ -1,5 +1,5 @@
 module bw_scene_checks
-  !! What the names of a group, and the groups of a scene, have to do with each other, and what its cases have to keep to.
+  !! The rules between the names of a group, between the groups of a scene, and for each of its cases.
   use bw_body_par, only: check_bodies
   use bw_hub_par, only: check_hub
   use bw_input_name, only: accepted_text, has_word, is_simulated, place_of
@@ -14,12 +14,12 @@ module bw_scene_checks
   private
   public :: check_case, check_group, check_groups
 
-  integer, parameter :: most_galerkin_modes = 500   !! of a scene that counts them: seconds of work
+  integer, parameter :: most_galerkin_modes = 500   !! limit for a given number of modes: seconds of work
 
 contains
 
   pure subroutine check_groups(groups, messages)
-    !! All checks of a scene that no value of a sweep changes.
+    !! Make all checks of a scene that do not depend on values of sweeps.
     type(group_values), intent(in) :: groups(:)   !! without &sweep
     type(message_list), intent(inout) :: messages
     type(string), allocatable :: needs(:)
@@ -39,9 +39,9 @@ contains
   end subroutine check_groups
 
   pure subroutine say_missing(groups, row, messages)
-    !! A required group is absent. Where another group lets it be, it is missed by what has to do with it.
+    !! Report a required group that is absent. If another group excuses it, report each effect or event, which needs it.
     type(group_values), intent(in) :: groups(:)
-    integer, intent(in) :: row                    !! of the group that is absent
+    integer, intent(in) :: row                    !! row of the absent group
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: name
     integer :: i
@@ -58,7 +58,7 @@ contains
   end subroutine say_missing
 
   pure subroutine check_excluded_groups(groups, i, messages)
-    !! The groups that group i stands instead of.
+    !! Report the groups that group i excludes.
     type(group_values), intent(in) :: groups(:)
     integer, intent(in) :: i
     type(message_list), intent(inout) :: messages
@@ -71,7 +71,7 @@ contains
   end subroutine check_excluded_groups
 
   pure subroutine check_need(groups, i, need, messages)
-    !! Group i needs a group, or one of several.
+    !! Report if group i lacks a group that it needs, or all of several.
     type(group_values), intent(in) :: groups(:)
     integer, intent(in) :: i
     character(*), intent(in) :: need              !! `a`, or `a|b|c`
@@ -99,11 +99,11 @@ contains
   end subroutine check_need
 
   pure subroutine check_group(group, messages)
-    !! Names that are required or stand instead of each other, then the group's own rules.
+    !! Check which names are required or exclude each other, then the group's own rules.
     type(group_values), intent(in) :: group
     type(message_list), intent(inout) :: messages
     integer :: i
-    integer :: absent          ! line for what is absent: that of the group where there may be several
+    integer :: absent          ! line for absent names: that of the group if there may be several
     absent = merge(group%line, 0, group_table(group%row)%repeatable)
     do i = 1, size(group%values)
       associate (row => name_table(group%values(i)%row))
@@ -118,7 +118,7 @@ contains
   end subroutine check_group
 
   pure subroutine check_excluded(group, i, excludes, messages)
-    !! Value i is given, and so is one that it stands instead of: reported at the later of the two.
+    !! Report, at the later line, if value i and a name that it excludes are both given.
     type(group_values), intent(in) :: group
     integer, intent(in) :: i
     character(*), intent(in) :: excludes
@@ -137,7 +137,7 @@ contains
   end subroutine check_excluded
 
   pure subroutine check_case(scene, messages)
-    !! The checks of a scene whose values may change from case to case.
+    !! Check what may differ from case to case.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     if (position_of(scene%groups, 'beam') == 0) return
@@ -155,7 +155,7 @@ contains
   end subroutine check_case
 
   pure subroutine check_held(scene, messages)
-    !! A free beam is not carried round: in the plane of rotation something has to hold it. Elsewhere it rests or drifts.
+    !! Check that a rotating beam is held in the plane of rotation. Otherwise an unsupported beam rests or drifts.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     if (.not. (allocated(scene%support) .and. allocated(scene%rotation))) return
@@ -182,7 +182,7 @@ contains
   end subroutine check_held
 
   pure subroutine check_struck(scene, messages)
-    !! A blow where the beam is rigidly held moves nothing.
+    !! Check that the beam is not struck at a rigid support, where a blow moves nothing.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     if (.not. (allocated(scene%impact) .and. allocated(scene%tip_support))) return
@@ -193,11 +193,11 @@ contains
   end subroutine check_struck
 
   pure subroutine check_initial_motion(scene, messages)
-    !! A beam that is clamped to a frame whose motion is prescribed cannot turn.
+    !! Check that a beam clamped to a frame of prescribed motion has no initial rotation.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     logical :: turns
-    real(dp) :: radius, speed                     ! of the place that the mass strikes
+    real(dp) :: radius, speed                     ! of the place of impact
     if (.not. allocated(scene%initial)) return
     if (allocated(scene%impact) .and. .not. allocated(scene%contact)) then
       radius = scene%impact%position*scene%beam%length
@@ -219,7 +219,7 @@ contains
   end subroutine check_initial_motion
 
   pure subroutine check_count(scene, name, count, messages)
-    !! The count of modes is that of a Galerkin basis.
+    !! Check that a Galerkin basis can have this many modes.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: name
     integer, intent(in) :: count
@@ -232,10 +232,10 @@ contains
   end subroutine check_count
 
   pure subroutine check_modal_model(scene, messages)
-    !! A modal model is that of points at which something can act, and of modes that are simulated.
+    !! Check that a modal model has points at which forces act, and simulated modes.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    integer, parameter :: most_modes = 4000, most_points = 200     !! seconds of work, which grows as their squares
+    integer, parameter :: most_modes = 4000, most_points = 200     !! seconds of work, proportional to their squares
     character(:), allocatable :: what
     integer :: modes, points
     if (.not. scene%modes%modal_model) return

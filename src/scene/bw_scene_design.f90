@@ -1,5 +1,5 @@
 module bw_scene_design
-  !! A `&design` as sweeps that take their values together: one for each column of its table.
+  !! A `&design` as sweeps whose values vary together: one for each column of its table.
   use bw_design_par, only: design_par
   use bw_design_table, only: design_table, read_design_table
   use bw_error, only: error_type
@@ -22,9 +22,9 @@ module bw_scene_design
 contains
 
   subroutine extract_design(file, groups, sweeps, design, messages, error)
-    !! Take `&design` out of a scene and read its table; the names that it varies count as given from here on.
-    !! **Errors**: `status_bad_file` where the table cannot be read.
-    character(*), intent(in) :: file                       !! the scene
+    !! Take `&design` out of a scene and read its table; the names that it varies count as given afterwards.
+    !! **Errors**: `status_bad_file` if the table cannot be read.
+    character(*), intent(in) :: file                       !! of the scene
     type(group_values), allocatable, intent(inout) :: groups(:)
     type(sweep_par), allocatable, intent(inout) :: sweeps(:)
     type(design_par), allocatable, intent(inout) :: design
@@ -55,7 +55,7 @@ contains
   end subroutine extract_design
 
   pure subroutine apply_columns(table, groups, sweeps, design, messages)
-    !! Let each column give the number that it names its values.
+    !! Let each column vary the number that its name refers to.
     type(design_table), intent(in) :: table
     type(group_values), intent(inout) :: groups(:)
     type(sweep_par), allocatable, intent(inout) :: sweeps(:)
@@ -93,7 +93,7 @@ contains
   end subroutine apply_columns
 
   pure subroutine check_column(sweep, row, design, messages)
-    !! Each number has to be one that the name itself would accept.
+    !! Report the numbers of a column that its name would not accept.
     type(sweep_par), intent(in) :: sweep
     type(input_name), intent(in) :: row
     type(design_par), intent(in) :: design

@@ -1,6 +1,6 @@
 module bw_scene_resolved
   !! The resolved scene: the namelist with defaults and derived values filled in, and its numbers one by one.
-  !! Saved to a file and read again, it gives the same values to the bit.
+  !! Saved to a file and read again, it gives the same values bit for bit.
   use bw_input_name, only: columns_input, input_name, integer_input, is_number, logical_input, name_length, reals_input, &
                            text_input, texts_input
   use bw_input_table, only: group_table, name_table
@@ -16,14 +16,14 @@ module bw_scene_resolved
   public :: given_names, numeric_inputs, resolved_text, values_of_sweep
 
   type, public :: numeric_input
-    !! A number that the resolved scene holds, or several along a dimension.
+    !! A number, or several along a dimension, of the resolved scene.
     character(name_length) :: group = '', name = ''
     character(12) :: unit = ''           !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
-    character(8) :: dimension = ''       !! along which there may be several; '' for one number
+    character(8) :: dimension = ''       !! along which several lie; '' for one number
     logical :: is_swept = .false.        !! some of its numbers have `values_of_sweep`
-    real(dp), allocatable :: values(:)   !! in every case, or in the first where swept; missing where not given, (n)
+    real(dp), allocatable :: values(:)   !! in every case, or in the first if swept; missing if not given, (n)
     integer, allocatable :: sweeps(:)    !! the sweep that each follows; 0: none, (n)
   end type numeric_input
 
@@ -32,7 +32,7 @@ module bw_scene_resolved
 contains
 
   pure function resolved_text(scene) result(text)
-    !! All groups of a scene, each name on its line, a design or sweeps at the end; ends with a line end.
+    !! Return all groups of a scene, one name per line, a design or sweeps last; ends with a line feed.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     type(text_builder) :: builder
@@ -56,7 +56,7 @@ contains
   end function resolved_text
 
   pure function given_names(scene) result(names)
-    !! What the scene itself says, and not a default, as `group%name`, each once, by spaces.
+    !! Return the names that the scene gives, without defaults, as `group%name`, each once, separated by blanks.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: names
     integer :: i, g
@@ -73,7 +73,7 @@ contains
   end function given_names
 
   pure subroutine put_group(builder, group)
-    !! One group; a number that a sweep gives stands with the sweep only, unless it is one of a list.
+    !! Write one group. A swept number is written with its sweep only, unless it is in a list.
     type(text_builder), intent(inout) :: builder
     type(group_values), intent(in) :: group
     integer :: v
@@ -89,7 +89,7 @@ contains
   end subroutine put_group
 
   pure subroutine put_value(builder, row, value)
-    !! One line `name = value`.
+    !! Write one line `name = value`.
     type(text_builder), intent(inout) :: builder
     type(input_name), intent(in) :: row
     type(input_value), intent(in) :: value
@@ -112,7 +112,7 @@ contains
   end subroutine put_value
 
   pure subroutine put_sweep(builder, sweep)
-    !! As it was given: values between two ends are not listed.
+    !! Write a sweep as it was given: evenly spaced values by their ends.
     type(text_builder), intent(inout) :: builder
     type(sweep_par), intent(in) :: sweep
     call builder%append_line('&sweep')
@@ -131,7 +131,7 @@ contains
   end subroutine put_sweep
 
   pure subroutine put_list(builder, start, numbers)
-    !! Numbers separated by commas, over as many lines as are needed.
+    !! Write numbers separated by commas, over as many lines as needed.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: start
     real(dp), intent(in) :: numbers(:)
@@ -155,7 +155,7 @@ contains
   end subroutine put_list
 
   pure subroutine put_texts(builder, start, value)
-    !! Texts separated by commas, one a line; a column's number where it has no name.
+    !! Write texts separated by commas, one per line; a column without a name by its number.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: start
     type(input_value), intent(in) :: value
@@ -172,14 +172,14 @@ contains
   end subroutine put_texts
 
   pure function quoted(text) result(piece)
-    !! In single quotes, those inside doubled.
+    !! Return a text in single quotes, with inner quotes doubled.
     character(*), intent(in) :: text
     character(:), allocatable :: piece
     piece = "'"//replaced(text, "'", "''")//"'"
   end function quoted
 
   pure function numeric_inputs(scene) result(inputs)
-    !! Every input of the resolved scene that is a number or a list along a dimension, in the order of the table.
+    !! Return every input of the resolved scene that is a number or a list along a dimension, in the order of the table.
     type(scene_type), intent(in) :: scene
     type(numeric_input), allocatable :: inputs(:)
     type(numeric_input) :: found(size(name_table))
@@ -198,7 +198,7 @@ contains
   end function numeric_inputs
 
   pure logical function is_said(group, name)
-    !! The resolved scene has a value for the name.
+    !! Tell whether the resolved scene has a value for the name.
     type(group_values), intent(in) :: group
     character(*), intent(in) :: name
     associate (value => group%values(group%at(name)))
@@ -207,9 +207,9 @@ contains
   end function is_said
 
   pure type(numeric_input) function input_of(scene, places, row) result(input)
-    !! The numbers of one name in all groups that may have it; all missing where none has.
+    !! Return the numbers of one name in all groups that may have it; all missing if none has.
     type(scene_type), intent(in) :: scene
-    integer, intent(in) :: places(:)               !! of the groups among the scene's, at least one
+    integer, intent(in) :: places(:)               !! places of at least one group in the scene
     type(input_name), intent(in) :: row
     integer :: i
     input = numeric_input(row%group, row%name, row%unit, row%meaning, row%kind == integer_input)
@@ -237,7 +237,7 @@ contains
   end function input_of
 
   pure function stiffness_unit(contact) result(unit)
-    !! Of K in F = K d^p. UDUNITS has whole powers alone: beside another exponent, or a swept one, K is the force at d = 1 m.
+    !! Return the unit of K in F = K d^p. UDUNITS has only integer powers: if p is swept or no integer, K is the force at d = 1 m.
     type(group_values), intent(in) :: contact
     character(:), allocatable :: unit
     unit = 'N'
@@ -247,10 +247,10 @@ contains
   end function stiffness_unit
 
   pure function values_of_sweep(scene, input, i) result(values)
-    !! The values of a number of an input along its sweep, the sweep's values or what follows from them.
+    !! Return the values of one number of an input along its sweep: those of the sweep, or derived from them.
     type(scene_type), intent(in) :: scene
     type(numeric_input), intent(in) :: input
-    integer, intent(in) :: i                       !! which of its numbers
+    integer, intent(in) :: i                       !! index of the number
     real(dp), allocatable :: values(:)
     associate (sweep => scene%sweeps(input%sweeps(i)))
       values = sweep%values

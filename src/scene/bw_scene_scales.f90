@@ -1,7 +1,7 @@
 module bw_scene_scales
-  !! Whether what a scene asks for can be computed in double precision. Everything inside is computed in the beam's own units: its
-  !! length l, its mass and the time l²/h (bw_beam_units). Where these lie far inside the range of numbers, and so does every input
-  !! in these units, products of a few of them are numbers too, and no formula has to ask.
+  !! Checks that a scene can be computed in double precision. All computations use the beam's own units: its length l, its
+  !! mass and the time l²/h (bw_beam_units). These units, and every input in them, are kept far inside the range of
+  !! double precision. Then products of a few of them are in range too, and no formula needs a check.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of, sections_of_beam
   use bw_constants, only: qp_pi
   use bw_input_name, only: has_unit, in_range, is_simulated, place_of
@@ -15,14 +15,14 @@ module bw_scene_scales
   private
   public :: check_scales, own_size
 
-  real(qp), parameter :: unit_reach = 1.0e140_qp    !! the beam's own units are so many SI units at most, or one over it at least
-  real(qp), parameter :: reach = 1.0e60_qp          !! likewise inputs in these units; products of five are still numbers
-  real(qp), parameter :: finest = 1.0e15_qp         !! parts of the beam's length that a place in double precision tells apart
-  real(qp), parameter :: told_apart = 1.0e30_qp     !! what the 32 digits of extended precision still hold of a piece beside another
-  real(qp), parameter :: longest_phase = 1.0e18_qp  !! rad: what 32 digits leave of it is right to 1e-13
+  real(qp), parameter :: unit_reach = 1.0e140_qp    !! limit of the beam's own units in SI, and of their inverse
+  real(qp), parameter :: reach = 1.0e60_qp          !! limit of inputs in these units; products of five are in range
+  real(qp), parameter :: finest = 1.0e15_qp         !! 1/resolution of a place along the beam in double precision
+  real(qp), parameter :: told_apart = 1.0e30_qp     !! ratio of two pieces that the 32 digits of extended precision still resolve
+  real(qp), parameter :: longest_phase = 1.0e18_qp  !! rad; with 32 digits the remainder mod 2π is accurate to 1e-13
 
   type :: own_units
-    !! Of a beam, SI.
+    !! The units of a beam, in SI.
     real(qp) :: length = 1.0_qp       !! l
     real(qp) :: mass = 1.0_qp         !! m_i
     real(qp) :: time = 1.0_qp         !! l²/h
@@ -31,7 +31,7 @@ module bw_scene_scales
 contains
 
   pure subroutine check_scales(scene, messages)
-    !! Report the numbers of a case that are out of reach, at their lines.
+    !! Report the numbers of a case that are out of range, at their lines.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     type(own_units) :: own
@@ -54,8 +54,8 @@ contains
   end subroutine check_scales
 
   pure logical function is_free(scene, value)
-    !! Nothing is computed with it: motions are proportional to the velocity of the mass, shapes are looked at anywhere, and closed
-    !! forms know any mass.
+    !! Tell whether a value needs no check: motions are proportional to the velocity of the mass, shapes can be evaluated
+    !! anywhere, and closed forms hold for any mass.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: value
     is_free = value%name == 'approach_velocity' .or. value%name == 'points'
@@ -63,14 +63,14 @@ contains
   end function is_free
 
   pure real(dp) function own_size(unit, beam) result(size)
-    !! How much SI a unit of the table of names is for a beam, that of a moment over an angle EI/l.
+    !! Convert a unit of the table of names to SI for a beam: a moment per angle is EI/l.
     character(*), intent(in) :: unit             !! as UDUNITS writes it
     type(beam_par), intent(in) :: beam
     size = real(unit_of(trim(unit), own_units_of(beam)), dp)
   end function own_size
 
   pure type(own_units) function own_units_of(beam) result(own)
-    !! The units of a beam of which nothing is 0.
+    !! Return the units of a beam whose values are not 0.
     type(beam_par), intent(in) :: beam
     type(beam_piece), allocatable :: pieces(:)
     pieces = pieces_of_beam(beam)
@@ -80,7 +80,7 @@ contains
   end function own_units_of
 
   pure subroutine check_beam(scene, own, messages)
-    !! The beam's own units, and its pieces in them.
+    !! Check the beam's own units, and its pieces in them.
     type(scene_type), intent(in) :: scene
     type(own_units), intent(out) :: own
     type(message_list), intent(inout) :: messages
@@ -104,7 +104,7 @@ contains
   end subroutine check_beam
 
   pure subroutine check(values, limit, what, line, messages)
-    !! Numbers of the beam are within a limit.
+    !! Check that numbers of the beam are within a limit.
     real(qp), intent(in) :: values(:), limit
     character(*), intent(in) :: what
     integer, intent(in) :: line
@@ -116,9 +116,9 @@ contains
   end subroutine check
 
   pure subroutine check_input(value, line, own, messages)
-    !! A number is within reach in the beam's own units. A spring that is stiffer is rigid to the last digit (bw_scene_pieces).
+    !! Check that a number is in range in the beam's own units. A stiffer spring is rigid to the last digit (bw_scene_pieces).
     type(input_value), intent(in) :: value
-    integer, intent(in) :: line                   !! of its group, for what is derived from others
+    integer, intent(in) :: line                   !! of its group, for derived values
     type(own_units), intent(in) :: own
     type(message_list), intent(inout) :: messages
     real(qp) :: unit, limit
@@ -138,21 +138,21 @@ contains
   end subroutine check_input
 
   elemental logical function is_within(value, limit)
-    !! Zero, or neither too large nor too small.
+    !! Tell whether a number is zero or within a limit and its inverse.
     real(qp), intent(in) :: value, limit
-    real(qp), parameter :: told = 1.06_qp         ! limits are told in two digits, and what is told is accepted
+    real(qp), parameter :: told = 1.06_qp         ! limits are printed with two digits, and the printed value is accepted
     is_within = value == 0.0_qp .or. (abs(value) <= told*limit .and. abs(value) >= 1.0_qp/(told*limit))
   end function is_within
 
   pure function two_digits(value) result(text)
-    !! Two digits of a number that may be beyond the range of doubles.
+    !! Return two digits of a number that may be beyond the range of double precision.
     real(qp), intent(in) :: value
     character(:), allocatable :: text
     text = shortest(real(sign(min(max(abs(value), real(tiny(1.0_dp), qp)), real(huge(1.0_dp), qp)), value), dp), 2)
   end function two_digits
 
   pure real(qp) function unit_of(unit, own) result(size)
-    !! How much SI a unit of the table of names is in the beam's own units: `N m rad-1` is m l²/t².
+    !! Return the value in SI of a unit of the table of names in the beam's own units: `N m rad-1` is m l²/t².
     character(*), intent(in) :: unit             !! as UDUNITS writes it
     type(own_units), intent(in) :: own
     real(qp) :: base
@@ -179,7 +179,7 @@ contains
   end function unit_of
 
   pure subroutine check_energy(scene, messages)
-    !! The kinetic energy of the mass is a number.
+    !! Check that the kinetic energy of the mass does not overflow.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     real(qp), parameter :: most = 1.0e308_qp      ! J
@@ -189,12 +189,12 @@ contains
   end subroutine check_energy
 
   pure subroutine check_phase(scene, own, messages)
-    !! The phase of the highest mode at the end of the record has digits.
+    !! Check that the phase of the highest mode at the end of the record has significant digits.
     type(scene_type), intent(in) :: scene
     type(own_units), intent(in) :: own
     type(message_list), intent(inout) :: messages
     type(beam_piece), allocatable :: pieces(:)
-    real(qp) :: highest                           ! mode of a beam as fast as its fastest piece, rad/s
+    real(qp) :: highest                           ! highest mode of a uniform beam as fast as the fastest piece, rad/s
     pieces = sections_of_beam(scene%beam)
     highest = sqrt(maxval(pieces%youngs_modulus*second_moment_of(pieces)*pieces%length/piece_mass(pieces)))/own%length**2 &
       *(qp_pi*max(scene%modes%before, scene%modes%after))**2

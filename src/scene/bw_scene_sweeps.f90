@@ -1,5 +1,5 @@
 module bw_scene_sweeps
-  !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
+  !! `&sweep` groups as sweeps: the numbers that they vary, and checks of each value.
   use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_sweepable, place_of
   use bw_input_table, only: closest, group_row, name_table
   use bw_input_values, only: group_values, position_of
@@ -18,7 +18,7 @@ module bw_scene_sweeps
 contains
 
   pure subroutine extract_sweeps(groups, sweeps, messages)
-    !! Take the `&sweep` groups out of a scene; the names that they vary count as given from here on.
+    !! Take the `&sweep` groups out of a scene; the names that they vary count as given afterwards.
     type(group_values), allocatable, intent(inout) :: groups(:)
     type(sweep_par), allocatable, intent(out) :: sweeps(:)
     type(message_list), intent(inout) :: messages
@@ -35,7 +35,7 @@ contains
   end subroutine extract_sweeps
 
   pure subroutine add_repeats(groups, sweeps)
-    !! Several files of a record are cases, too: a sweep over their numbers, which varies fastest.
+    !! Make several files of a record into cases: a sweep over their numbers, which varies fastest.
     type(group_values), intent(inout) :: groups(:)
     type(sweep_par), allocatable, intent(inout) :: sweeps(:)
     type(sweep_par), allocatable :: more(:)
@@ -60,7 +60,7 @@ contains
   end subroutine add_repeats
 
   pure function groups_where(groups, mask) result(picked)
-    !! The groups for which the mask is true.
+    !! Return the groups for which the mask is true.
     type(group_values), intent(in) :: groups(:)
     logical, intent(in) :: mask(:)
     type(group_values), allocatable :: picked(:)
@@ -75,9 +75,9 @@ contains
   end function groups_where
 
   pure subroutine apply_sweep(source, number, groups, sweep, messages)
-    !! Check one `&sweep`, and let it give the number that it varies its first value.
+    !! Check one `&sweep`, and set the number that it varies to its first value.
     type(group_values), intent(in) :: source
-    integer, intent(in) :: number                     !! of the sweep
+    integer, intent(in) :: number                     !! index of the sweep
     type(group_values), intent(inout) :: groups(:)
     type(sweep_par), intent(out) :: sweep
     type(message_list), intent(inout) :: messages
@@ -106,8 +106,8 @@ contains
   end subroutine apply_sweep
 
   pure subroutine excuse_missing(parameter, groups)
-    !! A sweep was meant to give some input its values, and names none: the one that it likely meant counts as given, so that
-    !! no second message calls it missing; where none is likely, all that are required in the group.
+    !! Excuse the input that an invalid sweep parameter likely meant, so that no second message reports it missing. If no
+    !! name of the group is near, excuse all its required names.
     character(*), intent(in) :: parameter
     type(group_values), intent(inout) :: groups(:)
     character(:), allocatable :: group, name
@@ -126,7 +126,7 @@ contains
   end subroutine excuse_missing
 
   pure subroutine check_values(source, sweep, row, messages)
-    !! Each value has to be one that the name itself would accept.
+    !! Check that the name itself would accept each value.
     type(group_values), intent(in) :: source
     type(sweep_par), intent(in) :: sweep
     type(input_name), intent(in) :: row
@@ -141,19 +141,19 @@ contains
       if (accepts(row, sweep%values(i))) cycle
       call messages%add(lines(i), place, text_of(sweep%values(i))//' is not accepted for '//place_of(row)// &
                         '; accepted: '//accepted_text(row))
-      if (sweep%spacing /= '') return                ! the others follow from the same three numbers
+      if (sweep%spacing /= '') return                ! the other values follow from the same three numbers
     end do
   end subroutine check_values
 
   elemental logical function accepts(row, value)
-    !! The name itself would accept the number.
+    !! Tell whether the name would accept the number.
     type(input_name), intent(in) :: row
     real(dp), intent(in) :: value
     accepts = in_range(row%range, value) .and. (row%kind /= integer_input .or. value == aint(value))
   end function accepts
 
   pure subroutine check_case_count(sources, sweeps, messages)
-    !! The cases have to be countable.
+    !! Check that the number of cases is within its limit.
     type(group_values), intent(in) :: sources(:)
     type(sweep_par), intent(in) :: sweeps(:)
     type(message_list), intent(inout) :: messages

@@ -1,6 +1,6 @@
 module bw_scene_unknowns
-  !! `&identify` groups as unknowns: which numbers of a scene they are, and the scene with other values in their places. An
-  !! unknown is a sweep of one value that changes: cases of the scene are built from it in the usual way.
+  !! `&identify` groups as unknowns: the numbers of a scene that they name, and the scene with other values of them. An
+  !! unknown is treated as a sweep of one value that changes: cases of the scene are built from it in the usual way.
   use bw_error, only: error_type
   use bw_identify_par, only: identify_par, logarithmic_from, most_unknowns
   use bw_input_name, only: accepted_text, in_range, input_name, place_of
@@ -21,9 +21,9 @@ module bw_scene_unknowns
 contains
 
   pure subroutine extract_unknowns(groups, sweeps, unknowns, messages)
-    !! Find the numbers that `&identify` groups name; they count as given from here on.
+    !! Find the numbers that `&identify` groups name; they count as given afterwards.
     type(group_values), intent(inout) :: groups(:)
-    type(sweep_par), intent(in) :: sweeps(:)             !! repeats of the record are fitted together; no others go with unknowns
+    type(sweep_par), intent(in) :: sweeps(:)             !! only repeats of a record, fitted together, go with unknowns
     type(identify_par), allocatable, intent(out) :: unknowns(:)
     type(message_list), intent(inout) :: messages
     integer, allocatable :: places(:)
@@ -50,8 +50,8 @@ contains
   end subroutine extract_unknowns
 
   pure subroutine find_unknown(source, groups, unknown, messages)
-    !! The number that an `&identify` names among the groups of a scene, its own or another; none, with a message, where it
-    !! cannot be one.
+    !! Find the number that an `&identify` names in its own scene or another; none, with a message, if the number cannot
+    !! be an unknown.
     type(group_values), intent(in) :: source
     type(group_values), intent(inout) :: groups(:)
     type(identify_par), intent(out) :: unknown
@@ -79,7 +79,7 @@ contains
   end subroutine find_unknown
 
   pure subroutine check_once(source, unknowns, messages)
-    !! The last of the unknowns is none of those before it.
+    !! Report if the last unknown repeats an earlier one.
     type(group_values), intent(in) :: source
     type(identify_par), intent(in) :: unknowns(:)
     type(message_list), intent(inout) :: messages
@@ -94,7 +94,7 @@ contains
   end subroutine check_once
 
   pure subroutine check_range(source, unknown, row, messages)
-    !! Both ends have to be values that the name itself would accept.
+    !! Check that the name itself would accept both ends of the range.
     type(group_values), intent(in) :: source
     type(identify_par), intent(in) :: unknown
     type(input_name), intent(in) :: row
@@ -111,7 +111,7 @@ contains
   end subroutine check_range
 
   pure subroutine give_start(source, group, unknown)
-    !! The value that the scene gives, if it lies in the range, else the middle of the range, is the scene's own.
+    !! Set the start: the value of the scene if it lies in the range, else the middle of the range.
     type(group_values), intent(in) :: source
     type(group_values), intent(inout) :: group
     type(identify_par), intent(inout) :: unknown
@@ -131,9 +131,9 @@ contains
   end subroutine give_start
 
   pure subroutine with_unknowns(scene, unknowns, varied)
-    !! The scene as one whose cases have other values of the unknowns; of repeats of a record it is the first.
+    !! Make a scene whose cases have other values of the unknowns; of several repeats of a record it is the first.
     type(scene_type), intent(in) :: scene                !! without sweeps
-    type(identify_par), intent(in) :: unknowns(:)        !! those of group 0 are none of this scene
+    type(identify_par), intent(in) :: unknowns(:)        !! those of group 0 belong to another scene
     type(scene_type), intent(out) :: varied
     type(sweep_par), allocatable :: sweeps(:)
     integer :: i, g, v
@@ -158,11 +158,11 @@ contains
   end subroutine with_unknowns
 
   pure subroutine scene_with(varied, values, one, error)
-    !! The scene with these values of its unknowns. Cheap: what does not change is not built again.
+    !! Build the scene with these values of its unknowns. What does not change is not built again.
     type(scene_type), intent(inout) :: varied            !! by `with_unknowns`
     real(dp), intent(in) :: values(:)                    !! (unknowns)
     type(scene_type), intent(inout) :: one               !! empty, or the scene with other values
-    type(error_type), allocatable, intent(out) :: error  !! these values make no sense together
+    type(error_type), allocatable, intent(out) :: error  !! these values are inconsistent
     integer :: i
     do i = 1, size(values)
       varied%sweeps(i)%values(1) = values(i)
@@ -171,7 +171,7 @@ contains
   end subroutine scene_with
 
   pure subroutine check_ranges(scene, messages)
-    !! Check the scenes in which every unknown is at an end of its range: what is checked is monotone in each of them.
+    !! Check the scenes in which every unknown is at an end of its range: everything checked is monotone in each of them.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     type(scene_type) :: varied, one
@@ -179,7 +179,7 @@ contains
     integer :: i
     if (size(scene%unknowns) == 0) return
     call case_scene(scene, 1_i8, one, error)
-    if (allocated(error)) return                         ! said before
+    if (allocated(error)) return                         ! reported before
     call with_unknowns(one, scene%unknowns, varied)
     do i = 1, size(scene%unknowns)
       varied%sweeps(i)%values = [scene%unknowns(i)%first, scene%unknowns(i)%last]

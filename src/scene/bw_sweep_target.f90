@@ -1,5 +1,5 @@
 module bw_sweep_target
-  !! Which number of a scene a `&sweep` or a `&design` varies, or an `&identify` does not know: `group%name`, or one of several as `body(2)%mass` and `beam%length(1)`.
+  !! Finds the number of a scene that a `&sweep`, `&design` or `&identify` names: `group%name`, or one of several as `body(2)%mass`.
   use bw_input_name, only: input_name, integer_input, is_number, is_sweepable, place_of
   use bw_input_table, only: group_row, group_table, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of, positions_of
@@ -11,17 +11,17 @@ module bw_sweep_target
 
   type, public :: sweep_target
     !! The number of a scene that a sweep varies, or that is unknown.
-    integer :: group = 0                         !! place of its group; 0: there is none
+    integer :: group = 0                         !! place of its group; 0: none found
     integer :: value = 0                         !! place of its name in the group
-    integer :: element = 1                       !! which of the name's numbers
-    character(:), allocatable :: place           !! how a sweep names it, with numbers only where there are several
+    integer :: element = 1                       !! index among the numbers of the name
+    character(:), allocatable :: place           !! as a sweep names it, with numbers only if there are several
   end type sweep_target
 
 contains
 
   pure subroutine find_target(by, named, groups, target, problem)
-    !! The number that a sweep varies; none, and why, where it cannot.
-    character(*), intent(in) :: by                   !! `sweep`, `design`, or `identify`, which takes fewer
+    !! Find the number that a sweep varies; if it cannot, return none and the reason.
+    character(*), intent(in) :: by                   !! `sweep`, `design`, or `identify`, which accepts fewer
     character(*), intent(in) :: named                !! as the user wrote it
     type(group_values), intent(in) :: groups(:)
     type(sweep_target), intent(out) :: target
@@ -50,7 +50,7 @@ contains
   end subroutine find_target
 
   elemental logical function is_taken(by, row)
-    !! The name is one that a `&sweep` may vary, or, by `&identify`, may be unknown: a real number of the beam.
+    !! Tell whether a `&sweep` may vary the name or, for `&identify`, the name may be unknown: a real number of the beam.
     character(*), intent(in) :: by
     type(input_name), intent(in) :: row
     is_taken = is_sweepable(row)
@@ -59,8 +59,8 @@ contains
   end function is_taken
 
   pure function likely_target(by, parameter, groups) result(text)
-    !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing. Groups that
-    !! the scene has go before others.
+    !! Return ` (did you mean 'beam%length'?)` for a name without its group or with another separator, or nothing. Groups of the
+    !! scene are preferred.
     character(*), intent(in) :: by, parameter
     type(group_values), intent(in) :: groups(:)
     character(:), allocatable :: text, name
@@ -80,7 +80,7 @@ contains
   end function likely_target
 
   pure subroutine split(word, name, number)
-    !! `body(2)` is the name `body` and the number 2; a word without brackets has 0, and one without a number in them −1.
+    !! Split `body(2)` into the name `body` and the number 2; without brackets the number is 0, without a number in them −1.
     character(*), intent(in) :: word
     character(:), allocatable, intent(out) :: name
     integer, intent(out) :: number
@@ -99,11 +99,11 @@ contains
   end subroutine split
 
   pure subroutine resolve(by, groups, row, group_number, name_number, target, problem)
-    !! Which number of the scene a known name means.
+    !! Find the number of the scene that a known name refers to.
     character(*), intent(in) :: by
     type(group_values), intent(in) :: groups(:)
     type(input_name), intent(in) :: row
-    integer, intent(in) :: group_number, name_number  !! as written behind the group and the name; 0: none
+    integer, intent(in) :: group_number, name_number  !! as written after the group and the name; 0: none
     type(sweep_target), intent(out) :: target
     character(:), allocatable, intent(out) :: problem
     integer, allocatable :: found(:)
@@ -134,7 +134,7 @@ contains
   end subroutine resolve
 
   pure function obstacle(by, row, groups) result(problem)
-    !! Why a known name cannot be swept here, or be unknown; empty where it can.
+    !! Return why a known name cannot be swept here, or be unknown; empty if it can.
     character(*), intent(in) :: by
     type(input_name), intent(in) :: row
     type(group_values), intent(in) :: groups(:)
@@ -156,11 +156,11 @@ contains
   end function obstacle
 
   pure subroutine choose(what, before, behind, count, number, problem)
-    !! Say what is wrong with the number by which one of several is named, and which there are.
-    character(*), intent(in) :: what                  !! there are several of
-    character(*), intent(in) :: before, behind        !! the number in a parameter
-    integer, intent(in) :: count                      !! how many there are
-    integer, intent(in) :: number                     !! 0: none is named
+    !! Report an invalid index of one of several, and the valid ones.
+    character(*), intent(in) :: what                  !! what the index counts
+    character(*), intent(in) :: before, behind        !! text around the index in a parameter
+    integer, intent(in) :: count                      !! number of them
+    integer, intent(in) :: number                     !! the index; 0: none is named
     character(:), allocatable, intent(inout) :: problem
     if (count == 1 .and. number == 0) return
     if (number >= 1 .and. number <= count) return
@@ -180,7 +180,7 @@ contains
   end subroutine choose
 
   pure function sweepable_names(by) result(text)
-    !! Every `group%name` that a sweep may vary, or that may be unknown.
+    !! Return every `group%name` that a sweep may vary, or that may be unknown.
     character(*), intent(in) :: by
     character(:), allocatable :: text
     integer :: i

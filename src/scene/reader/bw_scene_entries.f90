@@ -16,7 +16,7 @@ module bw_scene_entries
 contains
 
   pure subroutine read_value(row, text, items, value, messages)
-    !! Set the value, known when it is right; report what is wrong with it.
+    !! Set the value, known if it is valid; report what is wrong with it.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)           !! at least one
@@ -42,7 +42,7 @@ contains
   end subroutine read_value
 
   pure function hint_of_items(row, text, items) result(hint)
-    !! What may be meant by several values where one is accepted, or one for each piece.
+    !! Suggest what several values may mean if one is accepted, or one for each piece.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)
@@ -59,16 +59,16 @@ contains
   end function hint_of_items
 
   pure function list_hint(row, hint) result(text)
-    !! How two pieces are told from a decimal comma.
+    !! Explain how to separate the values of two pieces, if they look like a decimal comma.
     type(input_name), intent(in) :: row
-    character(*), intent(in) :: hint             !! that of the items
+    character(*), intent(in) :: hint             !! of `hint_of_items`
     character(:), allocatable :: text
     text = ''
     if (row%along /= '' .and. index(hint, '; a comma') == 1) text = ', with a blank behind each comma'
   end function list_hint
 
   pure subroutine read_scalar(row, piece, source, value, messages)
-    !! A number, a logical or a text.
+    !! Read a number, a logical or a text.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: piece
     type(item), intent(in) :: source
@@ -90,13 +90,13 @@ contains
   end subroutine read_scalar
 
   pure subroutine read_number(row, piece, source, number, messages, pair)
-    !! A real or a whole number within the row's range.
+    !! Read a real or a whole number within the row's range.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: piece
     type(item), intent(in) :: source
     real(dp), intent(out) :: number
     type(message_list), intent(inout) :: messages
-    character(*), intent(in), optional :: pair   !! the word with the one before it, of a list
+    character(*), intent(in), optional :: pair   !! in a list, this word with the one before it
     character(:), allocatable :: problem
     if (source%quote /= ' ') then
       problem = shown(piece)//' is a text'
@@ -117,7 +117,7 @@ contains
   end subroutine read_number
 
   pure logical function has_decimal_commas(text, items) result(has)
-    !! Pairs of whole numbers, with a comma alone in each pair and blanks alone between pairs: `0,5 1,0`.
+    !! Tell whether items are pairs of whole numbers, each joined by a comma alone, with blanks between pairs: `0,5 1,0`.
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)
     integer :: i
@@ -135,9 +135,9 @@ contains
   end function has_decimal_commas
 
   pure function place_hint(row, pair) result(hint)
-    !! Places along the beam are often given in metres, or with a decimal comma.
+    !! Suggest a correction for a place along the beam given in metres or with a decimal comma.
     type(input_name), intent(in) :: row
-    character(*), intent(in), optional :: pair   !! as that of `read_number`
+    character(*), intent(in), optional :: pair   !! as in `read_number`
     character(:), allocatable :: hint
     hint = ''
     if (present(pair)) hint = value_hint(pair, '')
@@ -146,7 +146,7 @@ contains
   end function place_hint
 
   pure subroutine read_reals(row, text, items, value, messages)
-    !! A list of reals, each as often as its item says.
+    !! Read a list of reals, each repeated as its item says.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)
@@ -178,7 +178,7 @@ contains
   end subroutine read_reals
 
   pure subroutine read_texts(row, text, items, value, messages)
-    !! A list of texts, or of columns by name or number, each as often as its item says.
+    !! Read a list of texts, or of columns by name or number, each repeated as its item says.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)
@@ -204,7 +204,7 @@ contains
   end subroutine read_texts
 
   pure subroutine read_one_text(row, piece, source, text, number, messages)
-    !! One text of a list, or a column: a number without quotes is that of a column.
+    !! Read one text of a list, or a column: a number without quotes is the number of a column.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: piece
     type(item), intent(in) :: source

@@ -17,7 +17,7 @@ module bw_scene_fill
 contains
 
   pure subroutine fill_groups(text, tokens, parsed, groups, messages)
-    !! The groups of a scene with all values that it gives, and defaults for the others.
+    !! Return the groups of a scene with all given values, and defaults for the others.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(in) :: parsed
@@ -55,7 +55,7 @@ contains
   end subroutine fill_groups
 
   pure function known_groups(text, tokens, parsed) result(rows)
-    !! Row of each opened group in the table; 0 where it is unknown or a repeat that is not accepted.
+    !! Return the row of each opened group in the table; 0 if it is unknown or repeated without permission.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(in) :: parsed
@@ -69,7 +69,7 @@ contains
   end function known_groups
 
   pure subroutine report_group(group, opened, i, rows, messages)
-    !! Group i is unknown, or a repeat.
+    !! Report that group i is unknown or repeated.
     character(*), intent(in) :: group
     type(opened_group), intent(in) :: opened(:)
     integer, intent(in) :: i, rows(:)
@@ -86,7 +86,7 @@ contains
   end subroutine report_group
 
   pure subroutine open_group(row, line, group)
-    !! A group without values.
+    !! Make a group without values.
     integer, intent(in) :: row, line
     type(group_values), intent(out) :: group
     integer, allocatable :: rows(:)
@@ -100,7 +100,7 @@ contains
   end subroutine open_group
 
   pure subroutine fill_value(text, tokens, source, group, messages)
-    !! The value that one statement gives.
+    !! Read the value of one statement.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(statement), intent(in) :: source
@@ -128,9 +128,9 @@ contains
   end subroutine fill_value
 
   pure subroutine fill_defaults(group)
-    !! Read defaults as if the scene had them, however much is wrong with the scene.
+    !! Read defaults as if the scene gave them, also in a faulty scene.
     type(group_values), intent(inout) :: group
-    type(message_list) :: messages               ! nothing is wrong with a default
+    type(message_list) :: messages               ! stays empty: defaults are valid
     type(token), allocatable :: tokens(:)
     type(item), allocatable :: items(:)
     integer :: i

@@ -1,8 +1,8 @@
 module bw_scene_items
   !! The items of a statement: `2*0.5, 1.0,` holds the item 0.5, twice, and the item 1.0.
   !!
-  !! Commas and blanks separate; values may go on over lines; one trailing comma is fine. A value that is
-  !! left out (`1,,2`, `2*`), which Fortran reads as 'keep what was there', is an error.
+  !! Commas and blanks separate; values may continue on further lines; one trailing comma is accepted. An omitted value
+  !! (`1,,2`, `2*`), which to Fortran means 'keep the old value', is an error.
   use bw_scene_messages, only: message_list, shown
   use bw_scene_tokens, only: bad_token, comma_token, equals_token, text_token, token, word_token
   implicit none (type, external)
@@ -16,14 +16,14 @@ module bw_scene_items
     character :: quote = ' '              !! of a text; blank for a bare word
   end type item
 
-  integer, parameter :: most_digits = 9   !! of a repeat count, so that it is a default integer
+  integer, parameter :: most_digits = 9   !! of a repeat count, which fits a default integer
 
 contains
 
   pure subroutine read_items(text, tokens, line, place, items, messages)
-    !! Items of one statement; none where something is wrong, which is then reported.
+    !! Return the items of one statement; none if there is an error, which is reported.
     character(*), intent(in) :: text
-    type(token), intent(in) :: tokens(:)         !! what stands behind the equals sign
+    type(token), intent(in) :: tokens(:)         !! those after the equals sign
     integer, intent(in) :: line                  !! of the name
     character(*), intent(in) :: place
     type(item), allocatable, intent(out) :: items(:)
@@ -45,11 +45,11 @@ contains
   end subroutine read_items
 
   pure subroutine parse_items(text, tokens, found, at, problem)
-    !! Items up to the first problem, or up to a token of which an error was reported before.
+    !! Parse items up to the first problem, or up to a token whose error was reported before.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(item), allocatable, intent(out) :: found(:)
-    integer, intent(out) :: at                   !! the token behind the last item
+    integer, intent(out) :: at                   !! the token after the last item
     character(:), allocatable, intent(out) :: problem
     type(item) :: parsed
     logical :: comma
@@ -80,7 +80,7 @@ contains
   end subroutine parse_items
 
   pure subroutine parse_item(text, tokens, i, parsed, problem)
-    !! One word or text, with the count that may stand before it; `i` goes on behind it.
+    !! Parse one word or text with its repeat count, if any; `i` moves past it.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
@@ -106,7 +106,7 @@ contains
   end subroutine parse_item
 
   pure subroutine parse_count(digits, count, problem)
-    !! The repeat count before a star.
+    !! Parse the repeat count before a star.
     character(*), intent(in) :: digits
     integer, intent(inout) :: count
     character(:), allocatable, intent(inout) :: problem
@@ -121,7 +121,7 @@ contains
   end subroutine parse_count
 
   pure subroutine parse_repeated_text(tokens, i, parsed, problem)
-    !! Behind `2*` a text in quotes has to follow at once.
+    !! Parse a text in quotes, which has to follow `2*` without a blank.
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
     type(item), intent(inout) :: parsed

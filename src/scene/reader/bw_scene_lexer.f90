@@ -1,8 +1,8 @@
 module bw_scene_lexer
-  !! The text of a scene as tokens with line numbers.
+  !! Splits the text of a scene into tokens with line numbers.
   !!
-  !! Text outside groups, unclosed quotes and characters that a namelist does not know are errors here; what tokens
-  !! mean is the parser's business.
+  !! Text outside groups, unclosed quotes and characters that a namelist does not allow are reported here; the parser
+  !! interprets tokens.
   use bw_scene_messages, only: message_list, shown
   use bw_scene_tokens, only: bad_group_token, bad_token, blanks, comma_token, end_token, ends_word, equals_token, &
     group_token, is_ascii, is_name, is_utf8, line_feed, lines_up_to, name_in, stray_control, text_token, token, word_token
@@ -14,13 +14,13 @@ module bw_scene_lexer
   type :: scanner
     integer :: at = 1                            !! next character
     integer :: line = 1
-    integer :: past = 0                          !! first character behind the last token
+    integer :: past = 0                          !! first character after the last token
     logical :: inside = .false.                  !! inside a group
     integer :: count = 0
     type(token), allocatable :: tokens(:)
   end type scanner
 
-  integer, parameter :: most_tokens = 2**22      !! two for each value that a scene may hold, and more
+  integer, parameter :: most_tokens = 2**22      !! more than two for each value that a scene may hold
   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
 contains
@@ -52,7 +52,7 @@ contains
   end subroutine tokenise
 
   pure subroutine report_control(text, stray, messages)
-    !! Say what is wrong with the first byte that is no text.
+    !! Report the first byte that is not text.
     character(*), intent(in) :: text
     integer, intent(in) :: stray
     type(message_list), intent(inout) :: messages
@@ -69,7 +69,7 @@ contains
   end subroutine report_control
 
   pure subroutine lex_next(text, lex, messages)
-    !! Take the next character, and the token that it starts.
+    !! Read the next character, and the token that it starts.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
@@ -93,14 +93,14 @@ contains
   end subroutine lex_next
 
   pure subroutine lex_inside(text, lex, messages)
-    !! Take a token inside a group.
+    !! Read a token inside a group.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
     if (text(lex%at:lex%at) == '#' .or. text(lex%at:min(lex%at + 1, len(text))) == '//') then
       call messages%add(lex%line, 'text', shown(text(lex%at:line_end(text, lex%at) - 1))// &
                         ' is not a comment here; a comment opens with !')
-      lex%at = line_end(text, lex%at)              ! what it was meant to be
+      lex%at = line_end(text, lex%at)              ! skip the rest of the line
       return
     end if
     select case (text(lex%at:lex%at))
@@ -122,7 +122,7 @@ contains
   end subroutine lex_inside
 
   pure subroutine add_token(lex, kind, first, last)
-    !! Add a token and go behind it.
+    !! Add a token and move past it.
     type(scanner), intent(inout) :: lex
     integer, intent(in) :: kind, first, last
     type(token), allocatable :: more(:)
@@ -138,7 +138,7 @@ contains
   end subroutine add_token
 
   pure subroutine lex_group(text, lex, messages)
-    !! `&name` opens a group, wherever it stands; `&end` closes one (the parser refuses it).
+    !! Read `&name`, which opens a group anywhere, or `&end`, which closes one (the parser rejects it).
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
@@ -155,7 +155,7 @@ contains
   end subroutine lex_group
 
   pure subroutine lex_text(text, lex, messages)
-    !! A text from quote to quote on one line; a doubled quote stands for itself.
+    !! Read a text from quote to quote on one line; a doubled quote stands for one.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
@@ -178,7 +178,7 @@ contains
   end subroutine lex_text
 
   pure integer function closing_quote(text, opening) result(at)
-    !! Place of the next quote of that kind on the line that is not doubled; 0 for none.
+    !! Return the place of the next such quote on the line that is not doubled; 0 for none.
     character(*), intent(in) :: text
     integer, intent(in) :: opening
     at = opening + 1
@@ -195,7 +195,7 @@ contains
   end function closing_quote
 
   pure subroutine lex_word(text, lex, messages)
-    !! A bare word: a name, a number or a logical.
+    !! Read a bare word: a name, a number or a logical.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
@@ -226,7 +226,7 @@ contains
   end subroutine lex_outside
 
   pure function outside_hint(piece) result(hint)
-    !! What is likely meant by text outside groups: a comment of another language, or what comes behind a fraction's stroke.
+    !! Suggest what text outside groups was meant to be: a comment of another language, or the denominator of a fraction.
     character(*), intent(in) :: piece
     character(:), allocatable :: hint
     character(2), parameter :: signs(*) = ['# ', '//', '/ ', '/*', '--', '% ', ';;', '{ ']
@@ -239,7 +239,7 @@ contains
   end function outside_hint
 
   pure integer function word_end(text, first)
-    !! Last character of the word that starts at `first`; first − 1 for none.
+    !! Return the last character of the word that starts at `first`; first − 1 for none.
     character(*), intent(in) :: text
     integer, intent(in) :: first
     word_end = first - 1
@@ -250,7 +250,7 @@ contains
   end function word_end
 
   pure integer function line_end(text, at)
-    !! Place of the line feed that ends the line of `at`; one behind the text for the last line.
+    !! Return the place of the line feed that ends the line of `at`; length + 1 for the last line.
     character(*), intent(in) :: text
     integer, intent(in) :: at
     line_end = index(text(at:), line_feed)

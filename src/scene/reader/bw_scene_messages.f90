@@ -1,6 +1,6 @@
 module bw_scene_messages
-  !! All that is wrong with a scene, collected while it is read and shown in the order of its lines; how messages show pieces
-  !! of a scene, and what they say of products of inputs that do not fit into double precision.
+  !! The errors of a scene, collected while it is read and shown in the order of its lines; how messages quote the scene,
+  !! and what they say of products of inputs that overflow or underflow in double precision.
   use bw_kinds, only: dp, qp
   use bw_scene_tokens, only: is_utf8, name_characters
   use bw_text, only: text_builder, text_of
@@ -8,7 +8,7 @@ module bw_scene_messages
   private
   public :: round_product, shown
 
-  integer, parameter :: most_messages = 1000  !! nobody reads more, and memory is bounded
+  integer, parameter :: most_messages = 1000  !! enough for any reader; bounds the memory
 
   type :: located_message
     integer :: line = 0
@@ -17,13 +17,13 @@ module bw_scene_messages
   end type located_message
 
   type, public :: message_list
-    character(:), allocatable :: file         !! the scene's path, as the user wrote it
-    character(:), allocatable :: case         !! that is looked at, as ` (in the case a = 1)`; unallocated: the scene as it is
-    character(:), allocatable :: table        !! of which a row is looked at, its path; unallocated: none is
-    integer :: table_line = 0                 !! of the scene, which names the table
-    integer :: row = 0                        !! line of the table; 0: all of it is looked at
+    character(:), allocatable :: file         !! the scene's path, as the user gave it
+    character(:), allocatable :: case         !! current case, as ` (in the case a = 1)`; unallocated: the scene as it is
+    character(:), allocatable :: table        !! path of the table whose row is checked; unallocated: none
+    integer :: table_line = 0                 !! line of the scene that names the table
+    integer :: row = 0                        !! current line of the table; 0: the whole table
     integer :: count = 0                      !! of all errors, listed or not
-    logical :: cut = .false.                  !! more is wrong than is listed: whoever reads on may stop
+    logical :: cut = .false.                  !! there are more errors than are listed: reading may stop
     type(located_message), allocatable, private :: items(:)
   contains
     procedure :: add
@@ -35,12 +35,12 @@ module bw_scene_messages
 contains
 
   pure subroutine add(self, line, place, what)
-    !! Add `FILE:LINE: place: what`. Of what comes from the row of a table that is looked at, FILE:LINE is that of the row.
+    !! Add `FILE:LINE: place: what`. For a value from a row of the current table, FILE:LINE is that of the row.
     class(message_list), intent(inout) :: self
     integer, intent(in) :: line               !! 0 for something absent: `FILE: place: what`
     character(*), intent(in) :: place         !! `group%name` or `&group`
     character(*), intent(in) :: what          !! what is wrong, and what would be accepted
-    if (.not. allocated(self%file)) self%file = ''   ! of a list that is only counted
+    if (.not. allocated(self%file)) self%file = ''   ! in a list that is only counted
     self%count = self%count + 1
     self%cut = self%count > most_messages
     if (self%cut) return
@@ -59,7 +59,7 @@ contains
   end subroutine add
 
   pure function placed(file, line) result(text)
-    !! `FILE:LINE`, or the file alone with the line 0.
+    !! Return `FILE:LINE`, or the file alone for line 0.
     character(*), intent(in) :: file
     integer, intent(in) :: line
     character(:), allocatable :: text
@@ -68,25 +68,25 @@ contains
   end function placed
 
   pure subroutine enter_row(self, table, row, line)
-    !! From here on a row of a table is looked at.
+    !! Attribute further messages to a row of a table.
     class(message_list), intent(inout) :: self
     character(*), intent(in) :: table         !! its path
-    integer, intent(in) :: row                !! line of the table; 0: all of it is looked at
-    integer, intent(in) :: line               !! of the scene, which names the table
+    integer, intent(in) :: row                !! line of the table; 0: the whole table
+    integer, intent(in) :: line               !! line of the scene that names the table
     self%table = table
     self%row = row
     self%table_line = line
   end subroutine enter_row
 
   pure subroutine leave_row(self)
-    !! From here on the scene itself is looked at.
+    !! Attribute further messages to the scene itself.
     class(message_list), intent(inout) :: self
     self%row = 0
     if (allocated(self%table)) deallocate (self%table)
   end subroutine leave_row
 
   pure subroutine grow(items)
-    !! Twice as much room.
+    !! Double the capacity.
     type(located_message), allocatable, intent(inout) :: items(:)
     type(located_message), allocatable :: more(:)
     integer :: i
@@ -100,7 +100,7 @@ contains
   end subroutine grow
 
   pure function text_of_list(self) result(text)
-    !! One message per line, by line of the scene; what is absent comes last.
+    !! Return one message per line, by line of the scene; messages without a line come last.
     class(message_list), intent(in) :: self
     character(:), allocatable :: text
     type(text_builder) :: builder
@@ -116,7 +116,7 @@ contains
   end function text_of_list
 
   pure function by_line(items) result(order)
-    !! Stable insertion sort by line, and by row of a table; line 0 counts as the last. The lists are short or nearly in order.
+    !! Sort stably by line, and by row of a table (insertion sort); line 0 counts as the last. Lists are short or nearly sorted.
     type(located_message), intent(in) :: items(:)
     integer :: order(size(items))
     integer :: i, j
@@ -132,23 +132,23 @@ contains
   end function by_line
 
   pure logical function is_later(one, other)
-    !! The one message stands behind the other.
+    !! Tell whether one message comes after the other.
     type(located_message), intent(in) :: one, other
     is_later = key(one%line) > key(other%line) .or. (one%line == other%line .and. one%row > other%row)
   end function is_later
 
   pure integer function key(line)
-    !! What messages are sorted by.
+    !! Return the key by which messages are sorted.
     integer, intent(in) :: line
     key = merge(huge(line), line, line == 0)
   end function key
 
   pure subroutine round_product(product, value, line, place, what, messages)
-    !! Round a product to double precision; where it overflows or loses digits to underflow, say so.
+    !! Round a product to double precision; report overflow, and underflow that loses digits.
     real(qp), intent(in) :: product
     real(dp), intent(out) :: value
     integer, intent(in) :: line
-    character(*), intent(in) :: place          !! an input that it depends on
+    character(*), intent(in) :: place          !! an input on which it depends
     character(*), intent(in) :: what           !! what the product is
     type(message_list), intent(inout) :: messages
     value = 0.0_dp
@@ -162,7 +162,7 @@ contains
   end subroutine round_product
 
   pure function shown(text) result(piece)
-    !! A piece of the scene, shortened, as a message may show it.
+    !! Return a piece of the scene, shortened for a message.
     character(*), intent(in) :: text
     character(:), allocatable :: piece
     integer, parameter :: most = 40

@@ -1,5 +1,5 @@
 module bw_scene_parser
-  !! Tokens as groups and their statements `name = values`.
+  !! Groups tokens into input groups and their statements `name = values`.
   use bw_scene_messages, only: message_list, shown
   use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, text_token, &
                              token, word_token
@@ -18,7 +18,7 @@ module bw_scene_parser
 
   type, public :: statement
     integer :: name = 0                  !! token of the name
-    integer :: first = 1, last = 0       !! tokens of the values, commas among them
+    integer :: first = 1, last = 0       !! tokens of the values, including commas
   end type statement
 
   type, public :: parsed_scene
@@ -30,7 +30,7 @@ module bw_scene_parser
 contains
 
   pure subroutine parse(text, tokens, parsed, messages)
-    !! Report what is no statement, and groups that are not closed; keep all that can be checked further.
+    !! Report what is no statement, and groups that are not closed; keep everything that can be checked further.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(out) :: parsed
@@ -60,7 +60,7 @@ contains
   end subroutine parse
 
   pure subroutine open_group(text, tokens, i, open, parsed, messages)
-    !! Token i opens a group, or is the `&end` that is not accepted.
+    !! Open a group at token i, or report an `&end`, which is not accepted.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
@@ -82,7 +82,7 @@ contains
   end subroutine open_group
 
   pure subroutine report_open(text, tokens, parsed, messages)
-    !! Say that the group opened last is not closed.
+    !! Report that the group opened last is not closed.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(in) :: parsed
@@ -95,7 +95,7 @@ contains
   end subroutine report_open
 
   pure subroutine parse_statement(text, tokens, i, parsed, messages)
-    !! `name = values` up to the next name, group or end. It belongs to the group opened last.
+    !! Parse `name = values` up to the next name, group or end. It belongs to the group opened last.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
@@ -121,7 +121,7 @@ contains
   end subroutine parse_statement
 
   pure subroutine check_separation(text, tokens, i, messages)
-    !! A name stands apart from the text before it: Fortran refuses `plane='in'title=`, too.
+    !! Check that a name is separated from the text before it: Fortran, too, rejects `plane='in'title=`.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(in) :: i
@@ -133,7 +133,7 @@ contains
   end subroutine check_separation
 
   pure logical function starts_statement(tokens, i)
-    !! Is this a name with its equals sign?
+    !! Tell whether this token is a name followed by an equals sign.
     type(token), intent(in) :: tokens(:)
     integer, intent(in) :: i
     starts_statement = .false.
@@ -142,7 +142,7 @@ contains
   end function starts_statement
 
   pure integer function last_of_statement(tokens, first) result(last)
-    !! Last token before the next name, group or end.
+    !! Return the last token before the next name, group or end.
     type(token), intent(in) :: tokens(:)
     integer, intent(in) :: first
     last = first

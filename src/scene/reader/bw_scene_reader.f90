@@ -1,9 +1,9 @@
 module bw_scene_reader
-  !! From a file, or its text, to a scene: all that is wrong with it is reported at once. A file may be what stands for one: a
-  !! pipe, as a shell makes it of `<(command)`.
+  !! Reads a scene from a file or a text, and reports all its errors at once. In place of a file there may be a pipe, as a
+  !! shell makes it of `<(command)`.
   !!
-  !! The way is text ► tokens (bw_scene_lexer) ► groups and statements (bw_scene_parser) ► values (bw_scene_fill, each statement
-  !! by bw_scene_items, bw_scene_entries and bw_scene_scalars) ► the scene.
+  !! The steps are text ► tokens (bw_scene_lexer) ► groups and statements (bw_scene_parser) ► values (bw_scene_fill, each
+  !! statement by bw_scene_items, bw_scene_entries and bw_scene_scalars) ► the scene.
   use, intrinsic :: iso_c_binding, only: c_loc
   use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
@@ -26,9 +26,9 @@ module bw_scene_reader
   private
   public :: read_scene, read_scene_text, stem
 
-  integer(i8), parameter :: most_bytes = 2_i8**26   !! a scene of 64 MB holds more values than a sweep may have
+  integer(i8), parameter :: most_bytes = 2_i8**26   !! 64 MB, more than any scene needs
   integer(i8), parameter :: most_piped = 2_i8**20
-  integer, parameter :: patience = 5000             !! ms without a word from a pipe
+  integer, parameter :: patience = 5000             !! ms without data from a pipe
 
 contains
 
@@ -37,15 +37,15 @@ contains
     character(*), intent(in) :: path
     type(scene_type), intent(out) :: scene
     type(error_type), allocatable, intent(out) :: error
-      !! `status_bad_file` where the file, or the table of its `&design`, cannot be read; `status_bad_input` where the scene is wrong, with one line
-      !! `FILE:LINE: group%name: what is wrong, what would be accepted` for each error
+      !! `status_bad_file` if the file, or the table of its `&design`, cannot be read; `status_bad_input` if the scene is
+      !! wrong, with one line `FILE:LINE: group%name: what is wrong, what would be accepted` for each error
     character(:), allocatable :: text
     call read_scene_bytes(path, text, error)
     if (.not. allocated(error)) call read_scene_text(text, path, scene, error)
   end subroutine read_scene
 
   subroutine read_scene_text(text, path, scene, error)
-    !! The same for a text; `path` names it in messages, and beside it lies the table of a `&design`.
+    !! Read, check and complete the scene in a text; `path` names it in messages and locates the table of a `&design`.
     character(*), intent(in) :: text
     character(*), intent(in) :: path
     type(scene_type), intent(out) :: scene
@@ -64,7 +64,7 @@ contains
       call extract_design(path, scene%groups, scene%sweeps, scene%design, messages, error)
       call add_repeats(scene%groups, scene%sweeps)
       call extract_unknowns(scene%groups, scene%sweeps, scene%unknowns, messages)
-      if (.not. allocated(scene%design) .or. any(scene%sweeps%designed)) then     ! else what the table gives is not known
+      if (.not. allocated(scene%design) .or. any(scene%sweeps%designed)) then     ! else the values of the table are not known
         call check_groups(scene%groups, messages)
         call complete(scene, messages)
         if (messages%count == 0) call check_corners(scene, messages)
@@ -77,7 +77,7 @@ contains
   end subroutine read_scene_text
 
   pure function stem(path) result(name)
-    !! `runs/fig2.nml` → `fig2`.
+    !! Return the stem of a path: `runs/fig2.nml` → `fig2`.
     character(*), intent(in) :: path
     character(:), allocatable :: name
     integer :: point
@@ -87,8 +87,8 @@ contains
   end function stem
 
   subroutine read_scene_bytes(path, text, error)
-    !! The text of a file or a pipe.
-    !! **Errors**: `status_bad_file` where there is no such file, or it cannot be read, or is larger than any scene.
+    !! Read the text of a file or a pipe.
+    !! **Errors**: `status_bad_file` if it does not exist, cannot be read, or is larger than any scene.
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
@@ -111,10 +111,10 @@ contains
   end subroutine read_scene_bytes
 
   subroutine read_file(path, descriptor, bytes, text, error)
-    !! A file at once; it is refused where it is larger than any scene.
+    !! Read a whole file; reject one that is larger than any scene.
     character(*), intent(in) :: path
     integer, intent(in) :: descriptor
-    integer(i8), intent(in) :: bytes                !! that it has
+    integer(i8), intent(in) :: bytes                !! size of the file
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(inout) :: error
     integer(i1), allocatable :: buffer(:)
@@ -131,7 +131,7 @@ contains
   end subroutine read_file
 
   subroutine read_pipe(path, descriptor, text, error)
-    !! To its end, as it comes. Nothing is waited for long: a pipe may have nobody who writes.
+    !! Read a pipe to its end. The wait for data is limited, since nobody may write.
     character(*), intent(in) :: path
     integer, intent(in) :: descriptor
     character(:), allocatable, intent(out) :: text
@@ -153,7 +153,7 @@ contains
   end subroutine read_pipe
 
   pure function text_from(bytes) result(text)
-    !! Bytes as the characters that they are.
+    !! Convert bytes to the same characters.
     integer(i1), intent(in) :: bytes(:)
     character(:), allocatable :: text
     integer :: i

@@ -1,7 +1,7 @@
 module bw_scene_scalars
-  !! A word or a text of the scene as a number, a logical or a text. Fortran's own `read` takes 1.0-3, 1e999, NaN and 1/2
-  !! for numbers without complaint; here the form is checked first, and what does not fit into double precision is refused.
-  !! Every procedure says in `problem` what is wrong with the word; `problem` is empty where nothing is.
+  !! A word or a text of the scene as a number, a logical or a text. Fortran's own `read` accepts 1.0-3, 1e999, NaN and 1/2
+  !! as numbers; here the form is checked first, and numbers outside the range of double precision are rejected.
+  !! Every procedure returns in `problem` what is wrong with the word; empty if nothing is.
   use bw_input_name, only: has_word
   use bw_kinds, only: dp, qp
   use bw_scene_messages, only: shown
@@ -16,18 +16,18 @@ module bw_scene_scalars
   integer, parameter :: most_letters = 1100      !! the longest decimal of a number in double precision has 1075 digits
 
   type :: number_form
-    !! Where the parts of [sign] digits [. digits] [letter [sign] digits] lie.
+    !! The places of the parts of [sign] digits [. digits] [letter [sign] digits].
     logical :: good = .false.
-    integer :: first = 1                         !! mantissa
-    integer :: point = 0                         !! the point, or where it would stand
-    integer :: last = 0                          !! mantissa
+    integer :: first = 1                         !! first character of the mantissa
+    integer :: point = 0                         !! the point, or where it would be
+    integer :: last = 0                          !! last character of the mantissa
     integer :: letter = 0                        !! of the exponent; 0 for none
   end type number_form
 
 contains
 
   pure subroutine parse_real(word, value, problem)
-    !! `1`, `-.5`, `1.`, `2e11`, `2d+11`.
+    !! Parse a real: `1`, `-.5`, `1.`, `2e11`, `2d+11`.
     character(*), intent(in) :: word
     real(dp), intent(out) :: value
     character(:), allocatable, intent(out) :: problem
@@ -54,10 +54,10 @@ contains
   end subroutine parse_real
 
   pure subroutine read_real(word, letter, wary, value, problem)
-    !! Read a word whose form is good; a number that rounds to 0 does not fit.
+    !! Read a word of valid form; overflow, or rounding to 0, is a problem.
     character(*), intent(in) :: word
     integer, intent(in) :: letter              !! place of the exponent's letter; 0 for none
-    logical, intent(in) :: wary                !! look at the number in extended precision first: no overflow
+    logical, intent(in) :: wary                !! read in extended precision first, to detect overflow
     real(dp), intent(inout) :: value
     character(:), allocatable, intent(inout) :: problem
     character(len(word)) :: plain
@@ -71,7 +71,7 @@ contains
   end subroutine read_real
 
   pure subroutine parse_whole(word, value, problem)
-    !! `20`, `+20`, `-3`; exact in `value`.
+    !! Parse a whole number: `20`, `+20`, `-3`; exact in `value`.
     character(*), intent(in) :: word
     real(dp), intent(out) :: value
     character(:), allocatable, intent(out) :: problem
@@ -90,7 +90,7 @@ contains
   end subroutine parse_whole
 
   pure type(number_form) function form_of(word) result(form)
-    !! Where the parts of a number lie in a word.
+    !! Find the parts of a number in a word.
     character(*), intent(in) :: word
     integer :: at, count
     at = 1
@@ -114,7 +114,7 @@ contains
   end function form_of
 
   pure logical function starts(word, at, set)
-    !! There is a character at `at`, and it is one of the set.
+    !! Tell whether there is a character at `at` that is in the set.
     character(*), intent(in) :: word, set
     integer, intent(in) :: at
     starts = .false.
@@ -122,7 +122,7 @@ contains
   end function starts
 
   pure integer function behind_digits(word, at)
-    !! First character from `at` on that is no digit.
+    !! Return the place of the first character from `at` on that is not a digit.
     character(*), intent(in) :: word
     integer, intent(in) :: at
     behind_digits = verify(word(at:), digits)
@@ -130,7 +130,7 @@ contains
   end function behind_digits
 
   pure integer function decade_of(word, form)
-    !! The power of ten of the first digit that is not zero.
+    !! Return the power of ten of the first nonzero digit.
     character(*), intent(in) :: word
     type(number_form), intent(in) :: form
     integer :: leading
@@ -139,7 +139,7 @@ contains
   end function decade_of
 
   pure integer function exponent_of(word, form)
-    !! The exponent as written, cut at a size that no number in double precision has.
+    !! Return the exponent as written, limited to a size that no number in double precision has.
     character(*), intent(in) :: word
     type(number_form), intent(in) :: form
     integer, parameter :: cut = 100000000
@@ -159,7 +159,7 @@ contains
   end function exponent_of
 
   pure function hint(word) result(text)
-    !! What is likely meant by a word that is no number.
+    !! Suggest what was meant by a word that is not a number.
     character(*), intent(in) :: word
     character(:), allocatable :: text
     integer :: sign
@@ -173,11 +173,11 @@ contains
   end function hint
 
   pure subroutine parse_text(piece, quote, words, text, problem)
-    !! A text in quotes, its trailing blanks dropped as Fortran writes them; one of the words that are accepted, if any are
-    !! named, in any case.
+    !! Parse a text in quotes, without trailing blanks, which Fortran's output adds. If words are listed, it must be one of
+    !! them, in any case.
     character(*), intent(in) :: piece          !! without its quotes
-    character, intent(in) :: quote             !! blank where it stands without quotes
-    character(*), intent(in) :: words          !! by blanks; '' accepts any text
+    character, intent(in) :: quote             !! blank if it has no quotes
+    character(*), intent(in) :: words          !! accepted words, separated by blanks; '': any text
     character(:), allocatable, intent(inout) :: text
     character(:), allocatable, intent(out) :: problem
     problem = ''
@@ -192,7 +192,7 @@ contains
   end subroutine parse_text
 
   pure function single_quotes(piece, quote) result(text)
-    !! Undo the doubling of quotes.
+    !! Replace doubled quotes by single ones.
     character(*), intent(in) :: piece
     character, intent(in) :: quote
     character(:), allocatable :: text
@@ -209,7 +209,7 @@ contains
   end function single_quotes
 
   pure subroutine parse_logical(piece, quote, flag, problem)
-    !! `.true.`, `true`, `.t.`, `t` and their opposites in any case; Fortran would take any word in T or F.
+    !! Parse `.true.`, `true`, `.t.`, `t` and their opposites in any case; Fortran would accept any word that begins with T or F.
     character(*), intent(in) :: piece
     character, intent(in) :: quote             !! blank for a bare word
     logical, intent(inout) :: flag

@@ -1,5 +1,5 @@
 module bw_scene_tokens
-  !! What the text of a scene is made of: classes of characters, and tokens, which are spans of it with nothing copied.
+  !! The elements of the text of a scene: classes of characters, and tokens, which are spans of the text without copies.
   use bw_text, only: lower, read_letter
   implicit none (type, external)
   private
@@ -11,13 +11,13 @@ module bw_scene_tokens
   character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
   character(*), parameter, public :: name_characters = letters//'0123456789_'
 
-  integer, parameter, public :: group_token = 1  !! `&beam`, the span being the name alone
+  integer, parameter, public :: group_token = 1  !! `&beam`; the span is the name alone
   integer, parameter, public :: end_token = 2    !! `/`
   integer, parameter, public :: equals_token = 3 !! `=`
   integer, parameter, public :: comma_token = 4  !! `,`
   integer, parameter, public :: word_token = 5   !! a name, a number, a logical
-  integer, parameter, public :: text_token = 6   !! a text between quotes, the span without them
-  integer, parameter, public :: bad_token = 7    !! stands where something was, of which an error was reported
+  integer, parameter, public :: text_token = 6   !! a text between quotes; the span excludes them
+  integer, parameter, public :: bad_token = 7    !! replaces something whose error was reported
   integer, parameter, public :: bad_group_token = 8 !! likewise, for the opening of a group
 
   type, public :: token
@@ -31,7 +31,7 @@ module bw_scene_tokens
 contains
 
   pure function span(text, piece)
-    !! The characters of a token.
+    !! Return the characters of a token.
     character(*), intent(in) :: text
     type(token), intent(in) :: piece
     character(piece%last - piece%first + 1) :: span
@@ -39,7 +39,7 @@ contains
   end function span
 
   pure function name_in(text, piece) result(name)
-    !! The characters of a token in lower case.
+    !! Return the characters of a token in lower case.
     character(*), intent(in) :: text
     type(token), intent(in) :: piece
     character(:), allocatable :: name
@@ -47,13 +47,13 @@ contains
   end function name_in
 
   pure logical function ends_word(c)
-    !! Does this character end a bare word?
+    !! Tell whether this character ends a bare word.
     character, intent(in) :: c
     ends_word = index(blanks//',/=!;&''"', c) > 0
   end function ends_word
 
   pure logical function is_name(text)
-    !! A Fortran name: letters, digits and underscores after a letter.
+    !! Tell whether a text is a Fortran name: a letter, then letters, digits and underscores.
     character(*), intent(in) :: text
     is_name = .false.
     if (len(text) == 0) return
@@ -61,16 +61,15 @@ contains
   end function is_name
 
   pure logical function is_ascii(text)
-    !! All characters are of seven bits.
+    !! Tell whether all characters have seven bits.
     character(*), intent(in) :: text
     integer :: i
     is_ascii = all([(iachar(text(i:i)) < 128, i=1, len(text))])
   end function is_ascii
 
   pure integer function stray_control(text) result(at)
-    !! First byte that is no text: a control character other than tab and the line ends LF and CR LF;
-    !! 0 where there is none. A carriage return alone counts, since editors show it as a line end
-    !! where Fortran sees none.
+    !! Return the first byte that is not text: a control character other than tab and the line ends LF and CR LF; 0 for none.
+    !! A carriage return alone counts, since editors show it as a line end and Fortran does not.
     character(*), intent(in) :: text
     do at = 1, len(text)
       select case (iachar(text(at:at)))
@@ -89,7 +88,7 @@ contains
   end function stray_control
 
   pure integer function lines_up_to(text, at) result(lines)
-    !! Number of the line in which a character stands.
+    !! Return the number of the line that holds a character.
     character(*), intent(in) :: text
     integer, intent(in) :: at
     integer :: i
@@ -100,7 +99,7 @@ contains
   end function lines_up_to
 
   pure logical function is_utf8(text)
-    !! Every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
+    !! Tell whether every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
     character(*), intent(in) :: text
     integer :: at, letter, length
     logical :: plain

@@ -1,5 +1,5 @@
 module bw_value_hints
-  !! What was likely meant by a value that is no number of the scene: a decimal comma, a unit behind the number, a power of ten.
+  !! Suggestions for a value that is not a valid number: a decimal comma, a unit after the number, a power of ten.
   use bw_constants, only: pi, two_pi
   use bw_kinds, only: dp
   use bw_scene_scalars, only: parse_real
@@ -9,10 +9,10 @@ module bw_value_hints
   public :: value_hint
 
   type :: hinted_unit
-    !! A unit that people write, and what it is in SI.
-    character(8) :: word                    !! as it is written
+    !! A unit in common use, and its value in SI.
+    character(8) :: word                    !! as users write it
     real(dp) :: factor
-    character(8) :: si                      !! as the table of inputs has it
+    character(8) :: si                      !! as in the table of inputs
   end type hinted_unit
 
   type(hinted_unit), parameter :: units(*) = [ &
@@ -28,9 +28,9 @@ module bw_value_hints
 contains
 
   pure function value_hint(written, unit) result(hint)
-    !! '; …', or nothing where nothing is guessed.
-    character(*), intent(in) :: written     !! the value as it stands in the scene
-    character(*), intent(in) :: unit        !! SI unit of the input; empty where it has none
+    !! Return '; …', or nothing if nothing is recognised.
+    character(*), intent(in) :: written     !! the value as in the scene
+    character(*), intent(in) :: unit        !! SI unit of the input; empty if it has none
     character(:), allocatable :: hint
     hint = comma_hint(written)
     if (hint == '') hint = power_hint(written)
@@ -38,7 +38,7 @@ contains
   end function value_hint
 
   pure function comma_hint(written) result(hint)
-    !! `0,037`: a comma between digits.
+    !! Recognise `0,037`: a comma between digits.
     character(*), intent(in) :: written
     character(:), allocatable :: hint
     integer :: comma, behind
@@ -57,7 +57,7 @@ contains
   end function comma_hint
 
   pure function power_hint(written) result(hint)
-    !! `2*10^11`, `2x10**11`, `10^11`: a power of ten in other words.
+    !! Recognise a power of ten in another notation: `2*10^11`, `2x10**11`, `10^11`.
     character(*), intent(in) :: written
     character(:), allocatable :: hint, mantissa, power
     integer :: ten, mark
@@ -75,7 +75,7 @@ contains
   end function power_hint
 
   pure function unit_hint(written, unit) result(hint)
-    !! `200 GPa`, `1000mm`: a number and its unit.
+    !! Recognise a number with its unit: `200 GPa`, `1000mm`.
     character(*), intent(in) :: written, unit
     character(:), allocatable :: hint, word, problem
     real(dp) :: number
