@@ -1,5 +1,5 @@
 module bw_beam_par
-  !! `&beam`: a beam of pieces, one or several, from the root outwards, uniform or tapering.
+  !! `&beam`: a beam of one or several pieces, from the root outwards, uniform or tapering.
   use bw_beam_piece, only: area_of, beam_piece, fibre_of, mass_moments, piece_mass, second_moment_of, section_between
   use bw_input_name, only: input_group, input_name, positive, reals_input, text_input
   use bw_input_values, only: group_values
@@ -13,10 +13,10 @@ module bw_beam_par
     second_moment_of, section_at, sections_of_beam
 
   type, extends(beam_piece), public :: beam_par
-    !! The whole beam. Its length is that of all pieces together; what else it has as a piece is that of the piece at the root.
+    !! The whole beam. Its length is the sum of all pieces; its other values are those of the piece at the root.
     type(beam_piece), allocatable :: pieces(:)
-      !! from the root outwards, with the sections of their inner ends; unallocated: the beam is uniform, (n)
-    type(beam_piece), allocatable :: outer(:)    !! sections of the outer ends, where the beam tapers, else unallocated, (n)
+      !! from the root outwards, with the sections of their inner ends; unallocated: a uniform beam, (n)
+    type(beam_piece), allocatable :: outer(:)    !! sections of the outer ends of a tapering beam, else unallocated, (n)
   end type beam_par
 
   type(input_group), parameter, public :: beam_group = input_group( &
@@ -72,8 +72,8 @@ module bw_beam_par
 contains
 
   pure subroutine check_beam(beam, messages)
-    !! A diameter, or the two names of another section together, or those that stand for material and section; and
-    !! lists go together.
+    !! Check that the section is complete: a diameter, both names of another section, or both names that replace material and
+    !! section; and that lists have matching lengths.
     type(group_values), intent(in) :: beam
     type(message_list), intent(inout) :: messages
     call check_counts(beam, messages)
@@ -90,7 +90,7 @@ contains
   end subroutine check_beam
 
   pure subroutine check_pair(beam, one, other, otherwise, messages)
-    !! Neither of two names stands alone.
+    !! Report if only one of two names is given.
     type(group_values), intent(in) :: beam
     character(*), intent(in) :: one, other
     character(*), intent(in) :: otherwise      !! what else is accepted
@@ -103,7 +103,7 @@ contains
   end subroutine check_pair
 
   pure subroutine check_counts(beam, messages)
-    !! `length` says how many pieces there are; another name has one value for all of them, or one for each, or for each end.
+    !! Check counts: `length` sets the number of pieces; another name has one value for all, one per piece, or one per end.
     type(group_values), intent(in) :: beam
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: hint, each
@@ -131,7 +131,7 @@ contains
   end subroutine check_counts
 
   pure subroutine build_beam(values, beam, messages)
-    !! From checked values; what is not given follows from what is.
+    !! Build the beam from checked values; derive what is not given.
     type(group_values), intent(in) :: values
     type(beam_par), intent(out) :: beam
     type(message_list), intent(inout) :: messages
@@ -159,14 +159,14 @@ contains
   end subroutine build_beam
 
   pure logical function tapers(beam)
-    !! Sections are those of stations.
+    !! Tell whether sections are given at stations.
     type(group_values), intent(in) :: beam
     tapers = .false.
     if (beam%known('taper')) tapers = beam%text('taper') == 'linear'
   end function tapers
 
   pure subroutine build_piece(values, i, s, piece, messages)
-    !! Piece i with its section s, from checked values.
+    !! Build piece i with its section s from checked values.
     type(group_values), intent(in) :: values
     integer, intent(in) :: i, s
     type(beam_piece), intent(out) :: piece
@@ -206,7 +206,7 @@ contains
   end subroutine build_piece
 
   elemental real(qp) function beam_mass(beam)
-    !! m_i [kg], the mass of all pieces together.
+    !! Return m_i [kg], the mass of all pieces together.
     type(beam_par), intent(in) :: beam
     real(qp) :: moments(2)
     integer :: i
@@ -224,7 +224,7 @@ contains
   end function beam_mass
 
   pure function pieces_of_beam(beam) result(pieces)
-    !! All pieces, one of a uniform beam.
+    !! Return all pieces; a uniform beam is one piece.
     type(beam_par), intent(in) :: beam
     type(beam_piece), allocatable :: pieces(:)
     if (allocated(beam%pieces)) then
@@ -235,7 +235,7 @@ contains
   end function pieces_of_beam
 
   pure function sections_of_beam(beam) result(sections)
-    !! The section of every piece, of those that taper at both ends.
+    !! Return the section of every piece, of tapering ones at both ends.
     type(beam_par), intent(in) :: beam
     type(beam_piece), allocatable :: sections(:)
     sections = pieces_of_beam(beam)
@@ -243,7 +243,7 @@ contains
   end function sections_of_beam
 
   pure type(beam_piece) function section_at(beam, xi) result(section)
-    !! The section at a place; where a piece ends that of the piece inside.
+    !! Return the section at a place; at a joint, that of the inner piece.
     type(beam_par), intent(in) :: beam
     real(dp), intent(in) :: xi                 !! 0 ≤ ξ ≤ 1
     real(qp) :: inner, place
@@ -262,13 +262,13 @@ contains
   end function section_at
 
   pure logical function has_fibre(beam)
-    !! Moments tell stresses.
+    !! Tell whether stresses follow from moments.
     type(beam_par), intent(in) :: beam
     has_fibre = .not. (beam%is_lumped .or. is_missing(fibre_of(beam%beam_piece)))
   end function has_fibre
 
   pure function beam_text(beam) result(text)
-    !! Of what a report says of it the part that a uniform beam has not: ` in 2 pieces (0.3, 0.7 m)`, ` in 1 tapering piece`, or nothing.
+    !! Return the part of a report on pieces: ` in 2 pieces (0.3, 0.7 m)`, ` in 1 tapering piece`, or nothing if uniform.
     type(beam_par), intent(in) :: beam
     character(:), allocatable :: text
     integer, parameter :: most = 5

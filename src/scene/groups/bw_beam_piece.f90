@@ -1,8 +1,8 @@
 module bw_beam_piece
-  !! A piece of a beam: its section, and how that varies along a piece which tapers.
+  !! A piece of a beam: its section, and the variation of the section along a tapering piece.
   !!
-  !! Every number of a section that tapers is linear in x, from 0 at the inner end of the piece to 1 at its outer end. So mass and
-  !! stiffness are polynomials in x, which are found in extended precision from what was given: no product of doubles overflows there.
+  !! All dimensions of a tapering section are linear in x, from 0 at the inner end to 1 at the outer end. So mass and stiffness
+  !! are polynomials in x. Their coefficients are computed in extended precision from given values, so that none overflows.
   use bw_constants, only: qp_pi
   use bw_kinds, only: dp, qp
   use bw_missing, only: is_missing, missing
@@ -16,22 +16,22 @@ module bw_beam_piece
     real(dp) :: length = 0.0_dp          !! l_i [m], > 0
     real(dp) :: density = 0.0_dp         !! ρ [kg/m³], > 0
     real(dp) :: youngs_modulus = 0.0_dp  !! E [Pa], > 0
-    real(dp) :: diameter = missing       !! D of a solid circle [m]; `missing` where the section was given otherwise
+    real(dp) :: diameter = missing       !! D of a solid circle [m]; `missing` for another section
     real(dp) :: area = 0.0_dp            !! A [m²], given, or πD²/4, or w h
     real(dp) :: second_moment = 0.0_dp   !! I [m⁴], given, or πD⁴/64, or w h³/12
     logical :: round = .false.           !! the diameter was given
-    real(dp) :: width = missing          !! w of a solid rectangle [m]; `missing` where the section was given otherwise
-    real(dp) :: height = missing         !! h of a solid rectangle [m], along which it bends; as the width
-    real(dp) :: extreme_fibre = missing  !! c, distance of the outermost fibre from the axis [m]; `missing` where it was not given
+    real(dp) :: width = missing          !! w of a solid rectangle [m]; `missing` for another section
+    real(dp) :: height = missing         !! h of a solid rectangle [m], in the bending direction; likewise
+    real(dp) :: extreme_fibre = missing  !! c, distance of the outermost fibre from the axis [m]; `missing` if not given
     logical :: is_lumped = .false.
-      !! ρA and EI were given: they stand as ρ and E, beside an area and a second moment of 1
+      !! ρA and EI were given: they are stored as ρ and E, with A = 1 and I = 1
   end type beam_piece
 
 
 contains
 
   elemental real(qp) function area_of(piece) result(area)
-    !! A [m²] in extended precision, from what was given.
+    !! Return A [m²] in extended precision, from given values.
     type(beam_piece), intent(in) :: piece
     area = piece%area
     if (piece%round) area = qp_pi/4*real(piece%diameter, qp)**2
@@ -39,7 +39,7 @@ contains
   end function area_of
 
   elemental real(qp) function second_moment_of(piece) result(second_moment)
-    !! I [m⁴] in extended precision, from what was given.
+    !! Return I [m⁴] in extended precision, from given values.
     type(beam_piece), intent(in) :: piece
     second_moment = piece%second_moment
     if (piece%round) second_moment = qp_pi/64*real(piece%diameter, qp)**4
@@ -47,13 +47,13 @@ contains
   end function second_moment_of
 
   elemental real(qp) function piece_mass(piece)
-    !! ρAl [kg] of a uniform piece.
+    !! Return ρAl [kg] of a uniform piece.
     type(beam_piece), intent(in) :: piece
     piece_mass = real(piece%density, qp)*area_of(piece)*piece%length
   end function piece_mass
 
   elemental real(dp) function fibre_of(piece) result(fibre)
-    !! c [m]: given, or D/2 of a circle, or h/2 of a rectangle; `missing` of any other section.
+    !! Return c [m]: as given, D/2 of a circle, or h/2 of a rectangle; `missing` for any other section.
     type(beam_piece), intent(in) :: piece
     fibre = piece%extreme_fibre
     if (.not. is_missing(fibre)) return
@@ -64,7 +64,7 @@ contains
   ! Tapering
 
   elemental type(beam_piece) function section_between(inner, outer, x) result(section)
-    !! The section at a place of a piece that tapers; its length is that of the piece.
+    !! Return the section at a place of a tapering piece; its length is that of the piece.
     type(beam_piece), intent(in) :: inner, outer
     real(dp), intent(in) :: x                    !! from 0 to 1 over the piece
     section = inner
@@ -88,35 +88,35 @@ contains
   end function section_between
 
   pure function mass_law(inner, outer) result(law)
-    !! Coefficients of 1, x, x² … of ρA [kg/m]; those of a uniform piece, whose ends are alike, are one number. So are those below.
+    !! Return the coefficients of 1, x, x² … of ρA [kg/m], one only for a uniform piece. The next three functions do likewise.
     type(beam_piece), intent(in) :: inner, outer
     real(qp), allocatable :: law(:)
     law = trimmed(product_of(linear(inner%density, outer%density), area_law(inner, outer)))
   end function mass_law
 
   pure function stiffness_law(inner, outer) result(law)
-    !! Of EI [N m²].
+    !! Return the coefficients of EI [N m²].
     type(beam_piece), intent(in) :: inner, outer
     real(qp), allocatable :: law(:)
     law = trimmed(product_of(linear(inner%youngs_modulus, outer%youngs_modulus), second_moment_law(inner, outer)))
   end function stiffness_law
 
   pure function stretch_law(inner, outer) result(law)
-    !! Of EA [N].
+    !! Return the coefficients of EA [N].
     type(beam_piece), intent(in) :: inner, outer
     real(qp), allocatable :: law(:)
     law = trimmed(product_of(linear(inner%youngs_modulus, outer%youngs_modulus), area_law(inner, outer)))
   end function stretch_law
 
   pure function rotary_law(inner, outer) result(law)
-    !! Of ρI [kg m].
+    !! Return the coefficients of ρI [kg m].
     type(beam_piece), intent(in) :: inner, outer
     real(qp), allocatable :: law(:)
     law = trimmed(product_of(linear(inner%density, outer%density), second_moment_law(inner, outer)))
   end function rotary_law
 
   pure function mass_moments(inner, outer) result(moments)
-    !! Mass of a piece [kg], and its moment about the inner end [kg m].
+    !! Return the mass of a piece [kg], and its first moment about the inner end [kg m].
     type(beam_piece), intent(in) :: inner, outer
     real(qp) :: moments(2)
     real(qp), allocatable :: law(:)
@@ -170,7 +170,7 @@ contains
   end function product_of
 
   pure function trimmed(law) result(short)
-    !! Without powers that have no part in it.
+    !! Drop trailing coefficients that are zero.
     real(qp), intent(in) :: law(:)
     real(qp), allocatable :: short(:)
     short = law(:max(1, findloc(law /= 0.0_qp, .true., dim=1, back=.true.)))

@@ -1,5 +1,5 @@
 module bw_body_par
-  !! `&body`: a rigid body that stays at a place of the beam, and springs from there to the rotating frame.
+  !! `&body`: a rigid body attached to the beam, and springs from there to the rotating frame.
   use bw_input_name, only: any_number, input_group, input_name, not_negative, positive, real_input, unit_interval
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp, qp
@@ -12,14 +12,14 @@ module bw_body_par
   public :: bodies_text, build_body, check_bodies, check_body, comes_or_leaves
 
   type, extends(mass_par), public :: body_par
-    !! Its mass, as given or derived, and
-    real(dp) :: position = 0.0_dp                !! ξ, 0 ≤ ξ ≤ 1; 0 of springs alone
+    !! Its mass, given or derived, and
+    real(dp) :: position = 0.0_dp                !! ξ, 0 ≤ ξ ≤ 1; 0 for springs alone
     real(dp) :: rotary_inertia = 0.0_dp          !! J about its place [kg m²], ≥ 0
-    real(dp) :: stiffness = 0.0_dp               !! k_v of a spring against deflection [N/m], ≥ 0
-    real(dp) :: rotational_stiffness = 0.0_dp    !! k_θ of a spring against turning [N m/rad], ≥ 0
-    real(dp) :: from = missing                   !! when it comes [s]; `missing`: it was always there
-    real(dp) :: until = missing                  !! when it leaves [s]; `missing`: never
-    real(dp) :: velocity = missing               !! that it brings at `from` [m/s]; `missing`: that of the beam there
+    real(dp) :: stiffness = 0.0_dp               !! k_v of a deflection spring [N/m], ≥ 0
+    real(dp) :: rotational_stiffness = 0.0_dp    !! k_θ of a rotational spring [N m/rad], ≥ 0
+    real(dp) :: from = missing                   !! time of attachment [s]; `missing`: from the beginning
+    real(dp) :: until = missing                  !! time of release [s]; `missing`: never
+    real(dp) :: velocity = missing               !! its velocity at `from` [m/s]; `missing`: that of the beam there
   end type body_par
 
   type(input_group), parameter, public :: body_group = input_group( &
@@ -62,7 +62,7 @@ module bw_body_par
 contains
 
   pure subroutine check_body(body, messages)
-    !! The mass is given, in one of its two ways, and a velocity with the time at which it is brought.
+    !! Check that the mass is given in one of its two ways, and a velocity only with the time of attachment.
     type(group_values), intent(in) :: body
     type(message_list), intent(inout) :: messages
     call check_mass(body, body%line, ', 0 for springs alone', messages)
@@ -71,7 +71,7 @@ contains
   end subroutine check_body
 
   pure logical function comes_or_leaves(groups)
-    !! Some body is not always there.
+    !! Tell whether some body is attached or released during the motion.
     type(group_values), intent(in) :: groups(:)
     integer :: g
     comes_or_leaves = .false.
@@ -81,7 +81,7 @@ contains
   end function comes_or_leaves
 
   pure subroutine check_bodies(groups, messages)
-    !! Times in their order, what has a velocity has mass, and what is at the root can act there: of one case.
+    !! Check for one case that times are in order and that only springs with an effect are attached to the root.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: g, support
@@ -105,7 +105,7 @@ contains
     end do
   contains
     pure logical function held(name)
-      !! A spring of this body at the root has no effect.
+      !! Tell whether a spring of this body at the root has no effect.
       character(*), intent(in) :: name
       held = groups(g)%number(name) > 0.0_dp
       if (held .and. support > 0) held = .not. groups(support)%known(name)
@@ -113,7 +113,7 @@ contains
   end subroutine check_bodies
 
   pure subroutine build_body(values, beam_mass, body, messages)
-    !! From checked values.
+    !! Build a body from checked values.
     type(group_values), intent(in) :: values
     real(qp), intent(in) :: beam_mass            !! m_i [kg], > 0
     type(body_par), intent(out) :: body
@@ -129,7 +129,7 @@ contains
   end subroutine build_body
 
   pure logical function is_heavy(body)
-    !! It has mass or inertia.
+    !! Tell whether it has mass or inertia.
     type(group_values), intent(in) :: body
     is_heavy = body%number('rotary_inertia') > 0.0_dp
     if (body%known('mass')) is_heavy = is_heavy .or. body%number('mass') > 0.0_dp
@@ -137,7 +137,7 @@ contains
   end function is_heavy
 
   pure function bodies_text(groups) result(text)
-    !! What a report calls them: `body of 0.2 kg at xi = 0.8`, or of many how many there are.
+    !! Return the text of a report: `body of 0.2 kg at xi = 0.8`, or the number of bodies if they are many.
     type(group_values), intent(in) :: groups(:)  !! of a scene with at least one
     character(:), allocatable :: text
     integer, parameter :: most = 3
@@ -155,7 +155,7 @@ contains
   end function bodies_text
 
   pure function body_text(values) result(text)
-    !! One of them, with what it has of mass, inertia and springs.
+    !! Return the text of one body, with its mass, inertia and springs.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     character(:), allocatable :: place
@@ -174,12 +174,12 @@ contains
   end function body_text
 
   pure function part(values, name, what, unit, swept) result(text)
-    !! A number with what it is, behind `and`; nothing where it is 0 in every case.
+    !! Return a number and its meaning, after `and`; nothing if it is 0 in every case.
     type(group_values), intent(in) :: values
     character(*), intent(in) :: name
-    character(*), intent(in) :: what              !! stands before the number
-    character(*), intent(in) :: unit              !! stands behind it
-    character(*), intent(in) :: swept             !! stands behind the word `swept`
+    character(*), intent(in) :: what              !! precedes the number
+    character(*), intent(in) :: unit              !! follows it
+    character(*), intent(in) :: swept             !! follows the word `swept`
     character(:), allocatable :: text
     text = ''
     if (.not. values%known(name)) return

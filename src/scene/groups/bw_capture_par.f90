@@ -1,5 +1,5 @@
 module bw_capture_par
-  !! `&capture`: the mass stays at the place of the impact.
+  !! `&capture`: the mass stays attached at the place of impact.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -24,7 +24,7 @@ module bw_capture_par
 contains
 
   pure function capture_text(values) result(text)
-    !! What a report calls it, with the body's rotary inertia where it has any.
+    !! Return the text of a report, with the body's rotary inertia if it has any.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     text = 'capture'

@@ -1,5 +1,5 @@
 module bw_contact_par
-  !! `&contact`: the impact lasts, as long as mass and beam are pressed into each other.
+  !! `&contact`: an impact of finite duration, while mass and beam are pressed together.
   use bw_beam_par, only: beam_par, beam_piece, section_at
   use bw_constants, only: pi
   use bw_input_name, only: input_group, input_name, integer_input, not_negative, number_range, positive, real_input
@@ -12,12 +12,12 @@ module bw_contact_par
   public :: build_contact, check_contact, check_contact_place, complete_contact, contact_text
 
   type, public :: contact_par
-    real(dp) :: stiffness = 0.0_dp      !! K [N/m^p], > 0, given or that of Hertz
+    real(dp) :: stiffness = 0.0_dp      !! K [N/m^p], > 0, given or by Hertz's law
     real(dp) :: exponent = 1.5_dp       !! p, ≥ 1
     real(dp) :: damping = 0.0_dp        !! c [s/m], ≥ 0
     real(dp) :: radius = 0.0_dp         !! of the sphere [m]; 0: the stiffness is given
-    real(dp) :: surface_radius = 0.0_dp !! of the beam where it is struck [m]; 0: flat
-    integer :: max_contacts = 1000      !! that are followed, and the motion up to one more
+    real(dp) :: surface_radius = 0.0_dp !! of the beam at the place of impact [m]; 0: flat
+    integer :: max_contacts = 1000      !! number of contacts that are followed; the motion ends at the next
   end type contact_par
 
   type(input_group), parameter, public :: contact_group = input_group( &
@@ -57,7 +57,7 @@ module bw_contact_par
 contains
 
   pure subroutine check_contact(contact, messages)
-    !! The stiffness is given, in one of its two ways.
+    !! Check that the stiffness is given in one of its two ways.
     type(group_values), intent(in) :: contact
     type(message_list), intent(inout) :: messages
     if (contact%given('stiffness') .or. contact%given('radius')) return
@@ -65,7 +65,7 @@ contains
   end subroutine check_contact
 
   pure subroutine check_contact_place(groups, messages)
-    !! Hertz's law needs the beam's material, and what &impact says of the rebound has no meaning beside it.
+    !! Check that Hertz's law has the beam's material, and that &impact gives no restitution, which is then a result.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: beam, contact, impact
@@ -85,7 +85,7 @@ contains
   end subroutine check_contact_place
 
   pure subroutine complete_contact(groups)
-    !! Drop what has no meaning beside what is given.
+    !! Drop values that have no meaning with those given.
     type(group_values), intent(inout) :: groups(:)
     integer :: contact, impact
     contact = position_of(groups, 'contact')
@@ -101,11 +101,11 @@ contains
   end subroutine complete_contact
 
   pure subroutine build_contact(values, beam, position, contact)
-    !! From checked values. What is left out of Hertz's law is that of the beam where it is struck; between two pieces it is that of the
-    !! piece towards the root.
+    !! Build a contact from checked values. Omitted values of Hertz's law are those of the beam at the place of impact; at
+    !! a joint, of the inner piece.
     type(group_values), intent(in) :: values       !! complete
     type(beam_par), intent(in) :: beam
-    real(dp), intent(in) :: position               !! that is struck, ξ
+    real(dp), intent(in) :: position               !! ξ of the place of impact
     type(contact_par), allocatable, intent(out) :: contact
     type(beam_piece) :: struck
     real(dp) :: modulus, own
@@ -129,7 +129,7 @@ contains
   end subroutine build_contact
 
   pure real(dp) function hertz_stiffness(modulus, radius, surface_radius) result(stiffness)
-    !! K of a sphere on a cylinder: with curvatures A ≤ B of the gap Ax² + By² and the ellipse of contact of eccentricity e,
+    !! Return K of a sphere on a cylinder: with curvatures A ≤ B of the gap Ax² + By² and the contact ellipse of eccentricity e,
     !! B/A = ((1 − e²)^(−1)E − K)/(K − E) and K = ⅔πE*√((K − E)/(K³Ae²)), K and E the complete elliptic integrals of e
     !! (Johnson, Contact Mechanics, section 4.2). On a plane it is 4/3 E*√R.
     real(dp), intent(in) :: modulus                !! E*
@@ -152,13 +152,13 @@ contains
       end if
     end do
     m = exp(-0.5_dp*(low + high))
-    if (1.0_dp - m < 1.0e-6_dp) return             ! a plane to that many digits
+    if (1.0_dp - m < 1.0e-6_dp) return             ! a plane to that precision
     call elliptic_integrals(m, first, second)
     stiffness = 2.0_dp/3.0_dp*pi*modulus*sqrt((first - second)/(first**3*(0.5_dp/radius)*(1.0_dp - m)))
   end function hertz_stiffness
 
   pure subroutine elliptic_integrals(complement, first, second)
-    !! The complete integrals K and E, by the arithmetic-geometric mean.
+    !! Compute the complete integrals K and E by the arithmetic-geometric mean.
     real(dp), intent(in) :: complement             !! 1 − e²
     real(dp), intent(out) :: first, second
     real(dp) :: a, b, c, lack, power
@@ -181,7 +181,7 @@ contains
   end subroutine elliptic_integrals
 
   pure function contact_text(values, contact, one_case) result(text)
-    !! What a report calls it, with the stiffness that was given, or follows in the one case that there is.
+    !! Return the text of a report, with the stiffness if it is given or the scene has one case.
     type(group_values), intent(in) :: values
     type(contact_par), intent(in) :: contact
     logical, intent(in) :: one_case

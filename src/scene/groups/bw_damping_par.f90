@@ -9,7 +9,7 @@ module bw_damping_par
   private
   public :: build_damping, by_ratio, check_damping, damping_text, complete_damping
 
-  real(dp), parameter, public :: usual_ratio = 0.01_dp   !! tried where a scene does not say how much is damped
+  real(dp), parameter, public :: usual_ratio = 0.01_dp   !! tried if a scene gives no damping
 
   type, public :: damping_par
     real(dp) :: ratio = missing                    !! ζ of every mode, ≥ 0; `missing` with Rayleigh's constants
@@ -37,7 +37,7 @@ module bw_damping_par
 contains
 
   pure subroutine check_damping(damping, messages)
-    !! At least one number is given.
+    !! Check that at least one number is given.
     type(group_values), intent(in) :: damping
     type(message_list), intent(inout) :: messages
     if (any(damping%values%given)) return
@@ -46,7 +46,7 @@ contains
   end subroutine check_damping
 
   pure subroutine complete_damping(damping)
-    !! Of Rayleigh's constants, the one that is not given is 0.
+    !! Set the constant of Rayleigh that is not given to 0.
     type(group_values), intent(inout) :: damping
     if (damping%given('ratio')) return
     if (.not. damping%given('mass_proportional')) call damping%derive('mass_proportional', 0.0_dp, 0)
@@ -54,7 +54,7 @@ contains
   end subroutine complete_damping
 
   pure type(damping_par) function build_damping(values) result(damping)
-    !! From checked values.
+    !! Build the damping from checked values.
     type(group_values), intent(in) :: values   !! complete
     if (values%known('ratio')) then
       damping%ratio = values%number('ratio')
@@ -65,13 +65,13 @@ contains
   end function build_damping
 
   pure logical function by_ratio(damping)
-    !! A ratio of each mode, not Rayleigh's constants.
+    !! Tell whether all modes have the same ratio, rather than Rayleigh's constants.
     type(damping_par), intent(in) :: damping
     by_ratio = .not. is_missing(damping%ratio)
   end function by_ratio
 
   pure function damping_text(values) result(text)
-    !! What a report calls it, with its ratio or Rayleigh's constants.
+    !! Return the text of a report, with the ratio or Rayleigh's constants.
     type(group_values), intent(in) :: values   !! complete
     character(:), allocatable :: text
     if (values%known('ratio')) then

@@ -1,15 +1,15 @@
 module bw_design_par
-  !! `&design`: a table has a column for each number that varies and a row for each case.
+  !! `&design`: a table with a column for each number that varies and a row for each case.
   use bw_input_name, only: input_group, input_name, text_input
   implicit none (type, external)
   private
 
   type, public :: design_par
-    character(:), allocatable :: file        !! as the user wrote it, beside the scene
-    integer :: line = 0                      !! of the scene, which says so
-    character(:), allocatable :: path        !! where that is
+    character(:), allocatable :: file        !! as the user gave it, relative to the scene
+    integer :: line = 0                      !! line of the scene that names it
+    character(:), allocatable :: path        !! path to the file
     character(:), allocatable :: checksum    !! of the table's bytes, in hexadecimal digits
-    integer, allocatable :: lines(:)         !! line of the table that each row stands in, (rows)
+    integer, allocatable :: lines(:)         !! line of the table for each row, (rows)
   end type design_par
 
   type(input_group), parameter, public :: design_group = input_group( &

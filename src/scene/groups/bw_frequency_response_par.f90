@@ -1,5 +1,5 @@
 module bw_frequency_response_par
-  !! `&frequency_response`: how the beam answers to a harmonic force.
+  !! `&frequency_response`: the response of the beam to a harmonic force.
   use bw_input_name, only: input_group, input_name, integer_input, number_range, positive, real_input, reals_input, text_input, &
     unit_interval
   use bw_input_values, only: group_values, position_of
@@ -13,7 +13,7 @@ module bw_frequency_response_par
 
   type, public :: frequency_response_par
     real(dp) :: position = 1.0_dp            !! ξ of the force
-    real(dp), allocatable :: points(:)       !! ξ in [0, 1] of the answer, no two the same, (points)
+    real(dp), allocatable :: points(:)       !! ξ of the response in [0, 1], all different, (points)
     real(dp), allocatable :: frequency(:)    !! Hz, ascending, (frequencies)
     character(:), allocatable :: quantity    !! displacement, velocity or acceleration
   end type frequency_response_par
@@ -44,7 +44,7 @@ module bw_frequency_response_par
 contains
 
   pure subroutine check_frequency_response(groups, messages)
-    !! Frequencies rise, no point is there twice, and points are those of `&response`.
+    !! Check that frequencies increase, that no point is given twice, and that points are those of `&response`.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: g, r, i
@@ -76,7 +76,7 @@ contains
   end subroutine check_frequency_response
 
   pure subroutine complete_frequency_response(groups, g)
-    !! Points that are not given are those of `&response`, if there is one.
+    !! Set points that are not given to those of `&response`, if there is one.
     type(group_values), intent(inout) :: groups(:)
     integer, intent(in) :: g                 !! place of this group
     integer :: r
@@ -89,7 +89,7 @@ contains
   end subroutine complete_frequency_response
 
   pure type(frequency_response_par) function build_frequency_response(values) result(response)
-    !! From checked values.
+    !! Build a frequency response from checked values.
     type(group_values), intent(in) :: values
     response%position = values%number('position')
     response%points = values%values(values%at('points'))%numbers

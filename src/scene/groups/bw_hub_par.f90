@@ -1,5 +1,5 @@
 module bw_hub_par
-  !! `&hub`: the beam sits on a rigid hub that is free to turn about its axis, and recoils.
+  !! `&hub`: the beam is fixed to a rigid hub that rotates freely about its axis and recoils.
   use bw_input_name, only: input_group, input_name, not_negative, positive, real_input
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
@@ -36,7 +36,7 @@ module bw_hub_par
 contains
 
   pure subroutine complete_hub(groups)
-    !! The radius is that of `&stiffening`, else 0.
+    !! Set the radius, if not given, to that of `&stiffening`, else to 0.
     type(group_values), intent(inout) :: groups(:)
     integer :: hub, stiffening
     hub = position_of(groups, 'hub')
@@ -53,7 +53,7 @@ contains
   end subroutine complete_hub
 
   pure subroutine check_hub(groups, messages)
-    !! A case's combination of the hub with what is fixed to a frame that does not recoil.
+    !! Check a case's combination of the hub with groups that act on a frame without recoil.
     type(group_values), intent(in) :: groups(:)       !! of one case, complete
     type(message_list), intent(inout) :: messages
     integer :: hub, other, g
@@ -84,7 +84,7 @@ contains
   end subroutine check_hub
 
   pure logical function holds(group, name)
-    !! A spring of a body, or what holds the tip.
+    !! Tell whether a spring of a body, or the support of the tip, acts on the beam.
     type(group_values), intent(in) :: group
     character(*), intent(in) :: name
     holds = .false.
@@ -93,7 +93,7 @@ contains
   end function holds
 
   pure function hub_text(values) result(text)
-    !! What a report calls it: `free hub (2 kg m2, radius 0.3 m)`.
+    !! Return the text of a report: `free hub (2 kg m2, radius 0.3 m)`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     text = 'free hub ('//values%number_or_swept('rotary_inertia', ' kg m2')//', radius '// &

@@ -1,5 +1,5 @@
 module bw_identify_par
-  !! `&identify`: a number of the beam is not known, and is found from the lines of a record.
+  !! `&identify`: an unknown number of the beam, estimated from the lines of a record.
   use bw_input_name, only: any_number, input_group, input_name, real_input, text_input, texts_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -9,20 +9,20 @@ module bw_identify_par
   private
   public :: check_identify
 
-  integer, parameter, public :: most_unknowns = 12       !! the corners of their ranges are checked, 2 to this power
+  integer, parameter, public :: most_unknowns = 12       !! all corners of their ranges are checked, 2 to this power
   integer, parameter :: most_scenes = 100
   real(dp), parameter, public :: logarithmic_from = 10.0_dp
-    !! last over first, both above 0, from which an unknown is searched by its logarithm
+    !! ratio last/first, both above 0, from which an unknown is searched by its logarithm
 
   type, public :: identify_par
     !! An unknown number of a scene, with its range.
     character(:), allocatable :: parameter               !! 'group%name', in lower case, as a sweep names it
     character(:), allocatable :: unit                    !! as UDUNITS writes it
-    integer :: group = 0                                 !! place of its group among the scene's; 0: it could not be found
+    integer :: group = 0                                 !! place of its group in the scene; 0: not found
     integer :: value = 0                                 !! place of its name in the group
-    integer :: element = 1                               !! which of the name's numbers
+    integer :: element = 1                               !! index among the numbers of the name
     real(dp) :: first = 0.0_dp, last = 0.0_dp            !! its range, first < last
-    real(dp) :: start = 0.0_dp                           !! where the scene says that it is, else the middle of the range
+    real(dp) :: start = 0.0_dp                           !! value of the scene if in range, else the middle
     logical :: logarithmic = .false.                     !! searched by its logarithm
   end type identify_par
 
@@ -50,7 +50,7 @@ module bw_identify_par
 contains
 
   pure subroutine check_identify(group, messages)
-    !! The range has a width.
+    !! Check that first < last.
     type(group_values), intent(in) :: group
     type(message_list), intent(inout) :: messages
     if (.not. (group%known('first') .and. group%known('last'))) return

@@ -12,11 +12,11 @@ module bw_impact_par
   public :: build_impact, impact_text
 
   type, extends(mass_par), public :: impact_par
-    !! The mass m_j, as given or derived, and
-    real(dp) :: position = 1.0_dp           !! ξ₀, 0 < ξ₀ ≤ 1, where the mass strikes, and is captured
+    !! The mass m_j, given or derived, and
+    real(dp) :: position = 1.0_dp           !! ξ₀, 0 < ξ₀ ≤ 1, place of impact and of capture
     real(dp) :: approach_velocity = 1.0_dp  !! V [m/s] in the rotating frame, of either sign
     real(dp) :: restitution = 0.0_dp        !! e, 0 … 1
-    integer :: profile_points = 201         !! points from root to tip of the velocity jump, ≥ 2
+    integer :: profile_points = 201         !! points of the velocity jump from root to tip, ≥ 2
   end type impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
@@ -47,7 +47,7 @@ module bw_impact_par
 contains
 
   pure subroutine build_impact(values, beam_mass, impact, messages)
-    !! From checked values.
+    !! Build the impact from checked values.
     type(group_values), intent(in) :: values
     real(qp), intent(in) :: beam_mass                       !! m_i [kg], > 0
     type(impact_par), allocatable, intent(out) :: impact
@@ -61,10 +61,10 @@ contains
   end subroutine build_impact
 
   pure function impact_text(values, impact, lasts) result(text)
-    !! What a report calls it, with the mass ratio that was given or follows.
+    !! Return the text of a report, with the mass ratio, given or derived.
     type(group_values), intent(in) :: values
     type(impact_par), intent(in) :: impact
-    logical, intent(in) :: lasts               !! what it rebounds with comes out
+    logical, intent(in) :: lasts               !! the contact has a finite duration: the rebound is a result
     character(:), allocatable :: text, ratio
     ratio = shortest(impact%mass_ratio, 6)
     if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'

@@ -1,5 +1,5 @@
 module bw_initial_par
-  !! `&initial`: the beam is bent, or turns as a rigid body, when the motion begins.
+  !! `&initial`: initial conditions, a static deflection or a rigid rotation.
   use bw_input_name, only: any_number, input_group, input_name, off_the_root, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -9,9 +9,9 @@ module bw_initial_par
   public :: build_initial, check_initial, initial_text
 
   type, public :: initial_par
-    real(dp) :: force = 0.0_dp              !! F [N], whose static deflection is let go at t = 0
+    real(dp) :: force = 0.0_dp              !! F [N], released at t = 0 from its static deflection
     real(dp) :: position = 1.0_dp           !! ξ where it acts
-    real(dp) :: angular_velocity = 0.0_dp   !! of a rigid turn about the root, or of hub and beam [rad/s]
+    real(dp) :: angular_velocity = 0.0_dp   !! of a rigid rotation about the root, or of hub and beam [rad/s]
   end type initial_par
 
   type(input_group), parameter, public :: initial_group = input_group( &
@@ -39,7 +39,7 @@ module bw_initial_par
 contains
 
   pure subroutine check_initial(values, messages)
-    !! Something is given, and a place only of a force.
+    !! Check that something is given, and a place only with a force.
     type(group_values), intent(in) :: values
     type(message_list), intent(inout) :: messages
     if (.not. (values%given('force') .or. values%given('angular_velocity'))) call messages%add(values%line, '&initial', &
@@ -49,7 +49,7 @@ contains
   end subroutine check_initial
 
   pure type(initial_par) function build_initial(values) result(initial)
-    !! From checked values.
+    !! Build the initial conditions from checked values.
     type(group_values), intent(in) :: values
     if (values%known('force')) initial%force = values%number('force')
     if (values%known('position')) initial%position = values%number('position')
@@ -57,7 +57,7 @@ contains
   end function build_initial
 
   pure function initial_text(values) result(text)
-    !! What a report calls it: `let go from under 1000 N at xi = 1`.
+    !! Return the text of a report: `let go from under 1000 N at xi = 1`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     text = ''

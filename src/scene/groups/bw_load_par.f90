@@ -1,6 +1,6 @@
 module bw_load_par
-  !! `&force`: a force that acts at a place of the beam for some time. `&base`: the frame that holds the beam is accelerated across
-  !! it. Both vary in time as a pulse, a tone or what a file holds.
+  !! `&force`: a force on a place of the beam, for a limited time. `&base`: a transverse acceleration of the frame that holds the
+  !! beam. Both vary in time as a pulse, a tone or as given in a file.
   use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, positive, real_input, text_input, &
     unit_interval
   use bw_input_values, only: group_values, position_of, positions_of
@@ -15,15 +15,15 @@ module bw_load_par
 
   type, public :: load_par
     character(:), allocatable :: shape            !! half_sine, haversine, triangle, rectangle, sine or file
-    real(dp) :: amplitude = 0.0_dp                !! its largest value, N or m/s²
-    real(dp) :: start = 0.0_dp                    !! s; of a file what is added to its times
+    real(dp) :: amplitude = 0.0_dp                !! its peak, N or m/s²
+    real(dp) :: start = 0.0_dp                    !! s; for a file, an offset of its times
     real(dp) :: duration = missing                !! s, > 0; `missing`: to the end of the record
     real(dp) :: frequency = 0.0_dp                !! of a sine, Hz
-    character(:), allocatable :: file             !! as the user wrote it, beside the scene; unallocated: none
-    type(column_choice), allocatable :: time      !! column of the times; unallocated: not said
-    type(column_choice), allocatable :: column    !! of the load; unallocated: the only one beside the time
-    real(dp) :: sample_rate = missing             !! Hz; `missing` where times are read
-    real(dp) :: scale = missing                   !! SI over the unit of the column; `missing`: that unit tells
+    character(:), allocatable :: file             !! as the user gave it, relative to the scene; unallocated: none
+    type(column_choice), allocatable :: time      !! column of the times; unallocated: not given
+    type(column_choice), allocatable :: column    !! of the load; unallocated: the only one besides the time
+    real(dp) :: sample_rate = missing             !! Hz; `missing` if times are read
+    real(dp) :: scale = missing                   !! SI over the unit of the column; `missing`: from that unit
     real(dp) :: time_scale = missing              !! s over the file's unit of time; `missing` likewise
     integer :: line = 0                           !! where the group opens
   end type load_par
@@ -108,7 +108,7 @@ module bw_load_par
 contains
 
   pure subroutine check_load(load, messages)
-    !! A shape has what it takes, and nothing that has no meaning for it.
+    !! Check that a shape has the values that it needs, and none that have no meaning for it.
     type(group_values), intent(in) :: load
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: shape, place
@@ -151,7 +151,7 @@ contains
   end subroutine check_load
 
   pure subroutine complete_loads(groups, messages)
-    !! A load begins before the histories end.
+    !! Check that a load begins before the histories end.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: g, r
@@ -169,7 +169,7 @@ contains
   end subroutine complete_loads
 
   pure type(load_par) function build_load(values) result(load)
-    !! From checked values.
+    !! Build a load from checked values.
     type(group_values), intent(in) :: values
     load%line = values%line
     load%shape = values%text('shape')
@@ -186,7 +186,7 @@ contains
   end function build_load
 
   pure logical function begins_or_ends_at_once(load) result(jumps)
-    !! The load itself jumps, after which accelerations have no limit. What a file holds is seen when it is read.
+    !! Tell whether the load jumps, so that accelerations do not converge. A load from a file is checked when it is read.
     type(group_values), intent(in) :: load
     real(dp) :: half_turns
     jumps = .false.
@@ -198,10 +198,10 @@ contains
   end function begins_or_ends_at_once
 
   pure function loads_text(groups, group) result(text)
-    !! What a report calls all forces, or all motions of the base: `force at xi = 1 (half sine of 100 N for 0.001 s)`, or of many
-    !! how many there are.
+    !! Return the text of a report on all forces, or all motions of the base: `force at xi = 1 (half sine of 100 N for 0.001 s)`,
+    !! or their number if they are many.
     type(group_values), intent(in) :: groups(:)
-    character(*), intent(in) :: group              !! `force` or `base`, of which there is at least one
+    character(*), intent(in) :: group              !! `force` or `base`; there is at least one
     character(:), allocatable :: text
     integer, parameter :: most = 3
     integer, allocatable :: loads(:)
@@ -222,9 +222,9 @@ contains
   end function loads_text
 
   pure function load_text(values, unit) result(text)
-    !! What a report calls it: `half sine of 100 N for 0.001 s`.
+    !! Return the text of one load: `half sine of 100 N for 0.001 s`.
     type(group_values), intent(in) :: values
-    character(*), intent(in) :: unit               !! of the load, behind a blank
+    character(*), intent(in) :: unit               !! of the load, with a leading blank
     character(:), allocatable :: text
     text = replaced(values%text('shape'), '_', ' ')
     if (text == 'file') then

@@ -14,18 +14,18 @@ module bw_modes_par
     integer :: before = 0   !! modes of the beam before the impact, ≥ 1
     integer :: after = 0    !! modes after the capture, ≥ 1; without a capture the same as before
     real(dp) :: tolerance = missing
-      !! largest error of the displacement over its peak; `missing` where counts are given instead, and the counts are
-      !! then 0 before and `shown_modes` after
+      !! largest error of the displacement over its peak; `missing` if counts are given. With a tolerance, the counts are
+      !! 0 before and `shown_modes` after
     logical :: asked = .true.
-      !! false of a tolerance that is the default: where it is out of reach, it relaxes to what can be had
+      !! false for the default tolerance, which is relaxed if it is out of reach
     logical :: extended = .false.
-      !! every root in extended precision, whether the record calls for it or not. No input names it: `beamwave accuracy`
-      !! shows what it would cost
-    logical :: modal_model = .false.   !! the result holds what other programs take of modes, for the points of histories
+      !! every root in extended precision, whether needed or not. No input sets it: `beamwave accuracy` measures
+      !! its cost
+    logical :: modal_model = .false.   !! the result holds a modal model for other programs, at the points of histories
   end type modes_par
 
-  integer, parameter, public :: shown_modes = 20      !! modes that a result holds where the sum has as many as it takes
-  integer, parameter :: default_count = 20            !! where no history depends on it
+  integer, parameter, public :: shown_modes = 20      !! modes that a result holds if a tolerance sets their number
+  integer, parameter :: default_count = 20            !! if no history depends on it
   real(dp), parameter, public :: default_tolerance = 1.0e-6_dp
   real(dp), parameter, public :: coarsest_tolerance = 0.5_dp
   type(number_range), parameter :: counts = number_range(1.0_dp, 1e7_dp)
@@ -59,12 +59,12 @@ module bw_modes_par
 contains
 
   pure subroutine complete_modes(modes, rebound, captured, lasting, response, messages)
-    !! Fill in the counts that follow from others; say which are missing.
+    !! Fill in derived counts; report missing ones.
     type(group_values), intent(inout) :: modes
     logical, intent(in) :: rebound    !! an instantaneous impact without capture
     logical, intent(in) :: captured   !! or the beam changes later: there are several sets of modes
-    logical, intent(in) :: lasting    !! the impact lasts, or none begins the motion: it has a limit, with a capture and without
-    logical, intent(in) :: response   !! a history is asked for
+    logical, intent(in) :: lasting    !! finite contact, or no impact starts the motion: it converges
+    logical, intent(in) :: response   !! histories are requested
     type(message_list), intent(inout) :: messages
     if (any(modes%values%given .and. .not. modes%values%known)) return
     if (modes%given('tolerance')) then
@@ -89,7 +89,7 @@ contains
     end if
     if (.not. captured) then
       call complete_single(modes, messages)
-    else if (.not. modes%given('after')) then        ! a count that is not given is the other one, and follows its sweep
+    else if (.not. modes%given('after')) then        ! an omitted count equals the other one, and follows its sweep
       call modes%derive('after', modes%number('before'), modes%values(modes%at('before'))%sweeps(1))
     else if (.not. modes%given('before')) then
       call modes%derive('before', modes%number('after'), modes%values(modes%at('after'))%sweeps(1))
@@ -97,7 +97,7 @@ contains
   end subroutine complete_modes
 
   pure subroutine complete_single(modes, messages)
-    !! Without a capture: `after` may only repeat `before`, and says nothing then.
+    !! Check a scene without a capture: `after` may only repeat `before`, and is then dropped.
     type(group_values), intent(inout) :: modes
     type(message_list), intent(inout) :: messages
     if (.not. modes%given('after')) return
@@ -113,7 +113,7 @@ contains
   end subroutine complete_single
 
   pure type(modes_par) function build_modes(values) result(modes)
-    !! Counts, or a tolerance.
+    !! Build the counts, or the tolerance.
     type(group_values), intent(in) :: values      !! complete
     modes%modal_model = values%values(values%at('modal_model'))%flag
     if (values%known('tolerance')) then
@@ -128,7 +128,7 @@ contains
   end function build_modes
 
   pure real(dp) function relaxed_tolerance(reached) result(tolerance)
-    !! The finest of 0.5, 0.2, 0.1, 0.05 … that is safely above an error that can be had; missing where none is.
+    !! Return the finest of 0.5, 0.2, 0.1, 0.05 … that is safely above an achievable error; missing if none is.
     real(dp), intent(in) :: reached            !! estimated error of the displacement over its peak, > 0
     real(dp), parameter :: margin = 1.05_dp, steps(3) = [1.0_dp, 2.0_dp, 5.0_dp]
     real(dp) :: tens
@@ -139,20 +139,20 @@ contains
   end function relaxed_tolerance
 
   pure logical function is_relaxed(modes)
-    !! The default tolerance was out of reach, and another stands in its place.
+    !! Tell whether the default tolerance was out of reach and has been relaxed.
     type(modes_par), intent(in) :: modes
     is_relaxed = by_tolerance(modes) .and. .not. modes%asked .and. modes%tolerance /= default_tolerance
   end function is_relaxed
 
   pure real(dp) function wanted_tolerance(modes) result(tolerance)
-    !! The tolerance, the default where modes are counted.
+    !! Return the tolerance; the default if modes are counted.
     type(modes_par), intent(in) :: modes
     tolerance = default_tolerance
     if (by_tolerance(modes)) tolerance = modes%tolerance
   end function wanted_tolerance
 
   pure logical function by_tolerance(modes)
-    !! The program chooses how many modes are summed.
+    !! Tell whether a tolerance determines how many modes are summed.
     type(modes_par), intent(in) :: modes
     by_tolerance = .not. is_missing(modes%tolerance)
   end function by_tolerance

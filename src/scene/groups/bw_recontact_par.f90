@@ -1,12 +1,12 @@
 module bw_recontact_par
-  !! `&recontact`: a mass that rebounded may strike the beam again.
+  !! `&recontact`: a mass that has rebounded may strike the beam again.
   use bw_input_name, only: input_group, input_name, integer_input, number_range
   use bw_kinds, only: dp
   implicit none (type, external)
   private
 
   type, public :: recontact_par
-    integer :: max_contacts = 100       !! contacts after the first impact that are followed, and the motion up to one more
+    integer :: max_contacts = 100       !! number of contacts after the first impact that are followed; the motion ends at the next
   end type recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &

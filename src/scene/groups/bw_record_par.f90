@@ -1,5 +1,5 @@
 module bw_record_par
-  !! `&record`: histories that are read from files, of a beam that somebody measured or simulated elsewhere.
+  !! `&record`: histories read from files, of a beam that was measured or simulated elsewhere.
   use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, positive, real_input, &
                            reals_input, texts_input, unit_interval
   use bw_input_values, only: group_values, input_value, position_of
@@ -16,23 +16,23 @@ module bw_record_par
 
   type, public :: column_choice
     !! A column of a table, by its name or its number.
-    character(:), allocatable :: name            !! '' where the number says it
-    integer :: number = 0                        !! from 1; 0 where the name says it
+    character(:), allocatable :: name            !! '' if given by number
+    integer :: number = 0                        !! from 1; 0 if given by name
   end type column_choice
 
   type, public :: record_par
-    type(string), allocatable :: files(:)        !! as the user wrote them, beside the scene; repeats of one measurement, (n)
-    integer :: file = 1                          !! the number of the one that is this case
-    type(column_choice), allocatable :: time     !! unallocated: not said
-    real(dp) :: time_scale = missing             !! s over the file's unit of time, > 0; `missing`: the file's unit tells
-    real(dp) :: sample_rate = missing            !! [Hz], > 0; `missing` where times are read
+    type(string), allocatable :: files(:)        !! as the user gave them, relative to the scene; repeats of one measurement, (n)
+    integer :: file = 1                          !! index of the file of this case
+    type(column_choice), allocatable :: time     !! unallocated: not given
+    real(dp) :: time_scale = missing             !! s over the file's unit of time, > 0; `missing`: from the file's unit
+    real(dp) :: sample_rate = missing            !! [Hz], > 0; `missing` if times are read
     type(column_choice), allocatable :: columns(:)   !! the sensors; unallocated: all but the time, (n_sensors)
-    type(string), allocatable :: quantities(:)   !! of all sensors, or one for each; unallocated: what the file says, (1 or n_sensors)
-    real(dp), allocatable :: scales(:)           !! SI over the unit of the column; unallocated: that unit tells, (1 or n_sensors)
-    real(dp), allocatable :: points(:)           !! ξ of each sensor; unallocated: what the file says, if anything, (n_sensors)
-    type(column_choice), allocatable :: force    !! the hammer's; unallocated: nothing is known of the blow
-    real(dp) :: force_point = 1                  !! ξ where it strikes
-    real(dp) :: first_time = -huge(1.0_dp)       !! first and last time that is used [s], from the file's time 0
+    type(string), allocatable :: quantities(:)   !! of all sensors, or one for each; unallocated: from the file, (1 or n_sensors)
+    real(dp), allocatable :: scales(:)           !! SI over the unit of the column; unallocated: from that unit, (1 or n_sensors)
+    real(dp), allocatable :: points(:)           !! ξ of each sensor; unallocated: from the file, if given, (n_sensors)
+    type(column_choice), allocatable :: force    !! of the hammer; unallocated: the force is unknown
+    real(dp) :: force_point = 1                  !! ξ of the blow
+    real(dp) :: first_time = -huge(1.0_dp)       !! first and last time used [s], in the file's time
     real(dp) :: last_time = huge(1.0_dp)
   end type record_par
 
@@ -76,7 +76,7 @@ module bw_record_par
 contains
 
   pure subroutine check_record(record, messages)
-    !! Lists go together, nothing is named twice, no scale is 0.
+    !! Check that lists match, that nothing is named twice, and that no scale is 0.
     type(group_values), intent(in) :: record
     type(message_list), intent(inout) :: messages
     call check_repeats(record, 'file', messages)
@@ -96,7 +96,7 @@ contains
   end subroutine check_record
 
   pure subroutine check_repeats(record, name, messages)
-    !! No file and no column stands twice.
+    !! Report files or columns that are given twice.
     type(group_values), intent(in) :: record
     character(*), intent(in) :: name
     type(message_list), intent(inout) :: messages
@@ -111,7 +111,7 @@ contains
   end subroutine check_repeats
 
   pure integer function place_in(list, first, last, other, i) result(place)
-    !! Place between two of a list that holds what item i of another is; 0: none.
+    !! Return the place, from first to last, of item i of another list in a list; 0: none.
     type(input_value), intent(in) :: list, other
     integer, intent(in) :: first, last, i
     do place = last, first, -1
@@ -122,7 +122,7 @@ contains
   end function place_in
 
   pure function what(value, i) result(text)
-    !! How a message shows an item of a list.
+    !! Return an item of a list as a message shows it.
     type(input_value), intent(in) :: value
     integer, intent(in) :: i
     character(:), allocatable :: text
@@ -131,7 +131,7 @@ contains
   end function what
 
   pure subroutine check_counts(record, messages)
-    !! Lists of more than one value have as many as there are sensors; places are always one for each.
+    !! Check that lists of several values have one for each sensor; places are always one for each.
     type(group_values), intent(in) :: record
     type(message_list), intent(inout) :: messages
     integer :: i, first
@@ -150,7 +150,7 @@ contains
   end subroutine check_counts
 
   pure subroutine complete_record(groups, messages)
-    !! The part that is used has a length, in every case of a sweep.
+    !! Check that the part used is not empty, in every case of a sweep.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     associate (record => groups(position_of(groups, 'record')))
@@ -162,7 +162,7 @@ contains
   end subroutine complete_record
 
   pure type(record_par) function build_record(values) result(record)
-    !! From checked values.
+    !! Build a record from checked values.
     type(group_values), intent(in) :: values
     record%files = values%values(values%at('file'))%texts
     record%file = max(1, values%whole('file'))
@@ -180,7 +180,7 @@ contains
   end function build_record
 
   pure type(column_choice) function one_choice(value) result(column)
-    !! A single column.
+    !! Return a single column.
     type(input_value), intent(in) :: value
     type(column_choice), allocatable :: columns(:)
     columns = choices(value)
@@ -188,7 +188,7 @@ contains
   end function one_choice
 
   pure function choices(value) result(columns)
-    !! Columns as a scene names them.
+    !! Return columns as a scene names them.
     type(input_value), intent(in) :: value
     type(column_choice), allocatable :: columns(:)
     integer :: i

@@ -1,5 +1,5 @@
 module bw_release_par
-  !! `&release`: a captured mass leaves again.
+  !! `&release`: a captured mass leaves the beam.
   use bw_input_name, only: input_group, input_name, positive, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -26,7 +26,7 @@ module bw_release_par
 contains
 
   pure function release_text(values) result(text)
-    !! What a report calls it: `release at 0.1 s`.
+    !! Return the text of a report: `release at 0.1 s`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     text = 'release at a swept time'

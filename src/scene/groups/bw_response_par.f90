@@ -14,8 +14,8 @@ module bw_response_par
   type, public :: response_par
     real(dp) :: duration = 0.0_dp        !! T [s], > 0
     integer :: samples = 0               !! N ≥ 1; the times are the exact j·T/N, j = 0 … N−1
-    real(dp), allocatable :: points(:)   !! ξ in [0, 1], in the user's order, no two the same, (n_points)
-    logical :: velocity = .false.        !! velocities are asked for too
+    real(dp), allocatable :: points(:)   !! ξ in [0, 1], in the user's order, all different, (n_points)
+    logical :: velocity = .false.        !! velocities are requested, too
     logical :: bending_moment = .false.  !! and bending moments
     logical :: acceleration = .false.    !! and accelerations
     logical :: shear_force = .false.     !! and shear forces
@@ -49,7 +49,7 @@ module bw_response_par
 contains
 
   pure subroutine check_response(response, messages)
-    !! Points are coordinates of the result: no two are the same.
+    !! Check that no two points are equal, since they are coordinates of the result.
     type(group_values), intent(in) :: response
     type(message_list), intent(inout) :: messages
     integer :: i
@@ -65,8 +65,8 @@ contains
   end subroutine check_response
 
   pure subroutine check_limits(groups, messages)
-    !! What has no limit as modes are added is refused: accelerations and shear forces after an ideal blow, accelerations after a load
-    !! that jumps.
+    !! Reject quantities that do not converge as modes are added: accelerations and shear forces after an instantaneous
+    !! blow, accelerations after a load that jumps.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: why
@@ -97,7 +97,7 @@ contains
     end do
   contains
     pure logical function changes()
-      !! The motion begins or goes on by jumps that no load makes.
+      !! Tell whether the motion has jumps that no load causes, at its beginning or later.
       integer :: i
       changes = position_of(groups, 'initial') > 0
       do i = 1, size(groups)
@@ -113,7 +113,7 @@ contains
   end subroutine check_limits
 
   pure type(response_par) function build_response(values) result(response)
-    !! From checked values.
+    !! Build a response from checked values.
     type(group_values), intent(in) :: values
     response%duration = values%number('duration')
     response%samples = values%whole('samples')

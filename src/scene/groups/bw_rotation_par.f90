@@ -1,5 +1,5 @@
 module bw_rotation_par
-  !! `&rotation`: the beam's root turns at a constant rate.
+  !! `&rotation`: the root of the beam rotates at a constant rate.
   use bw_constants, only: pi
   use bw_input_name, only: any_number, input_group, input_name, real_input, text_input
   use bw_input_values, only: group_values
@@ -11,7 +11,7 @@ module bw_rotation_par
 
   type, public :: rotation_par
     real(dp) :: angular_velocity = 0.0_dp   !! ω [rad/s], of either sign
-    character(:), allocatable :: plane      !! 'in' or 'out': the beam bends in the plane of rotation or out of it
+    character(:), allocatable :: plane      !! 'in' or 'out': the beam bends in or out of the plane of rotation
   end type rotation_par
 
   type(input_group), parameter, public :: rotation_group = input_group( &
@@ -30,17 +30,17 @@ module bw_rotation_par
 contains
 
   pure type(rotation_par) function build_rotation(values) result(rotation)
-    !! From checked values.
+    !! Build the rotation from checked values.
     type(group_values), intent(in) :: values
     rotation%angular_velocity = values%number('angular_velocity')
     rotation%plane = values%text('plane')
   end function build_rotation
 
   pure function rotation_text(values) result(text)
-    !! What a report calls it: `rotation 50 rad/s (477.5 rpm) in plane`.
+    !! Return the text of a report: `rotation 50 rad/s (477.5 rpm) in plane`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    real(dp), parameter :: rpm = 30.0_dp/pi    ! turns a minute in 1 rad/s
+    real(dp), parameter :: rpm = 30.0_dp/pi    ! revolutions per minute in 1 rad/s
     text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s ('// &
                                                shortest(rpm*values%number('angular_velocity'), 4)//' rpm)')// &
       trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))

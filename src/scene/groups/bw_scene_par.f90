@@ -1,5 +1,5 @@
 module bw_scene_par
-  !! `&scene`: what a run is called.
+  !! `&scene`: the title of a run.
   use bw_input_name, only: input_group, input_name, text_input
   use bw_input_values, only: group_values
   implicit none (type, external)
@@ -21,7 +21,7 @@ module bw_scene_par
 contains
 
   pure type(scene_par) function build_header(values) result(header)
-    !! From checked values.
+    !! Build the header from checked values.
     type(group_values), intent(in) :: values
     header%title = values%text('title')
   end function build_header

@@ -1,5 +1,5 @@
 module bw_shear_par
-  !! `&shear`: the beam shears, and its sections have inertia against turning (Timoshenko).
+  !! `&shear`: shear deformation and rotary inertia of the sections (Timoshenko).
   use bw_input_name, only: input_group, input_name, number_range, positive, real_input
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
@@ -33,7 +33,7 @@ module bw_shear_par
 contains
 
   pure subroutine check_shear(groups, messages)
-    !! Cowper's coefficients are those of a circle and a rectangle.
+    !! Check that Cowper's coefficient is used only for a circle or a rectangle.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: shear, beam
@@ -54,7 +54,7 @@ contains
   end subroutine check_shear
 
   pure subroutine complete_shear(groups)
-    !! The coefficient of a circle or a rectangle is that of its material; where a sweep goes through materials it follows.
+    !! Derive the coefficient of a circle or a rectangle from Poisson's ratio; it follows a sweep of that ratio.
     type(group_values), intent(inout) :: groups(:)
     integer :: shear, beam
     shear = position_of(groups, 'shear')
@@ -69,19 +69,19 @@ contains
   end subroutine complete_shear
 
   pure type(shear_par) function build_shear(values) result(shear)
-    !! Poisson's ratio and the coefficient, given or derived.
+    !! Build the shear from Poisson's ratio and the coefficient, given or derived.
     type(group_values), intent(in) :: values   !! complete
     shear%poisson_ratio = values%number('poisson_ratio')
     if (values%known('shear_coefficient')) shear%shear_coefficient = values%number('shear_coefficient')
   end function build_shear
 
   pure type(shear_par) function usual_shear() result(shear)
-    !! What a scene gets that names the group without values: a solid circle's.
+    !! Return the values of a group without input: those of a solid circle.
     shear%shear_coefficient = usual_coefficient(shear%poisson_ratio, .true.)
   end function usual_shear
 
   elemental real(dp) function usual_coefficient(nu, round) result(coefficient)
-    !! Of a solid circle or rectangle: G. R. Cowper, J. Appl. Mech. 33 (1966) 335.
+    !! Return the coefficient of a solid circle or rectangle: G. R. Cowper, J. Appl. Mech. 33 (1966) 335.
     real(dp), intent(in) :: nu
     logical, intent(in) :: round               !! a circle
     coefficient = 10.0_dp*(1.0_dp + nu)/(12.0_dp + 11.0_dp*nu)
@@ -89,7 +89,7 @@ contains
   end function usual_coefficient
 
   pure function shear_text(values) result(text)
-    !! What a report calls it, with its two numbers.
+    !! Return the text of a report, with both numbers.
     type(group_values), intent(in) :: values   !! complete
     character(:), allocatable :: text
     text = 'shear (Poisson''s ratio '//values%number_or_swept('poisson_ratio', '')//', shear coefficient '// &

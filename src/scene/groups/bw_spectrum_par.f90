@@ -1,5 +1,5 @@
 module bw_spectrum_par
-  !! `&spectrum`: amplitude spectra, and what they say about waves.
+  !! `&spectrum`: amplitude spectra, and the waves that they show.
   use bw_input_name, only: input_group, input_name, integer_input, number_range, real_input, text_input
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
@@ -12,13 +12,13 @@ module bw_spectrum_par
   type, public :: spectrum_par
     character(:), allocatable :: window   !! one of the words below
     integer :: max_peaks = 20             !! ≥ 1
-    real(dp) :: confidence = 0.95_dp      !! of intervals, 0.5 … 1, below 1
-    real(dp) :: false_alarm = 0.01_dp     !! probability that noise alone makes a line, > 0
-    character(:), allocatable :: ends     !! what is known of the beam's ends: one of the words below
+    real(dp) :: confidence = 0.95_dp      !! confidence level of intervals, 0.5 ≤ … < 1
+    real(dp) :: false_alarm = 0.01_dp     !! probability that noise alone gives a line, > 0
+    character(:), allocatable :: ends     !! boundary conditions of the beam: one of the words below
   end type spectrum_par
 
   integer, parameter :: least_samples = 16
-    !! below it, no two peaks stand apart: the widest window's peak covers eight lines of the spectrum
+    !! below it, no two peaks are resolved: the main lobe of the widest window covers eight lines of the spectrum
 
   type(input_group), parameter, public :: spectrum_group = input_group( &
     'spectrum', needs='response|record', absent='no spectral analysis', &
@@ -51,7 +51,7 @@ module bw_spectrum_par
 contains
 
   pure subroutine check_spectrum(groups, messages)
-    !! Samples enough for a spectrum.
+    !! Check that there are enough samples for a spectrum.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: i
@@ -65,16 +65,16 @@ contains
   end subroutine check_spectrum
 
   pure subroutine complete_spectrum(spectrum, has_parts)
-    !! The ends are those of the scene's own beam where that is more than the paper's.
+    !! Use the boundary conditions of the scene's own beam if it differs from the paper's.
     type(group_values), intent(inout) :: spectrum
-    logical, intent(in) :: has_parts              !! the scene names what holds the beam, is attached to it, or makes it up
+    logical, intent(in) :: has_parts              !! the scene gives supports, attached bodies or several pieces
     integer :: i
-    i = spectrum%at('ends')            ! (gfortran 12 loses its place in `values(at(...))%text = ...`)
+    i = spectrum%at('ends')            ! gfortran 12 miscompiles `values(at(...))%text = ...`
     if (has_parts .and. .not. spectrum%values(i)%given) spectrum%values(i)%text = 'model'
   end subroutine complete_spectrum
 
   pure type(spectrum_par) function build_spectrum(values) result(spectrum)
-    !! From checked values.
+    !! Build the spectrum from checked values.
     type(group_values), intent(in) :: values
     spectrum%window = values%text('window')
     spectrum%max_peaks = values%whole('max_peaks')

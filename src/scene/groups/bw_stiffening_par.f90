@@ -1,5 +1,5 @@
 module bw_stiffening_par
-  !! `&stiffening`: the tension that the rotation brings into the beam.
+  !! `&stiffening`: the tension that rotation causes in the beam.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -25,7 +25,7 @@ module bw_stiffening_par
 contains
 
   pure function stiffening_text(values) result(text)
-    !! What a report calls it: `stiffening (hub radius 0.1 m)`.
+    !! Return the text of a report: `stiffening (hub radius 0.1 m)`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     text = 'stiffening (hub radius '//values%number_or_swept('hub_radius', ' m')//')'

@@ -1,5 +1,5 @@
 module bw_support_par
-  !! `&support` and `&tip_support`: an end of the beam is held by springs, to the rotating frame.
+  !! `&support` and `&tip_support`: springs between an end of the beam and the rotating frame.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -9,9 +9,9 @@ module bw_support_par
   public :: build_support, check_support, support_text
 
   type, public :: support_par
-    !! A stiffness that is unallocated is rigid.
-    real(dp), allocatable :: stiffness              !! k_v against the deflection of the end [N/m], ≥ 0
-    real(dp), allocatable :: rotational_stiffness   !! k_θ against its turning [N m/rad], ≥ 0
+    !! An unallocated stiffness is rigid.
+    real(dp), allocatable :: stiffness              !! k_v against deflection of the end [N/m], ≥ 0
+    real(dp), allocatable :: rotational_stiffness   !! k_θ against its rotation [N m/rad], ≥ 0
   end type support_par
 
   type(input_group), parameter, public :: support_group = input_group( &
@@ -48,7 +48,7 @@ module bw_support_par
 contains
 
   pure subroutine check_support(support, messages)
-    !! A root of which nothing gives is clamped.
+    !! Check that a stiffness is given: a root with two rigid springs is clamped.
     type(group_values), intent(in) :: support
     type(message_list), intent(inout) :: messages
     if (any(support%values%given)) return
@@ -57,14 +57,14 @@ contains
   end subroutine check_support
 
   pure type(support_par) function build_support(values) result(support)
-    !! From checked values.
+    !! Build a support from checked values.
     type(group_values), intent(in) :: values
     if (values%known('stiffness')) support%stiffness = values%number('stiffness')
     if (values%known('rotational_stiffness')) support%rotational_stiffness = values%number('rotational_stiffness')
   end function build_support
 
   pure function support_text(values) result(text)
-    !! What a report calls it: `soft root (deflection 1e6 N/m, turning hinged)`, `held tip (deflection rigid, turning free)`.
+    !! Return the text of a report: `soft root (deflection 1e6 N/m, turning hinged)`, `held tip (deflection rigid, turning free)`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
     logical :: root
@@ -75,7 +75,7 @@ contains
   end function support_text
 
   pure function word(values, name, unit, free)
-    !! A stiffness, or what its absence means.
+    !! Return a stiffness, or what its absence means.
     type(group_values), intent(in) :: values
     character(*), intent(in) :: name, unit, free
     character(:), allocatable :: word

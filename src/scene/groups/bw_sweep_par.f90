@@ -1,5 +1,5 @@
 module bw_sweep_par
-  !! `&sweep`: one number takes several values, each of them a case; the columns of a `&design` are sweeps, too.
+  !! `&sweep`: a number that takes several values, each of them a case; the columns of a `&design` are sweeps, too.
   use bw_input_name, only: any_number, input_group, input_name, integer_input, number_range, real_input, reals_input, &
                            text_input
   use bw_input_values, only: group_values
@@ -12,11 +12,11 @@ module bw_sweep_par
 
   type, public :: sweep_par
     character(:), allocatable :: parameter   !! 'group%name', in lower case
-    real(dp), allocatable :: values(:)       !! one per value of the parameter, (n)
-    character(:), allocatable :: spacing     !! 'linear' or 'log' between the ends; '' where the values were listed
-    integer :: axis = 0                      !! which factor of the product of cases it is: sweeps of one axis go together
-    logical :: implied = .false.             !! no `&sweep` says it: the values are numbers of the files of a record
-    logical :: designed = .false.            !! no `&sweep` says it: the values are a column of a `&design`
+    real(dp), allocatable :: values(:)       !! values of the parameter, (n)
+    character(:), allocatable :: spacing     !! 'linear' or 'log' between the ends; '' for listed values
+    integer :: axis = 0                      !! index of its factor in the product of cases: sweeps of one axis vary together
+    logical :: implied = .false.             !! without a `&sweep`: the values are numbers of the files of a record
+    logical :: designed = .false.            !! without a `&sweep`: the values are a column of a `&design`
   end type sweep_par
 
   integer, parameter :: most_values = 1000000
@@ -47,7 +47,7 @@ module bw_sweep_par
 contains
 
   pure subroutine check_sweep(sweep, messages)
-    !! Values are needed: listed, or by their ends and number.
+    !! Check that values are listed, or given by their ends and number.
     type(group_values), intent(in) :: sweep
     type(message_list), intent(inout) :: messages
     integer :: i
@@ -70,7 +70,7 @@ contains
   end subroutine check_sweep
 
   pure subroutine build_sweep(values, sweep)
-    !! From checked values: those that are listed, or between two ends.
+    !! Build a sweep from checked values, listed or between two ends.
     type(group_values), intent(in) :: values   !! checked
     type(sweep_par), intent(out) :: sweep
     sweep%parameter = lower(values%text('parameter'))
@@ -85,7 +85,7 @@ contains
   end subroutine build_sweep
 
   pure function sweep_lines(values, n) result(lines)
-    !! Line of the scene that each of the n values comes from.
+    !! Return the line of the scene from which each of the n values comes.
     type(group_values), intent(in) :: values
     integer, intent(in) :: n
     integer, allocatable :: lines(:)
@@ -99,14 +99,14 @@ contains
   end function sweep_lines
 
   pure function spaced(first, last, n, logarithmic) result(values)
-    !! n values from first to last, both exact. Extended precision keeps what lies between as near as double
-    !! precision allows, so that whole numbers and powers of ten come out as such, and nothing overflows.
+    !! Return n values from first to last, both exact. Extended precision makes those between accurate to double
+    !! precision, so that whole numbers and powers of ten are exact, and nothing overflows.
     real(dp), intent(in) :: first, last
     integer, intent(in) :: n                   !! ≥ 2
-    logical, intent(in) :: logarithmic         !! then both are > 0
+    logical, intent(in) :: logarithmic         !! then both ends are > 0
     real(dp), allocatable :: values(:)
     real(qp) :: ends(2), step
-    real(qp), allocatable :: coarse(:), fine(:)    ! factors of a value: each is one of either, as exponentials cost much
+    real(qp), allocatable :: coarse(:), fine(:)    ! a value is the product of one of each, which saves exponentials
     integer :: i, m
     ends = [real(first, qp), real(last, qp)]
     if (logarithmic) then
