@@ -1,7 +1,7 @@
 module bw_netcdf_source
-  !! A NetCDF file as a source of histories: every variable that has the dimension of the samples is a column, or several, one
-  !! for each place of its other dimension, called `name(1)`, `name(2)`, … A result of beamwave is such a file.
-  !! It is open only while it is read.
+  !! A NetCDF file as a source of histories: every variable with the dimension of the samples gives one column or, with a second
+  !! dimension, one column for each place along it, called `name(1)`, `name(2)`, … Results of beamwave are such files.
+  !! The file is open only while it is read.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_kinds, only: dp, i8
@@ -14,7 +14,7 @@ module bw_netcdf_source
   implicit none (type, external)
   private
 
-  integer, parameter :: block_size = 2**20           !! numbers of a variable in memory at a time
+  integer, parameter :: block_size = 2**20           !! numbers of a variable held in memory at a time
 
   type, extends(record_source), public :: netcdf_source
     type(netcdf_column), allocatable, private :: where(:)
@@ -28,8 +28,8 @@ module bw_netcdf_source
   end type netcdf_source
 
   type :: row_block
-    !! Some rows of some columns, which one call of the library reads: all of one variable.
-    integer :: first_column = 0, last_column = 0     !! in the list of what is asked for
+    !! Rows and columns of one variable that one call of the library reads.
+    integer :: first_column = 0, last_column = 0     !! in the list of requested columns
     integer(i8) :: first_row = 0, last_row = 0
   end type row_block
 
@@ -50,7 +50,7 @@ contains
   end subroutine open_netcdf
 
   subroutine read_times(self, column, rows, times, steps, error)
-    !! All digits of the times are there: those of double or of single precision.
+    !! Read the times, which have all digits of double or single precision.
     class(netcdf_source), intent(inout) :: self
     integer, intent(in) :: column
     integer(i8), intent(out) :: rows
@@ -67,7 +67,7 @@ contains
   end subroutine read_times
 
   subroutine read_values(self, columns, first, values, error)
-    !! In blocks of a column; of a variable in which the samples vary slowest, of all its columns.
+    !! Read values in blocks: column by column, or all columns of a variable in which the samples vary slowest.
     class(netcdf_source), intent(inout) :: self
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first
@@ -107,14 +107,14 @@ contains
   end subroutine take_rows
 
   pure function blocks_of(these, rows) result(blocks)
-    !! What is read at a time, so that no more than a block is in memory, and a chunk of the file is unpacked once for all its
-    !! columns.
-    type(netcdf_column), intent(in) :: these(:)      !! of the columns that are asked for
+    !! Divide the reading into blocks, such that memory holds one block, and each chunk of the file is decompressed once for
+    !! all its columns.
+    type(netcdf_column), intent(in) :: these(:)      !! of the requested columns
     integer(i8), intent(in) :: rows
     type(row_block), allocatable :: blocks(:)
     integer(i8) :: row, at_once
     integer :: first, last, pass, n
-    do pass = 1, 2                                   ! they are counted, and then listed
+    do pass = 1, 2                                   ! the first pass counts, the second lists
       n = 0
       last = 0
       do while (last < size(these))
@@ -135,13 +135,13 @@ contains
   end function blocks_of
 
   pure integer(i8) function width_of(these) result(width)
-    !! How many neighbouring columns of a variable hold all these.
+    !! Return the number of adjacent columns of a variable from the first to the last of these.
     type(netcdf_column), intent(in) :: these(:)
     width = maxval(these%place) - minval(these%place) + 1
   end function width_of
 
   subroutine read_block(these, file, first, rows, values, status)
-    !! Some samples of columns of one variable, unpacked as CF says.
+    !! Read some samples of columns of one variable, unpacked by the CF conventions.
     type(netcdf_column), intent(in) :: these(:)
     integer, intent(in) :: file
     integer(i8), intent(in) :: first, rows
@@ -175,7 +175,7 @@ contains
   end subroutine read_block
 
   function place_of_row(self, row) result(place)
-    !! The number of a sample, for a message.
+    !! Return the number of a sample, for a message.
     class(netcdf_source), intent(inout) :: self
     integer(i8), intent(in) :: row
     character(:), allocatable :: place
@@ -183,7 +183,7 @@ contains
   end function place_of_row
 
   subroutine close_netcdf(self)
-    !! Nothing is open.
+    !! Do nothing: no file is open.
     class(netcdf_source), intent(inout) :: self
     associate (unused => self)
     end associate

@@ -1,5 +1,5 @@
 module bw_netcdf_survey
-  !! What is in a NetCDF file: the dimension of the samples, and the variables that have it, of which each is a column or several.
+  !! The contents of a NetCDF file: the dimension of the samples, and the variables that have it, each one or several columns.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: look_at, path_state
@@ -16,28 +16,28 @@ module bw_netcdf_survey
   private
   public :: survey
 
-  integer, parameter :: most_columns = 1000000       !! as many as a scene can number
+  integer, parameter :: most_columns = 1000000       !! largest number that a scene can give
   character(*), parameter :: quantities = ' displacement velocity acceleration strain '
   character(*), parameter :: sample_names = ' time t sample samples index '
 
   type, public :: netcdf_column
-    !! Where a column lies, and how its numbers are packed.
-    integer :: variable = 0                          !! NetCDF's number
-    integer :: rank = 1                              !! dimensions, 1 or 2
-    integer :: place = 1                             !! along the dimension that is not that of the samples
+    !! The place of a column, and the packing of its numbers.
+    integer :: variable = 0                          !! NetCDF's number of it
+    integer :: rank = 1                              !! number of dimensions, 1 or 2
+    integer :: place = 1                             !! index along the dimension other than that of the samples
     logical :: samples_first = .false.               !! samples vary fastest
-    logical :: is_single = .false.                   !! of single precision
-    real(dp) :: fills(2) = missing                   !! what stands where a number is missing
-    real(dp) :: factor = 1.0_dp, offset = 0.0_dp     !! that CF packs numbers with
+    logical :: is_single = .false.                   !! numbers in single precision
+    real(dp) :: fills(2) = missing                   !! values that mark missing numbers
+    real(dp) :: factor = 1.0_dp, offset = 0.0_dp     !! packing by the CF conventions
   end type netcdf_column
 
 contains
 
   subroutine survey(path, source, of_column, error)
-    !! Look at a file.
+    !! Find the columns of a file.
     !! **Errors**: `status_bad_file`, without the file's name.
     character(*), intent(in) :: path
-    class(record_source), intent(inout) :: source    !! gets all but its path
+    class(record_source), intent(inout) :: source    !! receives everything but its path
     type(netcdf_column), allocatable, intent(out) :: of_column(:)
     type(error_type), allocatable, intent(inout) :: error
     type(netcdf_dimension), allocatable :: dimensions(:)
@@ -81,10 +81,10 @@ contains
   end subroutine survey
 
   pure integer(i8) function columns_of(variable, dimensions, samples) result(columns)
-    !! How many columns a variable is: 0 where it has not the dimension of the samples; below 0 where its other one has no length.
+    !! Count the columns of a variable: 0 without the dimension of the samples; negative if its other dimension has length 0.
     type(netcdf_variable), intent(in) :: variable
     type(netcdf_dimension), intent(in) :: dimensions(:)
-    integer, intent(in) :: samples                   !! its number, from 1
+    integer, intent(in) :: samples                   !! number of the dimension of the samples, from 1
     columns = 0
     if (.not. (variable%is_numeric .and. any(variable%dimensions == samples - 1))) return
     columns = 1
@@ -94,7 +94,7 @@ contains
   end function columns_of
 
   pure real(dp) function bytes_of(variable, dimensions) result(bytes)
-    !! The least that a variable takes in a file of a classic format, its attributes apart.
+    !! Return the least size of a variable in a file of a classic format, without its attributes, bytes.
     type(netcdf_variable), intent(in) :: variable
     type(netcdf_dimension), intent(in) :: dimensions(:)
     integer, parameter :: head = 28
@@ -107,7 +107,7 @@ contains
   end function bytes_of
 
   subroutine check_length(path, file, variables, dimensions, error)
-    !! **Errors**: the end of a file of a classic format was cut off, for which the library would give zeros.
+    !! Check that a file of a classic format is complete: in place of a missing end the library returns zeros.
     character(*), intent(in) :: path
     integer, intent(in) :: file
     type(netcdf_variable), intent(in) :: variables(:)
@@ -125,7 +125,7 @@ contains
   end subroutine check_length
 
   subroutine check(status, error)
-    !! Turn a NetCDF status into an error. Keeps an error that is there.
+    !! Turn a NetCDF status into an error, unless there is one already.
     integer, intent(in) :: status
     type(error_type), allocatable, intent(inout) :: error
     if (status == all_is_well .or. allocated(error)) return
@@ -133,14 +133,14 @@ contains
   end subroutine check
 
   subroutine refuse(problem, error)
-    !! Say what is wrong with the file. Keeps an error that is there.
+    !! Report what is wrong with the file, unless there is an error already.
     character(*), intent(in) :: problem
     type(error_type), allocatable, intent(inout) :: error
     if (.not. allocated(error)) call fail(error, status_bad_file, problem)
   end subroutine refuse
 
   pure integer function dimension_of_samples(dimensions) result(samples)
-    !! The dimension called time, or the like; else the longest; 0 where that has no length.
+    !! Return the dimension called time or similarly, else the longest; 0 if its length is 0.
     type(netcdf_dimension), intent(in) :: dimensions(:)
     integer :: d
     do samples = 1, size(dimensions)
@@ -152,11 +152,11 @@ contains
   end function dimension_of_samples
 
   subroutine look_at_variable(file, number, variable, samples, source, columns, of_column, error)
-    !! What a file says of a variable, and of its columns.
+    !! Read the attributes of a variable and describe its columns.
     integer, intent(in) :: file, number
     type(netcdf_variable), intent(in) :: variable
     integer, intent(in) :: samples                   !! NetCDF's number of their dimension
-    class(record_source), intent(inout) :: source    !! whose notes tell what is odd
+    class(record_source), intent(inout) :: source    !! receives notes on invalid attributes
     type(column_type), intent(inout) :: columns(:)
     type(netcdf_column), intent(inout) :: of_column(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -174,7 +174,7 @@ contains
     call take_number('missing_value', facts%fills(2))
     call take_number('scale_factor', facts%factor)
     call take_number('add_offset', facts%offset)
-    where (.not. ieee_is_finite(facts%fills)) facts%fills = missing     ! what is not finite is missing anyway
+    where (.not. ieee_is_finite(facts%fills)) facts%fills = missing     ! numbers that are not finite are missing in any case
     if (.not. (ieee_is_finite(facts%factor) .and. ieee_is_finite(facts%offset))) &
       call refuse(variable%name//': its scale_factor or add_offset is no finite number', error)
     if (allocated(error)) return
@@ -199,11 +199,11 @@ contains
   end subroutine look_at_variable
 
   subroutine find_places(file, facts, name, places, notes, status)
-    !! ξ of each column: its variable's attribute `position`, or of two dimensions `point_position`. What is no such place is odd.
+    !! Find ξ of each column: attribute `position` or, with two dimensions, variable `point_position`. Invalid places are noted.
     integer, intent(in) :: file
     type(netcdf_column), intent(in) :: facts
     character(*), intent(in) :: name                 !! of the variable
-    real(dp), intent(out) :: places(:)               !! missing where neither says it
+    real(dp), intent(out) :: places(:)               !! missing if neither gives it
     type(string), allocatable, intent(inout) :: notes(:)
     integer, intent(inout) :: status
     type(netcdf_variable) :: points
@@ -229,14 +229,14 @@ contains
   end subroutine find_places
 
   pure subroutine describe(column, is_labelled)
-    !! What the columns of a variable measure.
+    !! Find what the columns of a variable measure.
     type(column_type), intent(inout) :: column       !! with its name, unit and quantity in the file
-    logical, intent(inout) :: is_labelled            !! the file says what some variables measure
+    logical, intent(inout) :: is_labelled            !! the file gives the quantities of some variables
     if (index(quantities, ' '//lower(column%name)//' ') > 0) column%quantity = lower(column%name)
     if (index(quantities, ' '//column%quantity//' ') == 0) column%quantity = ''
     if (column%quantity /= '') is_labelled = .true.
     if (column%quantity == '') column%quantity = quantity_of(column%unit)
-    if (column%name == 'recorded') is_labelled = .true.  ! a result of a record: what was fitted to it is not measured
+    if (column%name == 'recorded') is_labelled = .true.  ! result of a record: fitted histories are not measured
     if (column%name == 'fitted') column%quantity = ''
     call mark_time(column)
   end subroutine describe

@@ -1,5 +1,5 @@
 module bw_read_record
-  !! From a file to a record: the columns that the scene means, the part that it uses, in SI, with what there is to say of it.
+  !! Reads a record from a file: the columns and the part that the scene selects, in SI, with notes.
   use bw_descriptors, only: close_file, open_regular, read_bytes
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_files, only: cannot_be_read, path_beside
@@ -21,14 +21,14 @@ module bw_read_record
   private
   public :: choose_source, path_beside, read_record, record_path
 
-  integer, parameter, public :: least_samples = 16     !! as of simulated histories
-  real(dp), parameter :: latest = 1.0e11_dp            !! s: 3000 years; what is later counts no seconds
-  real(dp), parameter :: largest = 1.0e150_dp          !! of what squares still fit into double precision
+  integer, parameter, public :: least_samples = 16     !! as for simulated histories
+  real(dp), parameter :: latest = 1.0e11_dp            !! s, 3000 years; later times are not in seconds
+  real(dp), parameter :: largest = 1.0e150_dp          !! squares of such numbers are within double precision
 
 contains
 
   pure function record_path(scene, number) result(path)
-    !! Where a file of the record lies: beside the scene.
+    !! Return the path of a file of the record, relative to the scene.
     type(scene_type), intent(in) :: scene              !! with a record
     integer, intent(in) :: number                      !! of the file, from 1
     character(:), allocatable :: path
@@ -37,8 +37,8 @@ contains
 
   subroutine read_record(scene, number, record, error)
     !! Read one file of a scene's record.
-    !! **Errors**: `status_bad_file` where it cannot be read, holds something that is no history, or memory is refused;
-    !! `status_bad_input`, with the place, where the scene asks for what it does not hold, or leaves too little of it.
+    !! **Errors**: `status_bad_file` if it cannot be read, holds no history, or memory is refused; `status_bad_input`, with
+    !! the place, if the scene requests what it does not hold, or too little of it remains.
     type(scene_type), intent(in) :: scene              !! with a record
     integer, intent(in) :: number                      !! of the file, from 1
     type(record_type), intent(out) :: record
@@ -46,8 +46,8 @@ contains
     class(record_source), allocatable :: source
     integer, allocatable :: columns(:)
     real(dp), allocatable :: times(:), steps(:)
-    logical, allocatable :: told(:)                    ! rows that have a time of their own; in the end, of the part that is used
-    integer(i8) :: part(2)                             ! first and last row that is used
+    logical, allocatable :: told(:)                    ! rows with a time of their own; finally, of the part used
+    integer(i8) :: part(2)                             ! first and last row used
     integer :: time, force
     record%path = record_path(scene, number)
     call choose_source(record%path, source, error)
@@ -65,7 +65,7 @@ contains
   end subroutine read_record
 
   subroutine choose_source(path, source, error)
-    !! NetCDF is told by its first bytes; all else is taken for text.
+    !! Choose the kind of source: NetCDF is recognised by its first bytes, and any other file is read as text.
     character(*), intent(in) :: path
     class(record_source), allocatable, intent(out) :: source
     type(error_type), allocatable, intent(inout) :: error
@@ -90,12 +90,12 @@ contains
   end subroutine choose_source
 
   subroutine check_memory(path, samples, numbers, error)
-    !! Whether the machine has the memory for some samples, before any of them is read. **Errors**: `status_bad_file`.
+    !! Check before reading that memory suffices for the samples. **Errors**: `status_bad_file`.
     character(*), intent(in) :: path
     integer(i8), intent(in) :: samples
-    integer, intent(in) :: numbers                     !! of each
+    integer, intent(in) :: numbers                     !! per sample
     type(error_type), allocatable, intent(inout) :: error
-    integer(i8) :: free                                ! bytes; below 0: not known
+    integer(i8) :: free                                ! bytes; negative: not known
     free = free_memory()
     if (free < 0 .or. 8.0_dp*real(samples, dp)*numbers <= real(free, dp)) return
     call fail(error, status_bad_file, path//': memory was refused, for '//text_of(samples)//' samples of '//text_of(numbers)// &
@@ -103,18 +103,18 @@ contains
   end subroutine check_memory
 
   subroutine take_times(scene, source, time, times, steps, record, told, part, error)
-    !! Times since the first sample that is used, and which rows those are.
+    !! Find the times since the first sample used, and the rows that are used.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
-    integer, intent(in) :: time                        !! the column of the times; 0: the sampling rate tells them
-    real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; used up
+    integer, intent(in) :: time                        !! column of the times; 0: times follow from the sampling rate
+    real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; consumed
     type(record_type), intent(inout) :: record
-    logical, allocatable, intent(out) :: told(:)       !! which rows of that part have a time of their own
+    logical, allocatable, intent(out) :: told(:)       !! rows of that part with a time of their own
     integer(i8), intent(out) :: part(2)
     type(error_type), allocatable, intent(inout) :: error
     real(dp) :: scale                                  ! s over the file's unit
     integer(i8) :: j
-    integer, parameter :: many = 16                    ! times, of which not all end in zeros that were left out
+    integer, parameter :: many = 16                    ! last times examined: not all have omitted trailing zeros
     part = [1_i8, 0_i8]
     allocate (told(record%samples_there), source=.true.)
     associate (par => scene%record, first => part(1), last => part(2))
@@ -161,7 +161,7 @@ contains
   end subroutine take_times
 
   pure subroutine mark_own_times(times, told)
-    !! Mark rows without a time, or with that of the row before.
+    !! Mark rows without a time, or with the time of the row before.
     real(dp), intent(in) :: times(:)
     logical, intent(inout) :: told(:)                  !! false for these
     real(dp) :: last
@@ -174,8 +174,8 @@ contains
   end subroutine mark_own_times
 
   pure integer(i8) function row_of(time, told) result(row)
-    !! The row of the file that a time is of.
-    integer(i8), intent(in) :: time                    !! its number
+    !! Return the row of the file that has a time.
+    integer(i8), intent(in) :: time                    !! index among the times
     logical, intent(in) :: told(:)
     integer(i8) :: n
     n = 0
@@ -186,10 +186,10 @@ contains
   end function row_of
 
   subroutine check_times(source, times, told, error)
-    !! Times rise, and are those of a clock. **Errors**: `status_bad_file`, with the place.
+    !! Check that times increase and are plausible. **Errors**: `status_bad_file`, with the place.
     class(record_source), intent(inout) :: source
     real(dp), intent(in) :: times(:)
-    logical, intent(in) :: told(:)                     !! rows of the file that they are of
+    logical, intent(in) :: told(:)                     !! rows of the file that have these times
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: row
     row = first_fall(times)
@@ -205,7 +205,7 @@ contains
   end subroutine check_times
 
   subroutine refuse_short(scene, record, times, samples, error)
-    !! Say that too few samples are left. **Errors**: `status_bad_input` where the scene cuts others off, else `status_bad_file`.
+    !! Report too few samples. **Errors**: `status_bad_input` if the scene excludes others, else `status_bad_file`.
     type(scene_type), intent(in) :: scene
     type(record_type), intent(in) :: record
     real(dp), intent(in) :: times(:)
@@ -228,7 +228,7 @@ contains
   end subroutine refuse_short
 
   pure function cut_by(group, line) result(name)
-    !! Which of the two cuts stands at a line.
+    !! Return which of start and end is given at a line.
     type(group_values), intent(in) :: group
     integer, intent(in) :: line
     character(:), allocatable :: name
@@ -237,7 +237,7 @@ contains
   end function cut_by
 
   subroutine read_force(source, column, part, record, error)
-    !! The hammer's force at the samples that are used.
+    !! Read the hammer's force at the samples used.
     class(record_source), intent(inout) :: source
     integer, intent(in) :: column
     integer(i8), intent(in) :: part(2)
@@ -251,11 +251,11 @@ contains
   end subroutine read_force
 
   subroutine read_sensors(scene, source, columns, part, record, error)
-    !! All samples between the first and the last that are used.
+    !! Read all samples from the first to the last used.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     integer, intent(in) :: columns(:)
-    integer(i8), intent(in) :: part(2)                 !! first and last row that is used
+    integer(i8), intent(in) :: part(2)                 !! first and last row used
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
     integer :: status
@@ -268,12 +268,12 @@ contains
   end subroutine read_sensors
 
   subroutine leave_out(told, record, error)
-    !! Leave out rows that lack a number or a time of their own. **Errors**: `status_bad_file` where too few are left.
-    logical, intent(in) :: told(:)                     !! the rows that the times are of
+    !! Drop rows that lack a number or a time of their own. **Errors**: `status_bad_file` if too few remain.
+    logical, intent(in) :: told(:)                     !! rows that have the times
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
     logical :: whole(size(told))
-    logical, allocatable :: stays(:)                   ! of the times
+    logical, allocatable :: stays(:)                   ! which of the times are kept
     real(dp), allocatable :: values(:, :)
     integer(i8) :: lacking(size(record%sensors)), j
     integer :: s, first, last
@@ -305,7 +305,7 @@ contains
   end subroutine leave_out
 
   subroutine convert(record, error)
-    !! Samples in SI, or in the file's unit where that is not known. **Errors**: `status_bad_file` where they are too large.
+    !! Convert samples to SI, or keep the file's unit if it is not known. **Errors**: `status_bad_file` if they are too large.
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
     integer :: s

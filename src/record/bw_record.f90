@@ -1,5 +1,5 @@
 module bw_record
-  !! A record: histories of sensors along a beam that a file holds, as what follows takes them, and what a file says of its
+  !! A record: histories of sensors along a beam, read from a file and ready for analysis, and the description of the file's
   !! columns.
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
@@ -11,53 +11,53 @@ module bw_record
 
   type, public :: column_type
     !! A column of a table, or a variable of a file.
-    character(:), allocatable :: name            !! as the file has it; '' where it has none
-    character(:), allocatable :: unit            !! as the file has it; '' where it says none
-    character(:), allocatable :: quantity        !! 'displacement', 'velocity', 'acceleration', 'strain'; '' where it says none
-    real(dp) :: position = missing               !! ξ; `missing` where it says none
+    character(:), allocatable :: name            !! as in the file; '' if it has none
+    character(:), allocatable :: unit            !! as in the file; '' if not given
+    character(:), allocatable :: quantity        !! 'displacement', 'velocity', 'acceleration', 'strain'; '' if not given
+    real(dp) :: position = missing               !! ξ; `missing` if not given
     logical :: is_numeric = .true.               !! it holds numbers
-    logical :: is_time = .false.                 !! it holds the times, as far as its name tells
+    logical :: is_time = .false.                 !! its name says that it holds the times
   end type column_type
 
   type, public :: sensor_type
     character(:), allocatable :: name            !! of its column, or its number
     character(:), allocatable :: quantity        !! one of those above
-    character(:), allocatable :: unit            !! of its numbers: SI, or the file's where that is not known
+    character(:), allocatable :: unit            !! of its numbers: SI, or the file's if that is not known
     real(dp) :: scale = 1.0_dp                   !! that unit over the file's
-    real(dp) :: position = missing               !! ξ in [0, 1]; `missing` where nobody says it
+    real(dp) :: position = missing               !! ξ in [0, 1]; `missing` if not given
   end type sensor_type
 
   type, public :: record_type
     character(:), allocatable :: path            !! of the file
-    integer(i8) :: samples_there = 0             !! in the file, before it is cut
-    integer(i8) :: left_out = 0                  !! of the part that is used, since they lack a number, or a time of their own
-    real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
-    real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
-    real(dp) :: resolution = 0.0_dp              !! what the last digit of a late time stands for [s]; 0: all digits are there
-    real(dp), allocatable :: times(:)            !! since the first sample [s], rising; even ones are (j−1)·interval, (samples)
+    integer(i8) :: samples_there = 0             !! in the file, before a part is selected
+    integer(i8) :: left_out = 0                  !! in the part used, for lack of a number or of a time of their own
+    real(dp) :: origin = 0.0_dp                  !! time of the first sample used, in the file [s]
+    real(dp) :: interval = 0.0_dp                !! of evenly spaced samples [s], > 0; 0 if uneven
+    real(dp) :: resolution = 0.0_dp              !! last digit of the late times [s]; 0: all digits are known
+    real(dp), allocatable :: times(:)            !! since the first sample [s], increasing; evenly spaced: (j−1)·interval, (samples)
     real(dp), allocatable :: values(:, :)        !! in the sensors' units, (samples, sensors)
     real(dp), allocatable :: force(:)            !! of the hammer [N]; unallocated: not known, (samples)
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
-    type(string), allocatable :: notes(:)        !! what there is to say of it, one line each
+    type(string), allocatable :: notes(:)        !! notes on the record, one line each
   end type record_type
 
   type, public :: record_extent
-    !! What there is to say of a record without its samples.
+    !! The description of a record without its samples.
     character(:), allocatable :: path            !! of the file
     integer(i8) :: samples_there = 0             !! in the file
-    integer :: samples = 0                       !! that are used
-    real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
+    integer :: samples = 0                       !! number of samples used
+    real(dp) :: origin = 0.0_dp                  !! time of the first sample used, in the file [s]
     real(dp) :: duration = 0.0_dp                !! from the first sample to the last [s]
-    real(dp) :: steps(2) = 0.0_dp                !! the smallest and the largest interval [s]; the same where samples are even
+    real(dp) :: steps(2) = 0.0_dp                !! smallest and largest interval [s]; equal if evenly spaced
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
     real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in its unit, (2, sensors)
-    type(string), allocatable :: notes(:)        !! as those of the record
+    type(string), allocatable :: notes(:)        !! as in the record
   end type record_extent
 
 contains
 
   pure type(record_extent) function extent_of(record) result(extent)
-    !! What there is to say of a record without its samples.
+    !! Return the description of a record without its samples.
     type(record_type), intent(in) :: record
     integer :: n
     n = size(record%times)
@@ -76,7 +76,7 @@ contains
   end function extent_of
 
   pure function clock_text(time, span) result(text)
-    !! A time with six digits, or as many as tell it from others a thousandth of a span away: a clock may count from long ago.
+    !! Write a time with six digits, or as many as resolve a thousandth of a span: a clock may count from long ago.
     real(dp), intent(in) :: time                 !! s
     real(dp), intent(in) :: span                 !! s, > 0
     character(:), allocatable :: text
@@ -98,19 +98,19 @@ contains
   end function clock_text
 
   pure logical function is_even(extent)
-    !! Its samples are evenly spaced.
+    !! Tell whether the samples are evenly spaced.
     type(record_extent), intent(in) :: extent
     is_even = extent%steps(1) >= extent%steps(2)
   end function is_even
 
   pure logical function measure_the_same(sensors, others)
-    !! Two records have as many sensors of the same quantities in the same units, whatever they are called.
+    !! Tell whether two records have sensors of the same quantities in the same units, whatever their names.
     type(sensor_type), intent(in) :: sensors(:), others(:)
     measure_the_same = quantities_of(sensors) == quantities_of(others) .and. size(sensors) == size(others)
   end function measure_the_same
 
   pure function quantities_of(sensors) result(text)
-    !! What sensors measure, in their order: `2 x displacement, strain`; with its unit where that is not SI: `displacement in V`.
+    !! List what sensors measure, in their order: `2 x displacement, strain`; with the unit if it is not SI: `displacement in V`.
     type(sensor_type), intent(in) :: sensors(:)
     character(:), allocatable :: text, what
     integer :: first, last
@@ -129,7 +129,7 @@ contains
   end function quantities_of
 
   pure function quantity_text(sensor) result(text)
-    !! What a sensor measures; where its unit is not known, that unit.
+    !! Return the quantity of a sensor, with its unit if that is not SI.
     type(sensor_type), intent(in) :: sensor
     character(:), allocatable :: text
     text = sensor%quantity
@@ -137,14 +137,14 @@ contains
   end function quantity_text
 
   pure function bare_name(name) result(bare)
-    !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.
+    !! Return a name in lower case, without its unit in brackets: `Time [s]` → `time`.
     character(*), intent(in) :: name
     character(:), allocatable :: bare
     bare = without_unit(lower(name))
   end function bare_name
 
   pure function unit_in(name) result(unit)
-    !! The unit in brackets behind a name: `Time [s]` → `s`; nothing where there is none.
+    !! Return the unit in brackets after a name: `Time [s]` → `s`; empty if there is none.
     character(*), intent(in) :: name
     character(:), allocatable :: unit
     character(:), allocatable :: text
@@ -156,7 +156,7 @@ contains
   end function unit_in
 
   pure function without_unit(name) result(short)
-    !! A name without the unit in brackets behind it: `Time [s]` → `Time`; as it is where nothing would be left.
+    !! Return a name without its unit in brackets: `Time [s]` → `Time`; unchanged if nothing would remain.
     character(*), intent(in) :: name
     character(:), allocatable :: short
     integer :: open
@@ -166,7 +166,7 @@ contains
   end function without_unit
 
   pure integer function opening(text) result(open)
-    !! Place of the bracket that opens the last part of a text; 0 where it does not end in a bracket.
+    !! Return the place of the bracket that opens the last part of a text; 0 if the text does not end in a bracket.
     character(*), intent(in) :: text
     open = 0
     if (len(text) == 0) return

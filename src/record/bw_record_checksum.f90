@@ -1,5 +1,5 @@
 module bw_record_checksum
-  !! The sums of a record's files, by which a result knows whether they are still those that it was made of.
+  !! Checksums of a record's files, by which a result detects that they have changed.
   use bw_error, only: error_type
   use bw_file_checksum, only: file_digits
   use bw_read_record, only: record_path
@@ -11,8 +11,8 @@ module bw_record_checksum
 contains
 
   subroutine record_checksums(scene, text, error)
-    !! The sums of all files of a scene's record, sixteen hexadecimal digits each, by blanks.
-    !! **Errors**: `status_bad_file` where one cannot be read.
+    !! Return the checksums of all files of a scene's record, sixteen hexadecimal digits each, separated by blanks.
+    !! **Errors**: `status_bad_file` if one cannot be read.
     type(scene_type), intent(in) :: scene         !! with a record
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error

@@ -1,5 +1,5 @@
 module bw_record_columns
-  !! Which columns of a file a scene means, and what its sensors measure where.
+  !! Selects the columns of a file that a scene refers to, and finds quantity, unit and place of its sensors.
   use bw_error, only: error_type, fail, status_bad_input
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
@@ -15,19 +15,19 @@ module bw_record_columns
   private
   public :: choose_columns, listed, sensors_of
 
-  integer, parameter :: most_listed = 30               !! columns in a message
+  integer, parameter :: most_listed = 30               !! columns listed in a message
 
 contains
 
   subroutine choose_columns(scene, source, time, columns, force, error)
-    !! The column of the times, those of the sensors and that of the hammer. **Errors**: `status_bad_input`, for what is not in the file.
+    !! Find the columns of times, sensors and hammer. **Errors**: `status_bad_input` for a column that the file does not have.
     type(scene_type), intent(in) :: scene              !! with a record
     class(record_source), intent(in) :: source
-    integer, intent(out) :: time                       !! 0: the sampling rate tells the times
+    integer, intent(out) :: time                       !! 0: times follow from the sampling rate
     integer, allocatable, intent(out) :: columns(:)    !! of the sensors
-    integer, intent(out) :: force                      !! 0: there is none
+    integer, intent(out) :: force                      !! 0: none
     type(error_type), allocatable, intent(inout) :: error
-    type(string) :: bare(size(source%columns))         ! their names in lower case and without units
+    type(string) :: bare(size(source%columns))         ! names of the columns in lower case and without units
     integer :: i
     do i = 1, size(bare)
       bare(i)%text = bare_name(source%columns(i)%name)
@@ -54,14 +54,14 @@ contains
       else
         columns = pack(all_sensors(source, time), all_sensors(source, time) /= force)
       end if
-      if (.not. is_missing(record%sample_rate)) time = 0     ! a column of times is there, and not asked
+      if (.not. is_missing(record%sample_rate)) time = 0     ! a column of times is then ignored
     end associate
     call check_choice(scene, source, time, columns, error)
     if (force > 0) call check_force(scene, source, time, columns, force, error)
   end subroutine choose_columns
 
   subroutine check_time(scene, source, time, error)
-    !! There is a column of times, and it holds numbers. **Errors**: `status_bad_input`.
+    !! Check that there is a column of times, and that it holds numbers. **Errors**: `status_bad_input`.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: time                        !! 0: none
@@ -78,8 +78,8 @@ contains
   end subroutine check_time
 
   pure function all_sensors(source, time) result(columns)
-    !! All columns of numbers but the time, and others that are called as it is, or time; where the file says
-    !! of some what they measure, those.
+    !! Return all columns of numbers except the time and others named like it or as a time; if the file gives the
+    !! quantities of some, only those.
     class(record_source), intent(in) :: source
     integer, intent(in) :: time
     integer, allocatable :: columns(:)
@@ -96,7 +96,7 @@ contains
   end function all_sensors
 
   subroutine check_choice(scene, source, time, columns, error)
-    !! There is a sensor, none is the time or named twice, and lists of the scene go with them.
+    !! Check that there is a sensor, that none is the time or named twice, and that lists of the scene match them.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: time, columns(:)
@@ -127,7 +127,7 @@ contains
   end subroutine check_choice
 
   subroutine check_force(scene, source, time, columns, force, error)
-    !! The hammer's column holds numbers, is no other one, and is in a unit of force.
+    !! Check that the hammer's column holds numbers, is not used otherwise, and has a unit of force.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: time, columns(:), force
@@ -143,7 +143,7 @@ contains
   end subroutine check_force
 
   subroutine check_count(scene, source, name, values, columns, error)
-    !! A list has one value for each sensor.
+    !! Check that a list has one value for each sensor.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     character(*), intent(in) :: name
@@ -163,10 +163,10 @@ contains
   end subroutine check_count
 
   subroutine choose(scene, source, bare, name, choice, column, error)
-    !! The number of a column that the scene means.
+    !! Find the number of a column that the scene refers to.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
-    type(string), intent(in) :: bare(:)                !! names of all columns, as `bare_name` has them
+    type(string), intent(in) :: bare(:)                !! names of all columns, by `bare_name`
     character(*), intent(in) :: name                   !! in `&record`
     type(column_choice), intent(in) :: choice
     integer, intent(out) :: column
@@ -192,7 +192,7 @@ contains
   end subroutine choose
 
   pure function named(source, bare, name) result(found)
-    !! Columns of a name: as it is written, else in whatever letters and without its unit.
+    !! Find columns by name: exactly, else without regard to case and unit.
     class(record_source), intent(in) :: source
     type(string), intent(in) :: bare(:)
     character(*), intent(in) :: name
@@ -210,7 +210,7 @@ contains
   end function named
 
   pure function listed(source) result(text)
-    !! The columns that are there, by name, or by number where they have none.
+    !! List the columns of the file by name, or by number if they have none.
     class(record_source), intent(in) :: source
     character(:), allocatable :: text
     integer :: i
@@ -228,7 +228,7 @@ contains
   end function listed
 
   pure function shown(source, column) result(text)
-    !! How a message names a column.
+    !! Return a column as a message shows it.
     class(record_source), intent(in) :: source
     integer, intent(in) :: column
     character(:), allocatable :: text
@@ -237,7 +237,7 @@ contains
   end function shown
 
   subroutine refuse(scene, name, problem, error)
-    !! `SCENE:LINE: record%name: …`, unless there is an error already.
+    !! Report `SCENE:LINE: record%name: …`, unless there is an error already.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: name, problem
     type(error_type), allocatable, intent(inout) :: error
@@ -251,7 +251,7 @@ contains
   end subroutine refuse
 
   pure function sensors_of(record, source, columns) result(sensors)
-    !! What each sensor is called, measures, in which unit, and where it is: the scene's word before the file's.
+    !! Return name, quantity, unit and place of each sensor: as given by the scene, else by the file.
     type(record_par), intent(in) :: record
     class(record_source), intent(in) :: source
     integer, intent(in) :: columns(:)
@@ -277,11 +277,11 @@ contains
   end function sensors_of
 
   pure subroutine apply_unit(unit, sensor, scale)
-    !! The unit of a sensor's numbers. SI where the file says no other, where it says one that is known, and where the scene brings
-    !! them there; else that of the file, which nothing tells how to change.
-    character(*), intent(in) :: unit                   !! in the file; empty: it says none
-    type(sensor_type), intent(inout) :: sensor         !! its quantity is empty where nobody says it
-    real(dp), intent(in), optional :: scale            !! absent: the scene says none
+    !! Find the unit of a sensor's numbers. It is SI if the file gives none or a known one, or if the scene's scale converts
+    !! to SI; else that of the file, for lack of a conversion.
+    character(*), intent(in) :: unit                   !! in the file; empty: not given
+    type(sensor_type), intent(inout) :: sensor         !! its quantity is empty if not known
+    real(dp), intent(in), optional :: scale            !! absent: the scene gives none
     real(dp) :: factor
     factor = factor_of(unit, sensor%quantity)
     if (factor > 0.0_dp) sensor%scale = factor

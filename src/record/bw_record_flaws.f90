@@ -1,36 +1,36 @@
 module bw_record_flaws
-  !! Samples of a sensor that say nothing of the motion: it stuck at a value, or the motion went beyond its range.
+  !! Flawed samples of a sensor, which do not follow the motion: it was stuck at a value, or clipped.
   !!
-  !! Equal samples in a row are no flaw by themselves: digits are coarse, noise is small, motions turn. Let q be the smallest
-  !! step between neighbours. A run of L equal samples is a flaw where neither explains it:
+  !! Equal consecutive samples are no flaw by themselves: resolution is finite, noise is small, motions have crests. Let q be
+  !! the smallest step between neighbours. A run of L equal samples is a flaw if neither of the following explains it:
   !!
-  !! - **Noise.** With p the part of equal neighbours before or behind the run, over three times its length, whichever is
-  !!   larger (a motion that dies away comes to rest on few digits), n samples hold n p^(L−1) runs as long by chance. That has
-  !!   to be below `chance`.
-  !! - **Smooth motion.** Where the motion is flat over the run, like a crest (second order) or a terrace (third order), it stays
-  !!   within q for half the run, and so leaves it by at most 3³ q = 27 q in a further length of the run on either side.
-  !!   The record has to go farther than `reach` q there.
+  !! - **Noise.** Let p be the fraction of equal neighbours before or after the run, over three times its length, whichever is
+  !! larger (a decaying motion ends on few digits). Then n samples contain n p^(L−1) such runs by chance. This number must be
+  !! below `chance`.
+  !! - **Smooth motion.** If the motion is flat over the run, like a crest (second order) or a terrace (third order), it stays
+  !! within q for half the run, and so departs by at most 3³ q = 27 q within a further run length on either side.
+  !! The record must depart by more than `reach` q there.
   !!
-  !! At the largest and the smallest value a sensor clips where more samples are than in the `reach` steps before it, which a crest
-  !! passes slowly; or where a run of L ≥ 3 has steep sides: a crest that is flat over it falls by at most ((L+2)/L)² q < 3 q to the
-  !! samples next to it.
+  !! A sensor clips at its largest or smallest value if more samples have this value than lie within `reach` steps of it, since
+  !! a crest passes slowly there; or if a run of L ≥ 3 has steep sides: a crest that is flat over it falls by at most
+  !! ((L+2)/L)² q < 3 q to the adjacent samples.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
   public :: find_flaws, mark_flaws
 
-  real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, of each sensor
+  real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, per sensor
   real(dp), parameter :: reach = 30.0_dp         !! steps
   real(dp), parameter :: crest_fall = 4.0_dp     !! steps
   integer, parameter :: least_run = 3            !! samples
-  integer, parameter :: around = 3               !! lengths of a run
+  integer, parameter :: around = 3               !! run lengths
 
   type, public :: flaws_type
-    !! What is wrong with the samples of one sensor. Places are numbers of samples, from 1.
+    !! The flaws of one sensor. Places are numbers of samples, from 1.
     logical :: is_constant = .false.             !! all samples are equal
-    integer(i8) :: stuck_runs = 0                !! how often it stuck
-    integer(i8) :: stuck_first = 0, stuck_last = 0   !! the longest time that it did
-    integer(i8) :: clipped_high = 0              !! samples at the largest value where it clips there, else 0
+    integer(i8) :: stuck_runs = 0                !! number of runs in which it was stuck
+    integer(i8) :: stuck_first = 0, stuck_last = 0   !! the longest of them
+    integer(i8) :: clipped_high = 0              !! samples at the largest value if clipped, else 0
     integer(i8) :: clipped_low = 0               !! at the smallest value
     real(dp) :: highest = 0.0_dp, lowest = 0.0_dp
   end type flaws_type
@@ -38,22 +38,22 @@ module bw_record_flaws
 contains
 
   pure type(flaws_type) function find_flaws(values) result(flaws)
-    !! Look at the samples of one sensor, in the order of their times.
+    !! Find the flaws of one sensor, whose samples are in the order of time.
     real(dp), intent(in) :: values(:)
     logical :: told(size(values))
     call look(values, told, flaws)
   end function find_flaws
 
   pure subroutine mark_flaws(values, told)
-    !! Mark samples of one sensor that say nothing of the motion: those where it stuck, and those at an end of its range where it clips.
+    !! Mark flawed samples of one sensor: those where it was stuck or clipped.
     real(dp), intent(in) :: values(:)
-    logical, intent(inout) :: told(:)             !! false for these samples; others stay as they are
+    logical, intent(inout) :: told(:)             !! false for these samples; others are unchanged
     type(flaws_type) :: flaws
     call look(values, told, flaws)
   end subroutine mark_flaws
 
   pure subroutine look(values, told, flaws)
-    !! Find the flaws of one sensor, and which samples they are.
+    !! Find the flaws of one sensor, and mark the samples.
     real(dp), intent(in) :: values(:)
     logical, intent(inout) :: told(:)
     type(flaws_type), intent(out) :: flaws
@@ -88,7 +88,7 @@ contains
   end subroutine look
 
   pure logical function piles_up(below, step)
-    !! Whether more samples are at an end of the range than just below it.
+    !! Tell whether more samples are at an end of the range than just inside it.
     real(dp), intent(in) :: below(:)              !! distance from the end
     real(dp), intent(in) :: step
     integer(i8) :: at_it
@@ -97,7 +97,7 @@ contains
   end function piles_up
 
   pure logical function has_steep_sides(values, first, last, step)
-    !! Whether the samples next to a run are far from it.
+    !! Tell whether the samples adjacent to a run are far from it.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first, last
     real(dp), intent(in) :: step
@@ -107,7 +107,7 @@ contains
   end function has_steep_sides
 
   pure real(dp) function smallest_step(values) result(step)
-    !! The smallest step between neighbours that differ; the largest number of all where none do.
+    !! Return the smallest step between neighbours that differ; the largest number if none do.
     real(dp), intent(in) :: values(:)
     real(dp) :: change
     integer(i8) :: j
@@ -119,7 +119,7 @@ contains
   end function smallest_step
 
   pure integer(i8) function end_of_run(values, first) result(last)
-    !! The last sample that is equal to the first one and to all between.
+    !! Return the last sample of the run of equal samples that begins at `first`.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first
     last = first
@@ -130,7 +130,7 @@ contains
   end function end_of_run
 
   pure logical function is_stuck(values, first, last, step)
-    !! A run that neither noise nor a smooth motion explains.
+    !! Tell whether neither noise nor a smooth motion explains a run.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first, last
     real(dp), intent(in) :: step
@@ -145,7 +145,7 @@ contains
   end function is_stuck
 
   pure real(dp) function equal_share(values) result(share)
-    !! The part of neighbours that are equal, as a few of them tell it: by the rule of succession, above 0 and below 1.
+    !! Estimate the fraction of equal neighbours from a few samples, by the rule of succession: above 0 and below 1.
     real(dp), intent(in) :: values(:)
     integer(i8) :: n
     n = max(1_i8, size(values, kind=i8)) - 1
@@ -155,7 +155,7 @@ contains
   end function equal_share
 
   pure logical function goes_beyond(values, first, last, length, distance)
-    !! Within so many samples beside a run the record goes farther from its value than a distance.
+    !! Tell whether the record departs from the value of a run by more than a distance, within `length` samples beside it.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first, last, length
     real(dp), intent(in) :: distance

@@ -1,6 +1,5 @@
 module bw_record_notes
-  !! What there is to say of a record beside its numbers: units that are not SI, columns that are left out, samples that say
-  !! nothing.
+  !! Notes on a record besides its numbers: units that are not SI, columns and rows that are left out, flawed samples.
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
   use bw_note, only: remark
@@ -15,13 +14,13 @@ module bw_record_notes
   private
   public :: add_notes
 
-  integer, parameter :: most_named = 4                 !! sensors in one note
-  integer, parameter :: most_listed = 30               !! columns in one note
+  integer, parameter :: most_named = 4                 !! sensors named in one note
+  integer, parameter :: most_listed = 30               !! columns listed in one note
 
 contains
 
   subroutine add_notes(scene, source, time, columns, record)
-    !! All notes of a record whose numbers are read.
+    !! Add all notes of a record whose numbers are read.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: time, columns(:)            !! 0: there is no column of times
@@ -45,9 +44,9 @@ contains
   end subroutine add_notes
 
   subroutine note_time_unit(unit, scale, notes)
-    !! Times were brought to seconds from the unit that the file says, or it is not known, or the scene says another.
+    !! Note that times were converted to seconds, that their unit is not known, or that the scene gives another scale.
     character(*), intent(in) :: unit
-    real(dp), intent(in) :: scale                      !! s over the unit, as the scene says; or `missing`
+    real(dp), intent(in) :: scale                      !! s over the unit, from the scene; or `missing`
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: factor
     if (unit == '') return
@@ -64,7 +63,7 @@ contains
   end subroutine note_time_unit
 
   subroutine note_quantity(scene, source, columns, record)
-    !! Sensors of which neither the scene nor the file says what they measure, nor in which unit.
+    !! Note sensors whose quantity and unit neither the scene nor the file gives.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: columns(:)
@@ -86,9 +85,9 @@ contains
   end subroutine note_quantity
 
   subroutine note_uneven(record)
-    !! Times that tremble a little about even ones: the clock may be even, and its stamps not.
+    !! Note times with a small jitter about evenly spaced ones: the clock may be even, and only its time stamps uneven.
     type(record_type), intent(inout) :: record
-    real(dp), parameter :: little = 0.05_dp            !! of an interval
+    real(dp), parameter :: little = 0.05_dp            !! fraction of an interval
     real(dp) :: interval, off
     if (record%interval > 0.0_dp) return
     call nearest_even(record%times, interval, off)
@@ -99,7 +98,7 @@ contains
   end subroutine note_uneven
 
   subroutine note_counter(record, s)
-    !! A sensor whose values rise by one step from sample to sample is a time or a counter.
+    !! Note a sensor whose values increase by the same step at each sample: a time or a counter.
     type(record_type), intent(inout) :: record
     integer, intent(in) :: s                           !! the sensor
     real(dp), allocatable :: none(:)
@@ -111,8 +110,8 @@ contains
   end subroutine note_counter
 
   subroutine note_unit(scene, source, columns, s, record)
-    !! A sensor was brought to SI from the file's unit, or that unit is not known, or the scene says another. Sensors with the same
-    !! unit, quantity and scale share a note.
+    !! Note that a sensor was converted to SI, that its unit is not known, or that the scene gives another scale. Sensors with
+    !! the same unit, quantity and scale share a note.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: columns(:)
@@ -152,7 +151,7 @@ contains
   end subroutine note_unit
 
   subroutine note_flaws(flaws, s, record)
-    !! Samples that are constant, stuck or clipped.
+    !! Note samples that are constant, stuck or clipped.
     type(flaws_type), intent(in) :: flaws
     integer, intent(in) :: s                           !! the sensor
     type(record_type), intent(inout) :: record
@@ -180,7 +179,7 @@ contains
   end subroutine note_flaws
 
   subroutine note_stuck(flaws, s, record)
-    !! A value that does not change for a time.
+    !! Note a value that is constant for a time.
     type(flaws_type), intent(in) :: flaws
     integer, intent(in) :: s                           !! the sensor
     type(record_type), intent(inout) :: record
@@ -195,7 +194,7 @@ contains
   end subroutine note_stuck
 
   subroutine note_left_out(source, time, notes)
-    !! Columns that hold no numbers, or of which the file does not say what they measure while it does so of others.
+    !! Note columns without numbers, or without a quantity in a file that gives those of others.
     class(record_source), intent(in) :: source
     integer, intent(in) :: time
     type(string), allocatable, intent(inout) :: notes(:)

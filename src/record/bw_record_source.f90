@@ -1,5 +1,5 @@
 module bw_record_source
-  !! A file of histories, whatever its form: a table of rows, one for each instant, and of columns.
+  !! A file of histories in any format: a table with a row for each instant, and columns.
   use bw_error, only: error_type
   use bw_kinds, only: dp, i8
   use bw_record, only: column_type
@@ -10,9 +10,9 @@ module bw_record_source
   type, abstract, public :: record_source
     character(:), allocatable :: path
     type(column_type), allocatable :: columns(:)
-    logical :: is_labelled = .false.             !! what its columns measure is said by the file, not guessed by their units
-    integer(i8) :: rows = 0                      !! how many it has; 0: only reading tells
-    type(string), allocatable :: notes(:)        !! what is odd about what the file says of them
+    logical :: is_labelled = .false.             !! the file gives the quantities of columns; they are not inferred from units
+    integer(i8) :: rows = 0                      !! number of rows; 0: not known before reading
+    type(string), allocatable :: notes(:)        !! oddities in its description of the columns
   contains
     procedure(open_interface), deferred :: open
     procedure(times_interface), deferred :: read_times
@@ -23,7 +23,7 @@ module bw_record_source
 
   abstract interface
     subroutine open_interface(self, path, error)
-      !! Open a file and find its columns. **Errors**: `status_bad_file`, `status_bad_input`, as those of all that follows.
+      !! Open a file and find its columns. **Errors**: `status_bad_file`, `status_bad_input`, here and in all that follow.
       import :: error_type, record_source
       implicit none (type, external)
       class(record_source), intent(inout) :: self
@@ -36,15 +36,15 @@ module bw_record_source
       import :: dp, error_type, i8, record_source
       implicit none (type, external)
       class(record_source), intent(inout) :: self
-      integer, intent(in) :: column                        !! of the times; 0: there is none, the rows are counted
+      integer, intent(in) :: column                        !! of the times; 0: none, the rows are counted
       integer(i8), intent(out) :: rows
       real(dp), allocatable, intent(out) :: times(:)       !! [s], (rows), or of size 0 without a column
-      real(dp), allocatable, intent(out) :: steps(:)       !! what the last digit of each stands for [s], (rows)
+      real(dp), allocatable, intent(out) :: steps(:)       !! last digit of each [s], (rows)
       type(error_type), allocatable, intent(inout) :: error
     end subroutine times_interface
 
     subroutine values_interface(self, columns, first, values, error)
-      !! Read some columns of some rows. What is no finite number is refused with its place.
+      !! Read some columns of some rows. Numbers that are not finite are rejected with their place.
       import :: dp, error_type, i8, record_source
       implicit none (type, external)
       class(record_source), intent(inout) :: self
@@ -55,7 +55,7 @@ module bw_record_source
     end subroutine values_interface
 
     function place_interface(self, row) result(place)
-      !! How a message names a row: `FILE:LINE`.
+      !! Return a row as a message shows it: `FILE:LINE`.
       import :: i8, record_source
       implicit none (type, external)
       class(record_source), intent(inout) :: self

@@ -1,18 +1,18 @@
 module bw_sample_times
-  !! Times of samples: they rise, a part of them is used, and even ones are known as such although their digits were cut.
+  !! Times of samples: whether they increase, which are used, and whether they are evenly spaced to within rounding.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
   public :: even_interval, first_fall, nearest_even, used_part
 
-  real(dp), parameter :: slack = 4.0_dp      !! roundings of a time that somebody computed
-  integer, parameter :: most_steps = 100     !! in which an end of what fits is found
-  integer, parameter :: window = 32          !! neighbours by whose intervals the grain of a clock is told
+  real(dp), parameter :: slack = 4.0_dp      !! rounding errors allowed in a computed time
+  integer, parameter :: most_steps = 100     !! most iterations for an end of the range of intervals
+  integer, parameter :: window = 32          !! neighbours whose intervals show the resolution of a clock
 
 contains
 
   pure integer(i8) function first_fall(times) result(row)
-    !! The first time that is not later than the one before; 0 where all rise.
+    !! Return the first time that is not later than the one before; 0 if all increase.
     real(dp), intent(in) :: times(:)
     do row = 2, size(times, kind=i8)
       if (.not. times(row) > times(row - 1)) return
@@ -21,8 +21,8 @@ contains
   end function first_fall
 
   pure subroutine used_part(times, start, end, first, last)
-    !! First and last of the times from start to end, both included but for rounding; last < first where there are none.
-    real(dp), intent(in) :: times(:)         !! [s], rising
+    !! Find the first and last of the times from start to end, both included within rounding; last < first if there are none.
+    real(dp), intent(in) :: times(:)         !! [s], increasing
     real(dp), intent(in) :: start, end       !! [s]
     integer(i8), intent(out) :: first, last
     do first = 1, size(times, kind=i8)
@@ -34,13 +34,13 @@ contains
   end subroutine used_part
 
   pure real(dp) function even_interval(times, steps) result(interval)
-    !! The interval of times that are even but for the digits that were cut; 0 where they are not even.
+    !! Return the interval of times that are evenly spaced to within rounding; 0 if they are uneven.
     !!
-    !! Times t_j of n samples, each known to half of its last digit, or of the grain of its clock where that is coarser, h_j, are
-    !! even with the interval d where one number a has |t_j − a − j d| ≤ h_j for all j. Of all that fit, the roundest is taken: the
-    !! sampling rate, or the interval, with as few digits as fit; so that 1/3 ms printed with three digits is 3000 Hz.
-    real(dp), intent(in) :: times(:)         !! [s], rising
-    real(dp), intent(in) :: steps(:)         !! what the last digit of each stands for [s]; 0: all digits are there
+    !! Let each of n times t_j be known to h_j: half of its last digit, or of the resolution of its clock if that is coarser. They
+    !! are evenly spaced at d if some a gives |t_j − a − j d| ≤ h_j for all j. Of all such intervals the roundest is returned, with
+    !! the fewest digits as a sampling rate or as an interval: 1/3 ms printed with three digits is 3000 Hz.
+    real(dp), intent(in) :: times(:)         !! [s], increasing
+    real(dp), intent(in) :: steps(:)         !! last digit of each [s]; 0: all digits are known
     interval = 0.0_dp
     if (size(times) < 2) return
     interval = roundest(times, steps)
@@ -49,13 +49,13 @@ contains
   end function even_interval
 
   pure real(dp) function roundest(times, steps) result(interval)
-    !! The roundest interval that fits, as a rate or as it is; 0 where none does.
+    !! Return the roundest interval that fits, as a rate or as an interval; 0 if none does.
     real(dp), intent(in) :: times(:), steps(:)
     real(dp) :: low, high
     integer :: digits, few
     integer, parameter :: most_digits = 15
     interval = 0.0_dp
-    few = min(size(times), 64)               ! a look at a few times, since most uneven ones are far from even
+    few = min(size(times), 64)               ! a first test: most uneven times fail within a few
     call find_range(times(:few), steps(:few), low, high)
     if (low <= high) call find_range(times, steps, low, high)
     if (low > high .or. .not. high > sqrt(tiny(high))) return
@@ -69,9 +69,9 @@ contains
   end function roundest
 
   pure subroutine nearest_even(times, interval, off)
-    !! Even times near to uneven ones, and how far off them these are at most. The interval is the roundest that has them no
-    !! more than twice as far off as that of least squares.
-    real(dp), intent(in) :: times(:)         !! [s], rising
+    !! Fit evenly spaced times to uneven ones, and return the largest deviation. The interval is the roundest whose largest
+    !! deviation is at most twice that of least squares.
+    real(dp), intent(in) :: times(:)         !! [s], increasing
     real(dp), intent(out) :: interval, off   !! [s]
     real(dp) :: low, high
     interval = fitted_interval(times)
@@ -84,7 +84,7 @@ contains
   end subroutine nearest_even
 
   pure subroutine measure_rest(times, interval, low, high)
-    !! The least and the largest of t_j − t_1 − (j − 1) d.
+    !! Return the least and the largest of t_j − t_1 − (j − 1) d.
     real(dp), intent(in) :: times(:), interval
     real(dp), intent(out) :: low, high
     real(dp) :: rest
@@ -99,22 +99,22 @@ contains
   end subroutine measure_rest
 
   pure function grains(times, steps, interval) result(grain)
-    !! The grain of the clock at each time: the largest step of which all intervals of some neighbours, before or behind, are
-    !! multiples; 0 where there is none, or where it is more than half of the interval, and could be the interval itself.
+    !! Return the resolution of the clock at each time: the largest step that divides all intervals of some neighbours, before
+    !! or after; 0 if there is none, or if it exceeds half of the interval, since it could then be the interval itself.
     !!
-    !! Zeros that only fill a stamp up say nothing of its clock, nor do the digits of a difference: t − t₁ has as many as t₁,
-    !! and t may have had fewer. Neighbours are looked at, since stamps of so many digits become coarser with time.
+    !! Padding zeros of a time stamp do not show the resolution, nor do the digits of a difference: t − t₁ has as many as t₁,
+    !! and t may have had fewer. Only neighbours are used, since stamps with a fixed number of digits become coarser with time.
     real(dp), intent(in) :: times(:), steps(:)
-    real(dp), intent(in) :: interval         !! between neighbours, about
+    real(dp), intent(in) :: interval         !! approximate, between neighbours
     real(dp) :: grain(size(times))
-    integer(i8), allocatable :: ahead(:), back(:)      ! divisors of the intervals from one to the end of its block, and from the
-    integer(i8) :: largest                             ! begin of its block to one; any window is the end of one and the begin of
+    integer(i8), allocatable :: ahead(:), back(:)      ! common divisors from an interval to the end of its block,
+    integer(i8) :: largest                             ! and from the start of its block to it; a window spans two blocks
     real(dp) :: unit
     integer :: j, m
     grain = 0.0_dp
     unit = unit_of(times, steps)
     if (.not. interval > 2*unit .or. unit == 0.0_dp) return
-    m = size(times) - 1                      ! another block
+    m = size(times) - 1
     ahead = nint((times(2:) - times(:m))/unit, i8)
     back = ahead
     do j = m - 1, 1, -1
@@ -131,8 +131,8 @@ contains
   end function grains
 
   pure real(dp) function unit_of(times, steps) result(unit)
-    !! A power of ten [s] of which all intervals are multiples: the finest of the last digits, or of 1 ns and coarser ones; 0
-    !! where there is none.
+    !! Return a power of ten [s] that divides all intervals: the finest last digit, at least 1 ns, made coarser until it
+    !! exceeds rounding; 0 if it does not divide them.
     real(dp), intent(in) :: times(:), steps(:)
     real(dp) :: rounding, count
     integer(i8) :: j
@@ -150,7 +150,7 @@ contains
   end function unit_of
 
   pure elemental integer(i8) function common_divisor(first, second) result(divisor)
-    !! The largest whole number that divides two positive ones.
+    !! Return the greatest common divisor of two positive numbers.
     integer(i8), intent(in) :: first, second
     integer(i8) :: other, rest
     divisor = first
@@ -163,7 +163,7 @@ contains
   end function common_divisor
 
   pure real(dp) function fitted_interval(times) result(interval)
-    !! The slope of the times over their numbers, by least squares.
+    !! Return the slope of the times over their indices, by least squares.
     real(dp), intent(in) :: times(:)
     real(dp) :: middle, straight, sum_of_rests
     integer(i8) :: j, n
@@ -178,9 +178,9 @@ contains
   end function fitted_interval
 
   pure subroutine find_range(times, steps, low, high)
-    !! The least and the largest interval d with which some offset brings all times within half of their last digit; low > high
-    !! where there is none. The excess max (t_j − h_j − j d) − min (t_j + h_j − j d) is a convex polygon over d: Newton's steps
-    !! come to its roots from either side, and never beyond but for rounding.
+    !! Find the least and the largest interval d for which some offset brings all times within half of their last digit;
+    !! low > high if there is none. The excess max (t_j − h_j − j d) − min (t_j + h_j − j d) is convex and piecewise linear in
+    !! d: Newton's method approaches its roots from either side and never passes them, except by rounding.
     real(dp), intent(in) :: times(:), steps(:)
     real(dp), intent(out) :: low, high
     real(dp) :: rounding
@@ -194,7 +194,7 @@ contains
   contains
 
     pure real(dp) function bound_by(j)
-      !! The largest interval that one time and the last allow.
+      !! Return the largest interval that one time and the last allow.
       integer, intent(in) :: j
       integer :: n
       n = size(times)
@@ -202,7 +202,7 @@ contains
     end function bound_by
 
     pure subroutine approach(side, d)
-      !! The end of the range on one side; beyond the other where it is empty.
+      !! Find the end of the range on one side; past the other end if the range is empty.
       integer, intent(in) :: side            !! 1: from below, −1: from above
       real(dp), intent(inout) :: d
       real(dp) :: half, rest, lower, upper, before
@@ -226,16 +226,16 @@ contains
           before = d
           d = d + (lower - upper)/(up - down)
         else
-          d = 0.5_dp*(before + d)            ! rounding carried the step beyond
+          d = 0.5_dp*(before + d)            ! rounding made the step too long
         end if
       end do
-      d = side*huge(d)                       ! even the best is none
+      d = side*huge(d)                       ! the least excess is positive
     end subroutine approach
 
   end subroutine find_range
 
   pure real(dp) function rounded_to(value, digits) result(number)
-    !! A positive number with so many digits.
+    !! Round a positive number to this many significant digits.
     real(dp), intent(in) :: value
     integer, intent(in) :: digits
     character(32) :: text, form

@@ -1,7 +1,7 @@
 module bw_sensor_unit
-  !! Units that laboratories write, what they measure, and what they are in SI. A unit is a product of names, each with its prefix
-  !! and its power, as in UDUNITS: `mm/s^2`, `m s-2`, `in/sec²`, `µm/m`, `mg`. Names that measure no motion are known as
-  !! units, and have no factor.
+  !! Units in laboratory files, what they measure, and their values in SI. A unit is a product of names, each with its prefix
+  !! and its power, as in UDUNITS: `mm/s^2`, `m s-2`, `in/sec²`, `µm/m`, `mg`. Names of units that measure no motion are
+  !! recognised, and have no factor.
   use bw_kinds, only: dp
   use bw_text, only: lower
   implicit none (type, external)
@@ -11,8 +11,8 @@ module bw_sensor_unit
   type :: unit_name
     character(8) :: word
     integer :: length, time                  !! powers of m and s
-    real(dp) :: factor                       !! SI over the unit; 0 where it measures no motion
-    character(9) :: prefixes = ''            !! letters of those that may stand before it, or `l`: those of whole words
+    real(dp) :: factor                       !! SI over the unit; 0 if it measures no motion
+    character(9) :: prefixes = ''            !! letters of its prefixes; `l`: prefixes that are whole words
   end type unit_name
 
   real(dp), parameter :: gravity = 9.80665_dp, inch = 0.0254_dp
@@ -48,7 +48,7 @@ module bw_sensor_unit
     prefix_type('G', 1.0e9_dp)]
 
   type :: spelling
-    character(3) :: letter                   !! as files have it: in UTF-8, or in Latin 1
+    character(3) :: letter                   !! as in files: in UTF-8, or in Latin 1
     character(6) :: plain
   end type spelling
 
@@ -58,17 +58,17 @@ module bw_sensor_unit
     spelling(char(181), 'u'), spelling(char(178), '2'), spelling(char(179), '3'), spelling(char(183), '*')]
 
   type :: sensor_unit_type
-    !! What a text is as a unit.
+    !! A text interpreted as a unit.
     logical :: known = .false.
-    logical :: named = .false.               !! it is more than `1`
+    logical :: named = .false.               !! it has names, and is not just `1`
     integer :: length = 0, time = 0          !! powers of m and s
-    real(dp) :: factor = 1.0_dp              !! SI over the unit; 0 where a name in it measures no motion
+    real(dp) :: factor = 1.0_dp              !! SI over the unit; 0 if a name in it measures no motion
   end type sensor_unit_type
 
 contains
 
   pure type(sensor_unit_type) function unit_of(text) result(unit)
-    !! Take a unit apart: names between `/`, `*`, `.` and blanks, each with its power behind it, or `1`.
+    !! Parse a unit: names between `/`, `*`, `.` and blanks, each followed by its power, or `1`.
     character(*), intent(in) :: text
     character(:), allocatable :: rest
     integer :: sign, last
@@ -88,10 +88,10 @@ contains
   end function unit_of
 
   pure subroutine multiply(unit, word, sign)
-    !! One more factor: 1, or a name with its power.
+    !! Multiply a unit by one more factor: 1, or a name with its power.
     type(sensor_unit_type), intent(inout) :: unit
     character(*), intent(in) :: word
-    integer, intent(in) :: sign              !! −1 behind a stroke
+    integer, intent(in) :: sign              !! −1 after a `/`
     type(unit_name) :: name
     integer :: letters, digits, power, stat
     unit%known = word /= ''
@@ -117,9 +117,9 @@ contains
   end subroutine multiply
 
   pure subroutine find_name(word, name, known)
-    !! A name with or without a prefix. Capitals matter only where another unit is written so, and to names that measure no motion.
+    !! Find a name with or without a prefix. Case matters only if it distinguishes units, and for names that measure no motion.
     character(*), intent(in) :: word
-    type(unit_name), intent(out) :: name     !! its factor is that of the prefix, too
+    type(unit_name), intent(out) :: name     !! its factor includes that of the prefix
     logical, intent(out) :: known
     integer :: i, p
     logical :: exact
@@ -133,10 +133,10 @@ contains
   end subroutine find_name
 
   pure subroutine find_behind(word, p, exact, name, known)
-    !! A name behind one prefix.
+    !! Find a name after one prefix.
     character(*), intent(in) :: word
-    integer, intent(in) :: p                 !! 0: none
-    logical, intent(in) :: exact             !! in the letters of the table
+    integer, intent(in) :: p                 !! index of the prefix; 0: none
+    logical, intent(in) :: exact             !! with case as in the table
     type(unit_name), intent(out) :: name
     logical, intent(out) :: known
     integer :: i, letters, n
@@ -161,7 +161,7 @@ contains
   end subroutine find_behind
 
   pure logical function alike(word, other, exact)
-    !! Two words are the same, in the same letters or in any.
+    !! Tell whether two words are equal, with or without regard to case.
     character(*), intent(in) :: word, other
     logical, intent(in) :: exact
     alike = len(word) == len(other)
@@ -170,12 +170,12 @@ contains
   end function alike
 
   pure function plain(text) result(unit)
-    !! A unit in ASCII, without brackets around a single name.
+    !! Return a unit in ASCII, without brackets around a single name.
     character(*), intent(in) :: text
     character(:), allocatable :: unit, letter
     integer :: i, at, last
     unit = trim(adjustl(text))
-    if (len(unit) > 60) unit = ''            ! no unit is as long
+    if (len(unit) > 60) unit = ''            ! no unit is that long
     do i = 1, size(spellings)
       letter = trim(spellings(i)%letter)
       at = index(unit, letter)
@@ -191,7 +191,7 @@ contains
   end function plain
 
   pure logical function is_unit(text)
-    !! The text is a unit.
+    !! Tell whether the text is a unit.
     character(*), intent(in) :: text
     type(sensor_unit_type) :: unit
     unit = unit_of(text)
@@ -199,7 +199,7 @@ contains
   end function is_unit
 
   pure function quantity_of(unit) result(quantity)
-    !! What a unit measures, as `&record` names it; '' where it is not known, or no quantity of a sensor.
+    !! Return the quantity that a unit measures, as `&record` names it; '' if not known, or not a quantity of sensors.
     character(*), intent(in) :: unit
     character(:), allocatable :: quantity
     quantity = measured_by(unit_of(unit))
@@ -207,7 +207,7 @@ contains
   end function quantity_of
 
   pure function measured_by(unit) result(quantity)
-    !! The quantity of a sensor, or `time`; '' where there is none.
+    !! Return the quantity of a sensor, or `time`; '' if there is none.
     type(sensor_unit_type), intent(in) :: unit
     character(:), allocatable :: quantity
     quantity = ''
@@ -222,8 +222,8 @@ contains
   end function measured_by
 
   pure real(dp) function factor_of(unit, quantity) result(factor)
-    !! SI over a unit of a quantity, or of `time`, where it may stand before `since …`; 0 where the unit is not known, or of
-    !! something else.
+    !! Return SI over a unit of a quantity, or of `time`, which `since …` may follow; 0 if the unit is not known, or
+    !! measures something else.
     character(*), intent(in) :: unit, quantity
     type(sensor_unit_type) :: found
     integer :: last
@@ -236,7 +236,7 @@ contains
   end function factor_of
 
   pure real(dp) function force_factor(unit) result(factor)
-    !! N over a unit of force, of which none stands for N; 0 where it is no unit of force.
+    !! Return N over a unit of force; without a unit it is N; 0 for a unit that is not of force.
     character(*), intent(in) :: unit
     select case (trim(adjustl(unit)))
     case ('', 'N', 'n', 'newton', 'Newton', 'newtons', 'Newtons'); factor = 1
@@ -248,7 +248,7 @@ contains
   end function force_factor
 
   pure function si_unit(quantity) result(unit)
-    !! The SI unit of a quantity of a sensor, as UDUNITS writes it.
+    !! Return the SI unit of a quantity of a sensor, as UDUNITS writes it.
     character(*), intent(in) :: quantity
     character(:), allocatable :: unit
     select case (quantity)

@@ -1,21 +1,21 @@
 module bw_time_column
-  !! Which column of a file holds the times, as far as its name and its unit tell: what people's loggers call it.
+  !! Finds the column of a file that holds the times by its name and unit, as loggers write them.
   use bw_record, only: bare_name, column_type
   use bw_sensor_unit, only: factor_of
   implicit none (type, external)
   private
   public :: mark_time, named_time
 
-  character(*), parameter :: plain(*) = [character(4) :: 't', 'time']     !! a column called so comes before the others
+  character(*), parameter :: plain(*) = [character(4) :: 't', 'time']     !! a column of this name is preferred
   character(*), parameter :: words(*) = [character(13) :: plain, 'times', 'timestamp', 'time stamp', 'elapsed', 'elapsed time', &
     'time elapsed', 'relative time', 'rel time', 'x value', 'xvalue', 'secs', 'seconds', 'zeit', 'zeitpunkt', &
     'messzeit', 'temps', 'tempo', 'tiempo', 'tijd', 'tid']
-  character(*), parameter :: joints = '/_ '    !! between a name and its unit that stands in no brackets, as in `t/s`
+  character(*), parameter :: joints = '/_ '    !! between a name and its unit without brackets, as in `t/s`
 
 contains
 
   pure subroutine mark_time(column)
-    !! Say whether a column holds times. A unit that its name ends in, as in `Zeit/ms` or `time_s`, becomes its unit.
+    !! Find whether a column holds times. A unit at the end of its name, as in `Zeit/ms` or `time_s`, becomes its unit.
     type(column_type), intent(inout) :: column
     character(:), allocatable :: word
     integer :: joint
@@ -29,7 +29,7 @@ contains
   end subroutine mark_time
 
   pure function spaced(name) result(word)
-    !! A name with blanks for underscores: `x_value` → `x value`.
+    !! Replace underscores of a name by blanks: `x_value` → `x value`.
     character(*), intent(in) :: name
     character(len(name)) :: word
     integer :: i
@@ -39,8 +39,8 @@ contains
   end function spaced
 
   pure integer function named_time(columns) result(time)
-    !! The only column that is called as times are, of several the only one with numbers, or the only one of these called time or t;
-    !! where none is called so, the first column if it has numbers in a unit of time; else 0.
+    !! Return the only column named as a time; of several, the only one with numbers, or of these the only one named time or t.
+    !! If none is so named, return the first column if it has numbers in a unit of time; else 0.
     type(column_type), intent(in) :: columns(:)
     logical, dimension(size(columns)) :: named, numeric
     integer :: i

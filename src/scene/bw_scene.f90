@@ -192,7 +192,7 @@ contains
   end subroutine check_rules_together
 
   pure subroutine check_timeline(groups, messages)
-    !! Check moving bodies and initial conditions against other groups, and that something moves the beam.
+    !! Check bodies that come or leave, and initial conditions, against other groups; and that something moves the beam.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     character(*), parameter :: elsewhere(2) = [character(9) :: 'recontact', 'record']

@@ -1,6 +1,6 @@
 module bw_probed_lines
-  !! The first lines of a text as one separator cuts them: which fields are numbers, how many there are in a row, and which
-  !! lines are rows.
+  !! The first lines of a text split at one separator: which fields are numbers, how many a row has, and which lines are
+  !! rows.
   use bw_text, only: string
   use bw_text_fields, only: fields_of, is_missing_word, number_marks
   use bw_text_header, only: is_comment
@@ -9,7 +9,7 @@ module bw_probed_lines
   public :: any_number, is_row, number_columns, numbers_in, probe, usual_count
 
   type, public :: probed_line
-    !! A line as one separator cuts it.
+    !! A line split at one separator.
     type(string), allocatable :: fields(:)
     logical, allocatable :: numeric(:)                         !! fields that are numbers
   end type probed_line
@@ -17,7 +17,7 @@ module bw_probed_lines
 contains
 
   subroutine probe(line, separator, probed)
-    !! The fields of a line, and which are numbers; of a comment there are none.
+    !! Split a line and find which fields are numbers; a comment has no fields.
     character(*), intent(in) :: line
     character, intent(in) :: separator
     type(probed_line), intent(out) :: probed
@@ -36,9 +36,9 @@ contains
   end subroutine probe
 
   pure integer function usual_count(probed) result(columns)
-    !! How many fields most lines with numbers have; of several such counts the one that comes last.
+    !! Return how many fields most lines with numbers have; of equally frequent counts, the one that occurs last.
     type(probed_line), intent(in) :: probed(:)
-    integer :: fields(size(probed))                            ! of lines with numbers; of others 0
+    integer :: fields(size(probed))                            ! of lines with numbers; 0 for others
     integer :: n, lines, most
     fields = 0
     do n = 1, size(probed)
@@ -56,7 +56,7 @@ contains
   end function usual_count
 
   pure function number_columns(probed, columns) result(numeric)
-    !! Columns that hold numbers in more than half of the lines of so many fields.
+    !! Return which columns hold numbers in more than half of the lines with this many fields.
     type(probed_line), intent(in) :: probed(:)
     integer, intent(in) :: columns
     logical :: numeric(columns)
@@ -69,7 +69,7 @@ contains
   end function number_columns
 
   pure logical function any_number(probed, columns)
-    !! The last of so many fields is a number somewhere.
+    !! Tell whether the last of this many fields is a number in some line.
     type(probed_line), intent(in) :: probed(:)
     integer, intent(in) :: columns
     integer :: n
@@ -80,7 +80,7 @@ contains
   end function any_number
 
   pure integer function numbers_in(probed, numeric) result(numbers)
-    !! How many numbers stand in rows; where no line is one, in lines of as many fields.
+    !! Count the numbers in rows; if there are no rows, in lines with as many fields.
     type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers
     integer :: n, others
@@ -95,11 +95,11 @@ contains
   end function numbers_in
 
   pure logical function is_row(line, numeric)
-    !! A line with numbers, or what stands for missing ones, in all columns of numbers.
+    !! Tell whether a line has numbers, or marks of missing ones, in all columns of numbers.
     type(probed_line), intent(in) :: line
     logical, intent(in) :: numeric(:)                          !! columns of numbers
     integer :: i
-    logical :: says_something                                  !! a number, or a word as `nan`, but no line of dashes
+    logical :: says_something                                  !! a number or a word like `nan`, not only dashes
     is_row = size(line%fields) == size(numeric)
     if (.not. is_row) return
     says_something = any(line%numeric .and. numeric)

@@ -1,5 +1,5 @@
 module bw_text_header
-  !! What the lines before the rows of a table say: the names of its columns, and their units.
+  !! Reads the lines before the rows of a table: the names of its columns, and their units.
   use bw_record, only: bare_name, column_type, unit_in
   use bw_sensor_unit, only: is_unit, quantity_of
   use bw_text, only: lower, string
@@ -12,7 +12,7 @@ module bw_text_header
 contains
 
   pure logical function is_comment(line)
-    !! The line says nothing to the table: it is empty, or a comment.
+    !! Tell whether the line is empty or a comment.
     character(*), intent(in) :: line
     integer :: first
     first = verify(line, ' '//tab)
@@ -21,8 +21,8 @@ contains
   end function is_comment
 
   subroutine name_columns(lines, separator, closed, columns)
-    !! Names from the last line of the header with as many fields as there are columns, or from the one before where that holds
-    !! units; from a comment where no other line does.
+    !! Find the names: in the last line of the header with one field for each column, or in the line before if that holds
+    !! units; in a comment if no other line has them.
     type(string), intent(in) :: lines(:)                       !! of the header
     character, intent(in) :: separator
     logical, intent(in) :: closed                              !! one more column is empty in all rows
@@ -44,16 +44,16 @@ contains
   end subroutine name_columns
 
   pure subroutine find_names(lines, comments, separator, closed, columns, names, units)
-    !! The last line that can hold names, and the units behind it. Away from the rows, `Rate,1000` holds no names; a line of
-    !! numbers does only where there is no other.
+    !! Find the last line that can hold names, and the units below it. Away from the rows, `Rate,1000` is not accepted as names;
+    !! a line of numbers is only if there is no other.
     type(string), intent(in) :: lines(:)
-    logical, intent(in) :: comments                            !! look at comments, else at other lines
+    logical, intent(in) :: comments                            !! search comments, else other lines
     character, intent(in) :: separator
     logical, intent(in) :: closed
-    integer, intent(in) :: columns                             !! how many there are
+    integer, intent(in) :: columns                             !! number of columns
     type(string), allocatable, intent(inout) :: names(:), units(:)
     type(string), allocatable :: fields(:), above(:)
-    logical :: is_near                                         !! only units stand between the line and the rows
+    logical :: is_near                                         !! only units are between the line and the rows
     integer :: n
     is_near = .true.
     n = size(lines) + 1
@@ -79,7 +79,7 @@ contains
   end subroutine find_names
 
   pure subroutine next_above(lines, comments, separator, n, fields)
-    !! Go up to the next line of the kind, and cut it; n = 0 where there is none.
+    !! Go up to the next line of the requested kind, and split it; n = 0 if there is none.
     type(string), intent(in) :: lines(:)
     logical, intent(in) :: comments
     character, intent(in) :: separator
@@ -97,7 +97,7 @@ contains
   end subroutine next_above
 
   pure function uncommented(line) result(text)
-    !! A line without the mark of a comment before it.
+    !! Return a line without its comment mark.
     character(*), intent(in) :: line
     character(:), allocatable :: text
     text = line(max(1, verify(line, ' '//tab)):)
@@ -106,7 +106,7 @@ contains
   end function uncommented
 
   pure logical function fits(fields, closed, columns)
-    !! There is a field for each column, and at most one more: of an empty column, or which says nothing, or is LabVIEW's `Comment`.
+    !! Tell whether each column has a field, with at most one more: for an empty column, an empty field, or LabVIEW's `Comment`.
     type(string), intent(in) :: fields(:)
     logical, intent(in) :: closed
     integer, intent(in) :: columns
@@ -117,7 +117,7 @@ contains
   end function fits
 
   pure logical function any_text(fields)
-    !! A field is not empty.
+    !! Tell whether some field is not empty.
     type(string), intent(in) :: fields(:)
     integer :: i
     any_text = .false.
@@ -127,14 +127,14 @@ contains
   end function any_text
 
   pure logical function are_words(fields)
-    !! All fields are words, or say nothing.
+    !! Tell whether all fields are words or empty.
     type(string), intent(in) :: fields(:)
     integer :: i
     are_words = count_words(fields) == count([(fields(i)%text /= '', i=1, size(fields))])
   end function are_words
 
   pure integer function count_words(fields) result(words)
-    !! Fields that do not begin as a number, a date or a clock does.
+    !! Count the fields that do not begin like a number, a date or a time of day.
     type(string), intent(in) :: fields(:)
     integer :: i
     words = 0
@@ -145,18 +145,18 @@ contains
   end function count_words
 
   pure logical function are_units(fields, above, closed, columns)
-    !! A line of units: each field is one, or is empty. Where only some are known, words stand above all of them, and they are
-    !! no names themselves.
+    !! Tell whether a line holds units: each field is one, or empty. If only some are known, the line above must have words over
+    !! all fields, and these must not be units.
     type(string), intent(in) :: fields(:)
-    type(string), intent(in) :: above(:)                       !! of the line before
+    type(string), intent(in) :: above(:)                       !! of the line above
     logical, intent(in) :: closed
-    integer, intent(in) :: columns                             !! how many there are
+    integer, intent(in) :: columns                             !! number of columns
     integer :: i, known, others
     known = 0
     others = 0
     do i = 1, size(fields)
       associate (text => fields(i)%text)
-        if (verify(text, '-()[]') == 0) cycle                  ! it has none
+        if (verify(text, '-()[]') == 0) cycle                  ! no unit
         if (is_unit(plain_unit(text)) .or. plain_unit(text) /= text) then
           known = known + 1
         else
@@ -174,11 +174,11 @@ contains
   end function are_units
 
   pure function plain_unit(text) result(unit)
-    !! A unit without the brackets around it.
+    !! Return a unit without the brackets around it.
     character(*), intent(in) :: text
     character(:), allocatable :: unit
     unit = text
-    if (verify(text, '-=()[]') == 0) unit = ''                 ! a line under the names is none
+    if (verify(text, '-=()[]') == 0) unit = ''                 ! underlining of the names
     if (unit == '') return
     if ((text(1:1) == '[' .or. text(1:1) == '(') .and. unit_in(text) /= '') unit = unit_in(text)
   end function plain_unit

@@ -1,9 +1,9 @@
 module bw_text_layout
-  !! How a text holds a table, as its first lines tell: what separates columns, the decimal mark, where the rows begin, what the
-  !! columns are called.
+  !! The layout of a table in a text, found from its first lines: the separator of columns, the decimal mark, the first row,
+  !! and the names of the columns.
   !!
-  !! Each separator is tried; the one by which most fields are numbers is taken. Rows have as many fields as most lines with
-  !! numbers have, and begin with the first such line that has numbers wherever most of them have. What stands before is header.
+  !! Each separator is tried; the one that makes most fields numbers is chosen. Rows have as many fields as most lines with
+  !! numbers, and begin at the first such line with numbers wherever most lines have them. The lines before are the header.
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: dp
   use bw_probed_lines, only: any_number, is_row, number_columns, numbers_in, probe, probed_line, usual_count
@@ -15,13 +15,13 @@ module bw_text_layout
   private
   public :: find_layout
 
-  integer, parameter, public :: most_probed = 200              !! lines that tell the layout
+  integer, parameter, public :: most_probed = 200              !! lines from which the layout is found
   character, parameter :: separators(*) = [tab, ';', ',', blanks]
 
   type, public :: text_layout
     character :: separator = blanks                            !! one of those above
     character :: mark = '.'                                    !! decimal mark
-    logical :: closed = .false.                                !! a separator stands behind the last field, too
+    logical :: closed = .false.                                !! a separator follows the last field, too
     integer :: header = 0                                      !! lines before the first row
     type(column_type), allocatable :: columns(:)
   end type text_layout
@@ -29,7 +29,7 @@ module bw_text_layout
 contains
 
   subroutine find_layout(path, lines, layout, error)
-    !! **Errors**: `status_bad_file` where no rows of numbers are found, or the decimal mark is in doubt.
+    !! Find the layout. **Errors**: `status_bad_file` if there are no rows of numbers, or the decimal mark is ambiguous.
     character(*), intent(in) :: path
     type(string), intent(in) :: lines(:)                       !! the first lines of the file
     type(text_layout), intent(out) :: layout
@@ -64,7 +64,7 @@ contains
   end subroutine find_layout
 
   subroutine probe_all(lines, separator, probed)
-    !! Lines as a separator cuts them.
+    !! Split lines at a separator.
     type(string), intent(in) :: lines(:)
     character, intent(in) :: separator
     type(probed_line), intent(inout) :: probed(:)
@@ -75,10 +75,10 @@ contains
   end subroutine probe_all
 
   subroutine choose_columns(path, lines, probed, layout, error)
-    !! The first row, the decimal mark and the columns, once the separator is known.
+    !! Find the first row, the decimal mark and the columns, given the separator.
     character(*), intent(in) :: path
     type(string), intent(in) :: lines(:)
-    type(probed_line), intent(in) :: probed(:)                 !! as that separator cuts them
+    type(probed_line), intent(in) :: probed(:)                 !! split at that separator
     type(text_layout), intent(inout) :: layout
     type(error_type), allocatable, intent(inout) :: error
     logical, allocatable :: numeric(:)                         !! columns of numbers
@@ -105,8 +105,8 @@ contains
   end subroutine choose_columns
 
   pure integer function first_row(probed, numeric) result(n)
-    !! The first row; where every line has a word among its numbers, the first with a number, which is refused when it is read. So
-    !! is a line behind the names that begins with a number: a logger writes a word there for what was beyond its range.
+    !! Return the first row; if every line has a word among its numbers, the first with a number, which is rejected when read. A
+    !! line below the names that begins with a number is a row, too: a logger writes a word for a value out of range.
     type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers
     integer :: row, line
@@ -115,7 +115,7 @@ contains
       n = row
       do line = row - 1, 1, -1
         if (size(probed(line)%fields) /= size(numeric)) return
-        if (.not. any(probed(line)%numeric)) n = line + 1      ! behind names, or their units
+        if (.not. any(probed(line)%numeric)) n = line + 1      ! below names, or their units
         if (.not. probed(line)%numeric(1)) return
       end do
       return
@@ -126,8 +126,8 @@ contains
   end function first_row
 
   logical function counts_columns(probed, numeric) result(counts)
-    !! The last line but one has the numbers of the columns for names, as `0,1,2` or `,0,1`: whole numbers one by one, where
-    !! others are not whole, and no names before.
+    !! Tell whether the last line but one has the numbers of the columns for names, as `0,1,2` or `,0,1`: consecutive whole
+    !! numbers, above a row with decimals and below no names.
     type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers
     character :: mark
@@ -149,7 +149,7 @@ contains
       first = merge(2, 1, fields(1)%text == '')
       if (size(numeric) < 3 .or. verify(fields(first)%text, '01') > 0) return
       do i = first, size(numeric)
-        if (fields(i)%text == '' .and. i == size(numeric)) cycle   ! behind a separator that closes the line
+        if (fields(i)%text == '' .and. i == size(numeric)) cycle   ! after a separator that ends the line
         if (fields(i)%text /= text_of(i - first + index('1', fields(first)%text))) return
       end do
     end associate
@@ -157,8 +157,8 @@ contains
   end function counts_columns
 
   subroutine find_mark(path, rows, layout, error)
-    !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_file` where both stand, or where all commas
-    !! could as well part thousands, or where `0,025` was cut into two columns.
+    !! Find whether the decimal mark is a point or a comma. **Errors**: `status_bad_file` if both occur, if all commas may
+    !! separate thousands, or if `0,025` may have been split into two columns.
     character(*), intent(in) :: path
     type(probed_line), intent(in) :: rows(:)
     type(text_layout), intent(inout) :: layout
@@ -175,7 +175,7 @@ contains
         marks = number_marks(rows(n)%fields(i)%text)
         points = points .or. marks == '.'
         if (marks == '0') decimals = decimals .or. begins_with_zeros(rows(n)%fields(i)%text)
-        if (marks /= ',') cycle                    ! between commas it stands in quotes
+        if (marks /= ',') cycle                    ! in a table with commas, such a number is in quotes
         commas = .true.
         certain = certain .or. .not. parts_thousands(rows(n)%fields(i)%text)
       end do
@@ -195,13 +195,13 @@ contains
   end subroutine find_mark
 
   pure logical function begins_with_zeros(field)
-    !! `025`: digits of which the first is a zero and no number.
+    !! Recognise `025`: digits with a leading zero.
     character(*), intent(in) :: field
     begins_with_zeros = len(field) > 1 .and. verify(field, '0123456789') == 0 .and. field(1:1) == '0'
   end function begins_with_zeros
 
   pure logical function parts_thousands(field)
-    !! `12,345`: the comma could part thousands.
+    !! Recognise `12,345`: the comma may separate thousands.
     character(*), intent(in) :: field
     integer :: comma, first
     first = max(1, verify(field, '+-'))

@@ -1,5 +1,5 @@
 module bw_text_rows
-  !! Rows of a record's table: by what form they are read, and what is wrong with one that could not be read.
+  !! Rows of a record's table: the form in which they are read, and errors of rows that could not be read.
   use bw_kinds, only: i1
   use bw_table_row, only: row_form
   use bw_text, only: shortened, string, text_of
@@ -12,7 +12,7 @@ module bw_text_rows
 contains
 
   pure type(row_form) function prepared(layout, columns) result(form)
-    !! To read some columns.
+    !! Return the form in which some columns are read.
     type(text_layout), intent(in) :: layout
     integer, intent(in) :: columns(:)
     integer :: i
@@ -28,12 +28,12 @@ contains
   end function prepared
 
   pure subroutine judge_row(layout, columns, line, lacks, problem)
-    !! What is wrong with a row that could not be read.
+    !! Find what is wrong with a row that could not be read.
     type(text_layout), intent(in) :: layout
-    integer, intent(in) :: columns(:)          !! that are read
+    integer, intent(in) :: columns(:)          !! requested columns
     character(*), intent(in) :: line
     logical, intent(out) :: lacks(:)           !! where a number is missing, (columns)
-    character(:), allocatable, intent(out) :: problem    !! '' where nothing else is wrong
+    character(:), allocatable, intent(out) :: problem    !! '' if nothing else is wrong
     type(string), allocatable :: fields(:)
     integer :: n, c
     lacks = .false.
@@ -60,7 +60,7 @@ contains
   end subroutine judge_row
 
   pure logical function is_number_here(field, mark)
-    !! The form of a number, for a message; its size is not looked at.
+    !! Tell whether a field has the form of a number, for a message; its size is not checked.
     character(*), intent(in) :: field
     character, intent(in) :: mark
     is_number_here = field /= '' .and. verify(field, '0123456789+-eEdD'//mark) == 0 .and. scan(field, '0123456789') > 0 &
@@ -68,7 +68,7 @@ contains
   end function is_number_here
 
   pure logical function is_too_large(field)
-    !! An exponent of a kind that no double has.
+    !! Tell whether an exponent is too large for double precision.
     character(*), intent(in) :: field
     integer :: letter, exponent, stat
     is_too_large = .false.
@@ -79,7 +79,7 @@ contains
   end function is_too_large
 
   pure function named(layout, column) result(text)
-    !! `column 3 (acc)`.
+    !! Return a column as a message shows it: `column 3 (acc)`.
     type(text_layout), intent(in) :: layout
     integer, intent(in) :: column
     character(:), allocatable :: text

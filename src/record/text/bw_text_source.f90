@@ -1,6 +1,6 @@
 module bw_text_source
-  !! A file of text as a source of histories. It is read twice, each time from front to back: once for the times, once for what
-  !! is used of the rest, so that nothing but the numbers themselves is kept.
+  !! A text file as a source of histories. It is read twice from front to back, once for the times and once for the columns
+  !! used, so that only numbers are kept in memory.
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: dp, i1, i8
   use bw_line_reader, only: line_reader, text_between
@@ -14,7 +14,7 @@ module bw_text_source
   implicit none (type, external)
   private
 
-  integer, parameter :: most_bytes = 2**20                 !! of the lines that tell the layout, of which three may be longer
+  integer, parameter :: most_bytes = 2**20                 !! of the lines that show the layout; the first three may be longer
 
   type, extends(record_source), public :: text_source
     type(text_layout) :: layout
@@ -33,7 +33,7 @@ module bw_text_source
 contains
 
   subroutine open_text(self, path, error)
-    !! Find the layout by the first lines.
+    !! Find the layout from the first lines.
     class(text_source), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
@@ -65,8 +65,8 @@ contains
   end subroutine open_text
 
   pure subroutine refuse_binary(bytes, path, error)
-    !! Say of a file that is no table of text what it may be. **Errors**: `status_bad_file`.
-    integer(i1), intent(in) :: bytes(:)                    !! from its beginning
+    !! Report what a file that is not a table of text may be. **Errors**: `status_bad_file`.
+    integer(i1), intent(in) :: bytes(:)                    !! from the beginning of the file
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
     character(*), parameter :: makes = '; accepted: text or NetCDF, which beamwave-record makes of UFF 58, MATLAB, NumPy, WAV '// &
@@ -103,7 +103,7 @@ contains
   end subroutine rewind_text
 
   subroutine next_row(self, there, error)
-    !! Go on to the next line that is no comment and not empty.
+    !! Go to the next line that is not empty and no comment.
     class(text_source), intent(inout) :: self
     logical, intent(out) :: there
     type(error_type), allocatable, intent(inout) :: error
@@ -115,7 +115,7 @@ contains
   end subroutine next_row
 
   subroutine read_times(self, column, rows, times, steps, error)
-    !! One pass over the file.
+    !! Read the times in one pass over the file.
     class(text_source), intent(inout) :: self
     integer, intent(in) :: column
     integer(i8), intent(out) :: rows
@@ -148,7 +148,7 @@ contains
   end subroutine read_times
 
   pure subroutine grow(path, numbers, error)
-    !! Twice as much room. **Errors**: `status_bad_file` where that is refused.
+    !! Double the capacity. **Errors**: `status_bad_file` if memory is refused.
     character(*), intent(in) :: path
     real(dp), allocatable, intent(inout) :: numbers(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -162,7 +162,7 @@ contains
   end subroutine grow
 
   subroutine read_values(self, columns, first, values, error)
-    !! Another pass, up to the last row that is asked for.
+    !! Read the values in another pass, up to the last row requested.
     class(text_source), intent(inout) :: self
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first
@@ -188,10 +188,10 @@ contains
   end subroutine read_values
 
   subroutine take_gaps(self, columns, numbers, error)
-    !! A row that could not be read lacks numbers, or is wrong. **Errors**: `status_bad_file` where it is wrong.
+    !! Treat a row that could not be read: it lacks numbers, or is invalid. **Errors**: `status_bad_file` if it is invalid.
     class(text_source), intent(in) :: self
-    integer, intent(in) :: columns(:)                      !! that are read
-    real(dp), intent(out) :: numbers(:)                    !! missing where they are; others mean nothing
+    integer, intent(in) :: columns(:)                      !! requested columns
+    real(dp), intent(out) :: numbers(:)                    !! `missing` where absent; others are undefined
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
     logical :: lacks(size(columns))
@@ -201,7 +201,7 @@ contains
   end subroutine take_gaps
 
   function place_of_row(self, row) result(place)
-    !! The line of a row, for a message: found by one more pass.
+    !! Return the line of a row, for a message, found in one more pass.
     class(text_source), intent(inout) :: self
     integer(i8), intent(in) :: row
     character(:), allocatable :: place
