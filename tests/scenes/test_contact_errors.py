@@ -131,7 +131,7 @@ def test_what_is_not_known_is_fill_and_said(runs):
         assert results.is_fill(result["event_time"][1 + known :]).all()
         assert (result["event_kind"][1 + known :] == 0).all()
         ended = result["case_status"] == ILL_CONDITIONED
-        assert ended == ("nothing is known" in result.attributes.get("notes", ""))
+        assert ended == ("the motion is unknown" in result.attributes.get("notes", ""))
         samples = run.known_samples()
         assert results.is_fill(result["displacement"][:, samples:]).all()
         used_up = result["case_status"] == NOT_CONVERGED
