@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # ./test.sh [ARGUMENT …]   builds and runs every test, optimised and with all run-time checks, and the fuzz of
-# the scene reader with sanitizers; what is given goes to CTest: ./test.sh -L unit, ./test.sh -R capture
+# the scene reader with sanitizers; what is given goes to CTest: ./test.sh -L unit, ./test.sh -R contact
 set -eu
 . "$(dirname -- "$0")/src/cmake/setup.sh"
 

@@ -23,7 +23,7 @@ contains
   pure subroutine extract_unknowns(groups, sweeps, unknowns, messages)
     !! Find the numbers that `&identify` groups name; they count as given afterwards.
     type(group_values), intent(inout) :: groups(:)
-    type(sweep_par), intent(in) :: sweeps(:)             !! only repeats of a record, fitted together, go with unknowns
+    type(sweep_par), intent(in) :: sweeps(:)             !! beside unknowns: repeats of a record, or columns of a `&design`
     type(identify_par), allocatable, intent(out) :: unknowns(:)
     type(message_list), intent(inout) :: messages
     integer, allocatable :: places(:)
