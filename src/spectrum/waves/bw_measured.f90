@@ -1,7 +1,7 @@
 module bw_measured
-  !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam. Their
-  !! lines are those of a record without noise, and what two amplitudes tell of a wave is what any sensors tell (bw_sensor_waves);
-  !! errors are bounds, which stand where a record has standard deviations.
+  !! This module measures waves from two histories alone, as an experiment with two sensors would. Their lines are those of a record
+  !! without noise (bw_pure_record), and their waves follow from two amplitudes as from those of any sensors (bw_sensor_waves);
+  !! bounds of errors take the place of standard deviations.
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -22,17 +22,17 @@ module bw_measured
   public :: measure_waves
 
   integer, parameter :: fewest_samples = 16
-  real(dp), parameter :: near = 1.5_dp                      !! of the α of two modes, which are some π apart
-  real(dp), parameter :: one_deviation = erf(sqrt(0.5_dp))  !! confidence of an interval of one standard deviation to either side
+  real(dp), parameter :: near = 1.5_dp                      !! difference of α; neighbouring modes are about π apart
+  real(dp), parameter :: one_deviation = erf(sqrt(0.5_dp))  !! confidence of an interval of ± one standard deviation
 
   type, public :: measured_type
-    !! The peaks by ascending frequency. Errors are bounds, and what does not exist is `missing`.
+    !! The peaks by ascending frequency. Errors are bounds; values that do not exist are `missing`.
     integer :: peak_count = 0
     real(dp), allocatable :: angular_frequency(:), angular_frequency_error(:)  !! rad/s, (peak)
     real(dp), allocatable :: wavenumber(:), wavenumber_error(:)                !! 1/m
     real(dp), allocatable :: phase_velocity(:), phase_velocity_error(:)        !! m/s
     real(dp), allocatable :: group_velocity(:), group_velocity_error(:)        !! m/s
-    type(string), allocatable :: notes(:)                                      !! what a reader must know
+    type(string), allocatable :: notes(:)                                      !! for the report
   end type measured_type
 
 contains
@@ -40,15 +40,15 @@ contains
   subroutine measure_waves(tip, midpoint, facts, measured, monitor)
     !! Measure frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
-    !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
-    !! peak with an error of at least 2π/duration, unless all but one are faint modes. Where the modes are known, peaks that
-    !! are none of them are left out and noted; else, where lines have been numbered, those that fit no mode. Of more than
-    !! `max_peaks` peaks, those of the largest amplitude (tip and midpoint together) stay. A record of zeros, of fewer than
-    !! 16 samples, or with missing samples, has no peaks.
+    !! Lines closer than 1/duration to each other, or to their own mirror image at 0 or the Nyquist frequency, are one peak
+    !! with an error of at least 2π/duration, unless all but one are faint modes. If the modes are known, peaks that match
+    !! none of them are left out and noted; otherwise, if lines could be numbered, those that fit no mode. Of more than
+    !! `max_peaks` peaks, those of the largest amplitude (tip and midpoint together) are listed. A record of zeros, of fewer than
+    !! 16 samples, or with missing samples has no peaks.
     real(dp), intent(in) :: tip(:)                      !! displacement at ξ = 1, (N), at the times jT/N
     real(dp), intent(in) :: midpoint(:)                 !! displacement at ξ = ½, (N)
     type(record_facts), intent(in) :: facts
-    type(measured_type), intent(out) :: measured        !! of no use where the monitor stops
+    type(measured_type), intent(out) :: measured        !! undefined after a stop request
     class(monitor_type), intent(inout), optional :: monitor
     type(peak_type), allocatable :: peaks(:)
     type(verdict_type), allocatable :: verdict(:)
@@ -66,18 +66,18 @@ contains
     if (stops(monitor)) return
     is_wave = .not. is_missing(measured%wavenumber)
     allocate (listed, source=listed_peaks(peaks, is_wave, verdict, facts))
-    call keep(measured, peaks(listed), listed, facts)
+    call fill_listed(measured, peaks(listed), listed, facts)
     measured%notes = measured_notes(peaks, is_wave, verdict, listed, facts, size(tip))
   end subroutine measure_waves
 
   subroutine find_peaks(tip, midpoint, peaks, monitor)
-    !! Find the peaks of a record, none if it is not usable; they are of no use where the monitor stops.
+    !! Find the peaks of a record, none if it is not usable. They are undefined after a stop request.
     real(dp), intent(in) :: tip(:), midpoint(:)
     type(peak_type), allocatable, intent(out) :: peaks(:)
     class(monitor_type), intent(inout), optional :: monitor
     type(samples_type) :: samples
     type(line_type), allocatable :: lines(:)
-    type(residual_type) :: left
+    type(residual_type) :: residual
     logical :: pure
     integer :: power
     allocate (peaks(0))
@@ -88,8 +88,8 @@ contains
     allocate (samples%value(size(tip), 2))
     samples%value(:, 1) = scale(tip, -power)
     samples%value(:, 2) = scale(midpoint, -power)
-    call find_lines_if_pure(samples, lines, left, pure, monitor)
-    if (.not. stops(monitor)) peaks = peaks_of(lines, left)
+    call find_lines_if_pure(samples, lines, residual, pure, monitor)
+    if (.not. stops(monitor)) peaks = peaks_of(lines, residual)
   end subroutine find_peaks
 
   pure logical function is_usable(tip, midpoint)
@@ -101,9 +101,9 @@ contains
   end function is_usable
 
   pure function listed_peaks(peaks, is_wave, verdict, facts) result(listed)
-    !! The indices of peaks that are modes or may be, up to `max_peaks` of the strongest.
+    !! Indices of the peaks that are or may be modes, of which at most the `max_peaks` strongest.
     type(peak_type), intent(in) :: peaks(:)
-    logical, intent(in) :: is_wave(:)            !! it has a wave number
+    logical, intent(in) :: is_wave(:)            !! the peak has a wave number
     type(verdict_type), intent(in) :: verdict(:)
     type(record_facts), intent(in) :: facts
     integer, allocatable :: listed(:)
@@ -120,8 +120,8 @@ contains
   end function listed_peaks
 
   subroutine find_waves(peaks, verdict, facts, measured, monitor)
-    !! The waves of all peaks that may be modes, a line by itself being the first that oscillates. Where a wave number is that of
-    !! another mode than the known one of the same frequency, the peak is left out, and the others are measured without it.
+    !! Measure the waves of all peaks that may be modes; a single line is taken as the first mode that oscillates. Where a wave
+    !! number is not that of the known mode at this frequency, the peak is left out and the others are measured again.
     type(peak_type), intent(in) :: peaks(:)
     type(verdict_type), intent(in) :: verdict(:)
     type(record_facts), intent(in) :: facts
@@ -171,7 +171,7 @@ contains
   end subroutine find_waves
 
   pure function lines_of(peaks, duration) result(lines)
-    !! The peaks as lines at tip and midpoint, of size 1, with their ratio. An error e of the ratio R turns the line by e/(1 + R²).
+    !! The peaks as lines: vectors of length 1 at tip and midpoint. An error e of the ratio R rotates the vector by e/(1 + R²).
     type(peak_type), intent(in) :: peaks(:)
     real(dp), intent(in) :: duration             !! of the record, s
     type(measured_lines) :: lines
@@ -184,8 +184,8 @@ contains
     end associate
   end function lines_of
 
-  pure subroutine keep(measured, peaks, listed, facts)
-    !! What there is of the listed peaks.
+  pure subroutine fill_listed(measured, peaks, listed, facts)
+    !! Fill the result with the listed peaks.
     type(measured_type), intent(inout) :: measured
     type(peak_type), intent(in) :: peaks(:)      !! the listed ones
     integer, intent(in) :: listed(:)
@@ -199,6 +199,6 @@ contains
     measured%phase_velocity_error = measured%phase_velocity_error(listed)
     measured%group_velocity = measured%group_velocity(listed)
     measured%group_velocity_error = measured%group_velocity_error(listed)
-  end subroutine keep
+  end subroutine fill_listed
 
 end module bw_measured

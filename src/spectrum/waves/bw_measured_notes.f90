@@ -1,5 +1,5 @@
 module bw_measured_notes
-  !! This module says in words what a reader of measured waves must know.
+  !! This module writes the notes on measured waves.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
   use bw_mode_check, only: is_folded, is_none, record_facts, not_known, verdict_type
@@ -9,29 +9,29 @@ module bw_measured_notes
   private
   public :: measured_notes
 
-  integer, parameter :: most_listed = 10           !! frequencies in a note
-  integer, parameter :: most_ranges = 4            !! of mode numbers in a note
-  real(dp), parameter :: worth_a_note = 1.0e-6_dp  !! growth over the record
+  integer, parameter :: most_listed = 10           !! frequencies listed in a note
+  integer, parameter :: most_ranges = 4            !! ranges of mode numbers in a note
+  real(dp), parameter :: worth_a_note = 1.0e-6_dp  !! exponent of growth or decay over the record
 
 contains
 
   pure function measured_notes(peaks, is_wave, verdict, listed, facts, samples) result(notes)
-    !! The notes on a measurement, one for each kind of thing found.
+    !! The notes on a measurement, one for each kind of finding.
     type(peak_type), intent(in) :: peaks(:)
-    logical, intent(in) :: is_wave(:)          !! it has a wave number
+    logical, intent(in) :: is_wave(:)          !! the peak has a wave number
     type(verdict_type), intent(in) :: verdict(:)
     integer, intent(in) :: listed(:)           !! peaks in the result
     type(record_facts), intent(in) :: facts
     integer, intent(in) :: samples
     type(string), allocatable :: notes(:)
     character(:), allocatable :: left_out
-    logical, dimension(size(peaks)) :: folded, stray, shown
+    logical, dimension(size(peaks)) :: aliased, stray, shown
     allocate (notes(0))
-    folded = verdict%kind == is_folded .and. peaks%located
+    aliased = verdict%kind == is_folded .and. peaks%located
     stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(is_wave) .and. .not. is_wave &
       & .and. peaks%members == 1 .and. .not. peaks%at_edge)
     stray = stray .and. peaks%located
-    shown = peaks%located .and. .not. (folded .or. stray)
+    shown = peaks%located .and. .not. (aliased .or. stray)
     if (facts%ends == '' .and. any(shown)) call remark(notes, 'measured waves: frequencies alone are given, since '// &
       & 'Eqs 18 and 20 do not hold for this motion')
     if (facts%ends /= '' .and. .not. any(is_wave) .and. size(peaks) > 0) call remark(notes, &
@@ -44,7 +44,7 @@ contains
       & 'lines at 0 or at half the sampling rate: known to 1/duration only: '//frequencies(shown .and. peaks%at_edge))
     if (size(listed) < count(shown)) call remark(notes, 'max_peaks: of '//text_of(count(shown))//' peaks the '// &
       & text_of(size(listed))//' strongest are listed')
-    if (allocated(facts%known)) return          ! who knows the modes knows which are aliased, and which of them grow or decay
+    if (allocated(facts%known)) return          ! known modes include aliasing, growth and decay
     if (any(shown .and. verdict%kind == not_known) .and. .not. any(is_wave)) call remark(notes, &
       & 'aliasing: nothing tells which lines are aliased from above half the sampling rate')
     if (any(shown .and. abs(peaks%growth) > worth_a_note)) call remark(notes, &
@@ -53,10 +53,10 @@ contains
   contains
 
     pure function left_out_text() result(words)
-      !! What was found and is not in the list of peaks, each with the reason; empty where that is nothing.
+      !! The peaks that are left out and why; empty if there are none.
       character(:), allocatable :: words
       words = ''
-      if (any(folded)) words = '; '//ranges(pack(verdict%number, folded))//', aliased from above half the sampling rate ('// &
+      if (any(aliased)) words = '; '//ranges(pack(verdict%number, aliased))//', aliased from above half the sampling rate ('// &
         & shortest(samples/(2*facts%duration), 6)//' Hz)'
       if (.not. all(peaks%located)) words = words//'; lines that could not be told apart: '// &
         & text_of(count(.not. peaks%located))
@@ -83,7 +83,7 @@ contains
   end function measured_notes
 
   pure function ranges(numbers) result(words)
-    !! Modes by their numbers in ascending order, as `modes 22 to 25, 40`; of more than a few ranges the first, the last, and how
+    !! Mode numbers in ascending order, as `modes 22 to 25, 40`; of more than a few ranges the first, the largest number, and how
     !! many modes there are.
     integer, intent(in) :: numbers(:)          !! from 1
     character(:), allocatable :: words

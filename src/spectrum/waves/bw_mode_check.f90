@@ -1,6 +1,6 @@
 module bw_mode_check
-  !! What is known of a record beside its samples, and how the modes that are known to be in it check what was measured: which
-  !! peaks are aliased from above half the sampling rate, and which are no mode. It gives no value.
+  !! What is known of a record besides its samples, and the check of measured peaks against the modes known to be in it: which
+  !! peaks are aliased from above half the sampling rate, and which are no mode. Known modes never supply a measured value.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line_group, only: resolution
@@ -10,53 +10,53 @@ module bw_mode_check
   private
   public :: check_peaks
 
-  real(dp), parameter :: faint = 0.1_dp                  !! of a line; what is less beside it makes no close pair
-  integer, parameter :: further = 4                      !! times as many modes as there are peaks may matter
-  real(dp), parameter :: uneven = 4                      !! modes at a tip fall in strength with such steps back
-  real(dp), parameter :: hides = 0.58_dp                !! 2π times the deviation of time under the square of the taper sin⁶
-  real(dp), parameter :: rounding = 32*epsilon(1.0_dp)   !! of the frequencies of modes
+  real(dp), parameter :: faint = 0.1_dp                  !! relative strength; a fainter line beside another makes no close pair
+  integer, parameter :: further = 4                      !! modes considered per peak
+  real(dp), parameter :: uneven = 4                      !! factor by which a mode at a tip may be stronger than the one before it
+  real(dp), parameter :: hides = 0.58_dp                !! 2π times the standard deviation of time under the squared taper sin⁶
+  real(dp), parameter :: rounding = 32*epsilon(1.0_dp)   !! relative, of the frequencies of modes
 
   integer, parameter, public :: not_known = 0, is_mode = 1, is_folded = 2, is_none = 3
 
   type, public :: known_modes
-    !! The modes that make up a record, from the first on.
-    real(dp), allocatable :: angular_frequency(:)  !! rad/s, ascending; 0 of a mode that does not oscillate, (mode)
-    logical :: all = .true.                        !! false: there are others above these
-    real(dp), allocatable :: wavenumber(:)         !! 1/m; unallocated: not known, (mode)
+    !! The modes of a record, from the first on.
+    real(dp), allocatable :: angular_frequency(:)  !! rad/s, ascending; 0 if the mode does not oscillate, (mode)
+    logical :: all = .true.                        !! false: there are further modes above these
+    real(dp), allocatable :: wavenumber(:)         !! 1/m, (mode); unallocated: not known
   end type known_modes
 
   type, public :: record_facts
-    !! What is known of a record beside its samples.
+    !! What is known of a record besides its samples.
     real(dp) :: duration = 1                   !! of the record, T > 0, s
-    real(dp) :: length = 1                     !! of the beam, > 0, m; of one of pieces the mean wave number times it is α
+    real(dp) :: length = 1                     !! of the beam, > 0, m; times the (mean) wave number it is α
     integer :: max_peaks = 20                  !! ≥ 0
-    character(5) :: ends = 'tip'               !! that shapes follow from, as `ends` of sensor_facts; '': from none of these, so that
+    character(5) :: ends = 'tip'               !! end conditions of the shapes, as `ends` of sensor_facts; '': none of these, and
                                                !! wave numbers and velocities are missing
     type(piece_beam) :: model                  !! of `ends` = 'model'
-    logical :: rotates = .true.                !! in the plane of bending, or may do so
-    type(known_modes), allocatable :: known    !! to check what was measured; unallocated: not known
+    logical :: rotates = .true.                !! in the plane of bending, or possibly
+    type(known_modes), allocatable :: known    !! to check the measurement against; unallocated: not known
   end type record_facts
 
   type, public :: verdict_type
-    integer :: kind = not_known       !! a number above
-    integer :: number = 0           !! of the mode that a peak is, or is folded from
+    integer :: kind = not_known       !! not_known, is_mode, is_folded or is_none
+    integer :: number = 0           !! of the mode that the peak is, or is aliased from
   end type verdict_type
 
   type :: mode_lines
-    !! The lines that the known modes make; positions are periods in the record.
+    !! Lines of the known modes; positions are in periods per record.
     real(dp), allocatable :: position(:)           !! (mode)
-    real(dp), allocatable :: image(:)              !! where it is seen, folded or not, (mode)
-    logical, allocatable :: taken(:)               !! a peak is this mode, (mode)
-    real(dp), allocatable :: strength(:)           !! about, at most; of those that matter, (first modes)
-    logical :: all = .true.                        !! there are no others
+    real(dp), allocatable :: image(:)              !! where it appears, aliased or not, (mode)
+    logical, allocatable :: taken(:)               !! a peak has been matched to this mode, (mode)
+    real(dp), allocatable :: strength(:)           !! estimated upper bound, for the first modes only
+    logical :: all = .true.                        !! there are no further modes
   end type mode_lines
 
 contains
 
   pure subroutine check_peaks(known, samples, duration, peaks, verdict)
-    !! Judge what each peak is: a mode where its interval holds the frequency of one, the narrowest interval first, each mode
-    !! once. The errors of peaks make room for hidden lines where other strong modes lie within the
-    !! resolution, and a close pair is one line where none is there, or the fit has no room for one.
+    !! Judge each peak: it is a mode if its interval contains the mode's frequency. The narrowest intervals come first, and each
+    !! mode is matched once. Errors are widened for lines that may be hidden where other strong modes lie within the resolution;
+    !! a close pair becomes one line if no such mode is near, or if the fit leaves no room for a second line.
     type(known_modes), intent(in) :: known
     integer, intent(in) :: samples
     real(dp), intent(in) :: duration               !! s
@@ -70,23 +70,23 @@ contains
     modes = lines_of(known, samples, duration, peaks%strength)
     do i = 1, size(peaks)
       single = as_single(peaks(i))
-      first = judged(single, modes)
-      if (any(first%kind == [is_mode, is_folded]) .and. min(single%hidden, beside(single, first, modes)) <= faint) &
+      first = verdict_of(single, modes)
+      if (any(first%kind == [is_mode, is_folded]) .and. min(single%hidden, strength_beside(single, first, modes)) <= faint) &
         & peaks(i) = single
-      peaks(i) = with_room(peaks(i), judged(peaks(i), modes), modes)
+      peaks(i) = widened(peaks(i), verdict_of(peaks(i), modes), modes)
     end do
     error = peaks%position_error
     do i = 1, size(peaks)
       j = minloc(error, dim=1)
       error(j) = huge(1.0_dp)
-      verdict(j) = judged(peaks(j), modes)
+      verdict(j) = verdict_of(peaks(j), modes)
       if (peaks(j)%located .and. verdict(j)%kind == is_mode) modes%taken(verdict(j)%number) = .true.
     end do
   end subroutine check_peaks
 
   pure type(mode_lines) function lines_of(known, samples, duration, strength) result(modes)
-    !! The lines that the modes make in a record. Modes fall in strength as peaks do: mode j is about as strong as the j-th
-    !! strongest peak, and the next ones after the last as the faintest.
+    !! The lines of the modes in a record. Strengths are assumed to fall as those of peaks do: mode j is about as strong as the
+    !! j-th strongest peak, and further modes are as strong as the faintest.
     type(known_modes), intent(in) :: known
     integer, intent(in) :: samples
     real(dp), intent(in) :: duration               !! s
@@ -97,12 +97,12 @@ contains
     modes%image = abs(modes%position - samples*anint(modes%position/samples))
     modes%taken = [(.false., j=1, size(modes%position))]
     modes%all = known%all
-    sorted = falling(strength)
+    sorted = descending(strength)
     modes%strength = [(uneven*sorted(min(j, size(sorted))), j=1, min(size(modes%position), further*size(sorted)))]
   end function lines_of
 
-  pure type(verdict_type) function judged(peak, modes)
-    !! What a peak is: of several modes that its interval holds the nearest, of several folded ones the first, the strongest.
+  pure type(verdict_type) function verdict_of(peak, modes)
+    !! What a peak is: the nearest mode in its interval, or else the first aliased one in it, which is the strongest.
     type(peak_type), intent(in) :: peak
     type(mode_lines), intent(in) :: modes
     real(dp) :: reach(size(modes%position))
@@ -110,18 +110,18 @@ contains
     reach = peak%position_error + rounding*modes%position
     holds = abs(modes%position - peak%position) <= reach .and. .not. modes%taken
     if (any(holds)) then
-      judged = verdict_type(is_mode, minloc(abs(modes%position - peak%position), dim=1, mask=holds))
+      verdict_of = verdict_type(is_mode, minloc(abs(modes%position - peak%position), dim=1, mask=holds))
     else if (.not. modes%all .and. peak%position > maxval(modes%position)) then
-      judged = verdict_type(not_known, 0)
+      verdict_of = verdict_type(not_known, 0)
     else
       holds = abs(modes%image - peak%position) <= reach .and. modes%image < modes%position
-      judged = verdict_type(is_none, 0)
-      if (any(holds)) judged = verdict_type(is_folded, findloc(holds, .true., dim=1))
+      verdict_of = verdict_type(is_none, 0)
+      if (any(holds)) verdict_of = verdict_type(is_folded, findloc(holds, .true., dim=1))
     end if
-  end function judged
+  end function verdict_of
 
-  pure real(dp) function beside(peak, own, modes) result(part)
-    !! The strength of all other strong modes within the resolution, over that of the peak.
+  pure real(dp) function strength_beside(peak, own, modes) result(part)
+    !! The strength of all other strong modes within the resolution, relative to the peak.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
@@ -129,11 +129,11 @@ contains
     near = abs(modes%image(:size(near)) - peak%position) <= resolution + peak%position_error
     if (own%number >= 1 .and. own%number <= size(near)) near(own%number) = .false.
     part = sum(modes%strength, mask=near)/peak%strength
-  end function beside
+  end function strength_beside
 
-  pure real(dp) function in_its_place(peak, own, modes) result(part)
-    !! What other strong modes near it may be of the peak, whose ratio they turn by as much. One of another ratio that is s of the
-    !! peak and d bins away leaves `hides` s d: the nearer it is the more of it is hidden.
+  pure real(dp) function hidden_part(peak, own, modes) result(part)
+    !! The part of the peak that may belong to other strong modes near it, which change its ratio by as much. A mode of another
+    !! ratio, relative strength s and distance d in bins leaves a residual of `hides` s d: the nearer it is, the more is hidden.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
@@ -143,22 +143,22 @@ contains
     where (hides*distance*share > peak%hidden**2) share = peak%hidden**2/(hides*distance)
     if (own%number <= size(share)) share(own%number) = 0
     part = sum(share, mask=distance <= resolution)
-  end function in_its_place
+  end function hidden_part
 
-  pure type(peak_type) function with_room(peak, own, modes)
-    !! The peak with errors that have room for what may be hidden beside it.
+  pure type(peak_type) function widened(peak, own, modes)
+    !! The peak with errors widened for lines that may be hidden beside it.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
     if (any(own%kind == [is_mode, is_folded])) then
-      with_room = with_hidden(peak, min(peak%hidden, beside(peak, own, modes)), in_its_place(peak, own, modes))
+      widened = with_hidden(peak, min(peak%hidden, strength_beside(peak, own, modes)), hidden_part(peak, own, modes))
     else
-      with_room = with_hidden(peak, merge(peak%hidden, 0.0_dp, peak%doubtful))
+      widened = with_hidden(peak, merge(peak%hidden, 0.0_dp, peak%doubtful))
     end if
-  end function with_room
+  end function widened
 
-  pure function falling(values) result(sorted)
-    !! The same values, the largest first.
+  pure function descending(values) result(sorted)
+    !! The values in descending order.
     real(dp), intent(in) :: values(:)
     real(dp) :: sorted(size(values))
     integer :: i, j
@@ -167,6 +167,6 @@ contains
       sorted(j + 1:i) = sorted(j:i - 1)
       sorted(j) = values(i)
     end do
-  end function falling
+  end function descending
 
 end module bw_mode_check

@@ -1,6 +1,6 @@
 module bw_model_shapes
-  !! The shape of a beam whose root, bodies, springs and pieces are known, at any wave number: all its conditions hold but that of
-  !! the force at the tip, which takes a mass or a spring there that is not known. At the wave numbers of the beam's own modes it
+  !! The shape of a beam whose root, bodies, springs and pieces are known, at any wave number. All its conditions hold but that of
+  !! the force at the tip, which an unknown mass or spring there may take up. At the wave numbers of the beam's own modes it
   !! is their shape. Lengths are in units of the beam's.
   use bw_kinds, only: dp
   use bw_lapack, only: zgbsv
@@ -10,26 +10,26 @@ module bw_model_shapes
   private
   public :: mean_wavenumber, model_shape
 
-  integer, parameter :: wide = 5               !! diagonals on either side of the conditions' own: each couples neighbouring pieces
+  integer, parameter :: wide = 5               !! bandwidth on either side of the diagonal: conditions couple neighbouring pieces
 
 contains
 
   pure real(dp) function mean_wavenumber(beam) result(mean)
-    !! Wave number of the beam, the mean over its length, over that at which the root's EI bends with the mean of ρA.
+    !! Mean wave number along the beam, relative to that of a uniform beam with the root's EI and the mean of ρA.
     type(piece_beam), intent(in) :: beam
     mean = sum(beam%piece%length%hi*local_factor(beam))
   end function mean_wavenumber
 
   pure function local_factor(beam) result(factor)
-    !! Wave numbers of the pieces over α.
+    !! Wave numbers of the pieces, relative to α.
     type(piece_beam), intent(in) :: beam
     real(dp) :: factor(size(beam%piece))
     factor = (beam%piece%mass%hi/beam%piece%stiffness%hi)**0.25_dp
   end function local_factor
 
   pure function model_shape(beam, alpha, position, strain) result(values)
-    !! Deflections at sensors, or the second derivative over α². In each piece they are sums of cos, sin and two exponentials that
-    !! fall from either end, or in short ones of powers; the conditions are linear in the factors, so that values are analytic in α.
+    !! Deflections at sensors, or second derivatives over α². In each piece they are sums of cos, sin and two exponentials that
+    !! decay from either end, or in short pieces of powers. Conditions are linear in the factors, so values are analytic in α.
     type(piece_beam), intent(in) :: beam           !! without shear and tension
     complex(dp), intent(in) :: alpha               !! (P l)⁴ = α⁴ where EI and ρA are 1; real part > 0
     real(dp), intent(in) :: position(:)            !! ξ, (n)
@@ -67,7 +67,7 @@ contains
     factors = 0
     factors(4*n, 1) = 1
     call put(conditions, 4*n - 1, here(3, :), 4*n - 3)
-    call put(conditions, 4*n, here(1, :) - here(4, :)/(beam%piece(n)%stiffness%hi*(alpha*wave(n))**3), 4*n - 3)   ! no mass makes it 0
+    call put(conditions, 4*n, here(1, :) - here(4, :)/(beam%piece(n)%stiffness%hi*(alpha*wave(n))**3), 4*n - 3)   ! never 0
     call zgbsv(4*n, wide, wide, 1, conditions, size(conditions, 1), pivot, factors, 4*n, info)
     do row = 1, size(position)
       i = max(1, count(ends(:n - 1) < position(row)))
@@ -79,8 +79,8 @@ contains
   contains
 
     pure subroutine put(band, row, condition, first)
-      !! A condition on the factors from a first one on. All but the last sum to 0; what that one sums to does not matter to the shape.
-      complex(dp), intent(inout) :: band(:, :)     !! as LAPACK has it
+      !! Add a condition on the factors from `first` on. All but the last sum to 0; the sum of the last only scales the shape.
+      complex(dp), intent(inout) :: band(:, :)     !! in LAPACK's band storage
       integer, intent(in) :: row, first
       complex(dp), intent(in) :: condition(:)
       integer :: j
@@ -90,14 +90,14 @@ contains
     end subroutine put
 
     pure function states(piece, place) result(state)
-      !! Deflection, slope, moment and shear force EI v''' of the four functions of a piece.
+      !! Deflection, slope, bending moment and shear force EI v''' of the four functions of a piece.
       integer, intent(in) :: piece
       real(dp), intent(in) :: place                !! from its inner end
       complex(dp) :: state(4, 4), power(4), a
       integer :: order, m
       a = alpha*wave(piece)
       associate (length => beam%piece(piece)%length%hi)
-        if (real(a)*length < near) then            ! these functions would be alike
+        if (real(a)*length < near) then            ! the four functions would be nearly dependent
           power = [(powers(a*place, m), m=0, 3)]   ! each is the derivative of the next
           do m = 0, 3
             state(:, m + 1) = [(a**order*power(1 + modulo(m - order, 4)), order=0, 3)]/(a*length)**m
@@ -114,13 +114,13 @@ contains
     end function states
 
     pure complex(dp) function force_of(joint)
-      !! Shear force behind a joint less that before it, over the deflection.
+      !! Shear force beyond a joint minus that before it, divided by the deflection.
       type(beam_joint), intent(in) :: joint
       force_of = joint%mass%hi*alpha**4 - joint%stiffness%hi
     end function force_of
 
     pure complex(dp) function moment_of(joint)
-      !! Moment behind a joint less that before it, over the slope; sections turn in the rotating frame.
+      !! Moment beyond a joint minus that before it, divided by the slope; sections turn in the rotating frame.
       type(beam_joint), intent(in) :: joint
       moment_of = joint%turning_stiffness%hi - joint%inertia%hi*(alpha**4 &
         & - merge(beam%spin_squared%hi, 0.0_dp, beam%in_plane))

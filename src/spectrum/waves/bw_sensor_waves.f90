@@ -1,6 +1,6 @@
 module bw_sensor_waves
   !! Waves along a beam from the complex amplitudes of lines at two or more sensors: wave number and phase velocity of each line
-  !! from what the sensors say of its shape, group velocity, √(EI/ρA) and ω from the dispersion of all.
+  !! from its shape at the sensors, group velocity, √(EI/ρA) and ω from the dispersion of all lines.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
@@ -17,22 +17,22 @@ module bw_sensor_waves
   private
   public :: measure_sensor_waves
 
-  real(dp), parameter :: seen = 3              !! deviations that a line must have at some sensor
-  real(dp), parameter :: vague = 0.5_dp        !! of a wave number; an interval of ± more says nothing
-  real(dp), parameter :: lopsided = 1.5_dp     !! one side of an interval over the other, beyond which the longer is the error
-  real(dp), parameter :: linear = 0.02_dp      !! of α; larger deviations are taken from the profile of the misfit
-  real(dp), parameter :: low = 3               !! α of a first mode at most
-  real(dp), parameter :: unknown = 3           !! deviation of an α that may be anything from 0 on
-  real(dp), parameter :: usual = 0.95_dp       !! confidence at which Student's deviations are made those of normal numbers
+  real(dp), parameter :: seen = 3              !! standard deviations by which a line must exceed the noise at some sensor
+  real(dp), parameter :: vague = 0.5_dp        !! largest relative error of a wave number that is reported
+  real(dp), parameter :: lopsided = 1.5_dp     !! ratio of the two sides of an interval above which the longer one is the error
+  real(dp), parameter :: linear = 0.02_dp      !! relative; larger deviations of α are taken from the profile of the misfit
+  real(dp), parameter :: low = 3               !! largest α of a first mode
+  real(dp), parameter :: unknown = 3           !! standard deviation of an α that may be any from 0 up
+  real(dp), parameter :: usual = 0.95_dp       !! confidence at which quantiles of Student's distribution become normal ones
 
 contains
 
   subroutine measure_sensor_waves(facts, lines, waves, monitor)
-    !! Measure all that the sensors can tell, and say why they cannot tell the remainder.
+    !! Measure the waves that the sensors determine, and note why others are missing.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
     type(sensor_waves), intent(out) :: waves
-    class(monitor_type), intent(inout), optional :: monitor    !! they mean nothing where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor    !! results are undefined after a stop request
     type(wave_sensor) :: sensors
     type(choice_type) :: choices(size(lines%angular_frequency))
     type(motion_type) :: motions(size(choices))
@@ -62,13 +62,13 @@ contains
     call fill_waves(facts, lines, found, waves)
     call fill_dispersion(facts, lines, found, choices%on_curve .and. found%exists, waves, agree)
     if (facts%simulated) return
-    call hold_against_beam(facts, lines, fits_anything(sensors) .or. sensors%ends == 'model' &
+    call compare_with_beam(facts, lines, fits_anything(sensors) .or. sensors%ends == 'model' &
       & .or. any(choices%misfits .and. found%exists), waves)
-    if (fits_anything(sensors)) call refuse_intervals(lines, found%exists .and. .not. agree, waves)
+    if (fits_anything(sensors)) call remove_intervals(lines, found%exists .and. .not. agree, waves)
   end subroutine measure_sensor_waves
 
   pure subroutine start(count, waves)
-    !! Nothing is known yet.
+    !! Set all values to `missing`.
     integer, intent(in) :: count
     type(sensor_waves), intent(inout) :: waves
     real(dp) :: none(count)
@@ -79,8 +79,8 @@ contains
   end subroutine start
 
   subroutine find_motions(facts, lines, motions)
-    !! Amplitudes of displacement, or strain, over their deviations: velocity is −δ + iβ times displacement, acceleration the
-    !! square of that times it. Deviations are no less than rounding; where one is not known, all are taken as equal parts of the
+    !! Amplitudes of displacement, or strain, over their standard deviations: velocity is −δ + iβ times displacement, acceleration
+    !! (−δ + iβ)² times it. Standard deviations are at least rounding; if one is unknown, all are equal fractions of the
     !! largest amplitude of their quantity.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
@@ -113,7 +113,7 @@ contains
   contains
 
     pure complex(dp) function factor_of(quantity, pole)
-      !! A quantity over displacement, or over strain.
+      !! The ratio of a quantity to displacement; 1 for strain.
       character(*), intent(in) :: quantity
       complex(dp), intent(in) :: pole
       factor_of = 1
@@ -122,7 +122,7 @@ contains
     end function factor_of
 
     pure function is_like(quantity)
-      !! Which sensors measure a quantity.
+      !! The sensors that measure a quantity.
       character(*), intent(in) :: quantity
       logical :: is_like(size(facts%quantity))
       integer :: i
@@ -132,7 +132,7 @@ contains
   end subroutine find_motions
 
   subroutine find_choices(sensors, motions, square, facts, choices, monitor)
-    !! What wave number each line may have, how well the shape fits, and which is the line's.
+    !! Find the candidates for each line's wave number and how well its shape fits, and choose among them.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), intent(in) :: square(:)          !! β², (line)
@@ -148,7 +148,7 @@ contains
     call scanned(sensors, motions, alpha, misfit)
     do k = 1, size(choices)
       allocate (choices(k)%candidates(0))
-      if (.not. shows(motions(k))) cycle
+      if (.not. exceeds_noise(motions(k))) cycle
       candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k), freedom)
       call widen(sensors, motions(k), freedom, candidates)
       if (sensors%ends == 'tip') candidates = possible_tips(candidates)
@@ -169,8 +169,8 @@ contains
   end subroutine find_choices
 
   subroutine widen(sensors, motion, freedom, candidates)
-    !! Of a wave so long that the sensors see little of it, linear theory is bad: its deviation is taken from the profile of the
-    !! misfit.
+    !! Take the standard deviation of long waves from the profile of the misfit, since linear theory is poor where sensors see
+    !! little of a wave.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     integer, intent(in) :: freedom
@@ -189,14 +189,14 @@ contains
     end do
   end subroutine widen
 
-  pure logical function shows(motion)
-    !! Whether some sensor shows the line above its noise.
+  pure logical function exceeds_noise(motion)
+    !! Whether the line exceeds the noise at some sensor.
     type(motion_type), intent(in) :: motion
-    shows = motion%freed .or. any(abs(motion%data) > seen)
-  end function shows
+    exceeds_noise = motion%freed .or. any(abs(motion%data) > seen)
+  end function exceeds_noise
 
   subroutine find_wave(facts, sensors, motion, choice, wave, reason)
-    !! The wave number with the interval of its profile likelihood, or the reason for none.
+    !! Find the wave number and the interval of its profile likelihood, or the reason why there is none.
     type(sensor_facts), intent(in) :: facts
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
@@ -205,7 +205,7 @@ contains
     character(:), allocatable, intent(out) :: reason
     real(dp) :: interval(2), sides(2), quantile
     reason = ''
-    if (.not. shows(motion)) then
+    if (.not. exceeds_noise(motion)) then
       reason = 'no sensor shows it, all are near its nodes'
     else if (size(choice%candidates) == 0) then
       reason = 'no mass at the tip gives such a shape'
@@ -228,12 +228,12 @@ contains
       & ' 1/m fits best, and others half as large or twice as large as well'
   end subroutine find_wave
 
-  pure subroutine hold_against_beam(facts, lines, doubtful, waves)
-    !! Say where the waves' √(EI/ρA) is not that of the beam. A root that gives a little looks like a longer beam, and so like another
-    !! √(EI/ρA): where the sensors do not confirm the ends, or these take the beam's EI, intervals reach to the waves of the beam.
+  pure subroutine compare_with_beam(facts, lines, doubtful, waves)
+    !! Note if √(EI/ρA) of the waves is not the beam's. A flexible root looks like a longer beam, and so like another √(EI/ρA):
+    !! if the sensors do not confirm the ends, or the ends assume the beam's EI, intervals are widened to the waves of the beam.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
-    logical, intent(in) :: doubtful            !! of the ends: sensors are too few to see others, some shape does not fit, or the like
+    logical, intent(in) :: doubtful            !! the ends are not confirmed: few sensors, shapes that do not fit, or 'model'
     type(sensor_waves), intent(inout) :: waves
     real(dp) :: apart(size(waves%wavenumber))
     character(:), allocatable :: words
@@ -254,11 +254,11 @@ contains
     where (.not. is_missing(waves%group_velocity)) &
       & waves%group_velocity_error = waves%group_velocity_error + apart*waves%group_velocity
     waves%stiffness_root_error = waves%stiffness_root_error + abs(waves%stiffness_root - facts%stiffness_root)
-  end subroutine hold_against_beam
+  end subroutine compare_with_beam
 
-  pure subroutine refuse_intervals(lines, refused, waves)
-    !! Take the intervals from waves that rest on what was assumed of the ends: so few sensors fit any shape, and no other line shows
-    !! that the wave number is that of the beam's dispersion.
+  pure subroutine remove_intervals(lines, refused, waves)
+    !! Remove the intervals of waves that depend on the assumed ends: so few sensors fit any shape, and no other line confirms
+    !! that the wave number lies on the beam's dispersion.
     type(measured_lines), intent(in) :: lines
     logical, intent(in) :: refused(:)          !! (line)
     type(sensor_waves), intent(inout) :: waves
@@ -280,10 +280,10 @@ contains
     end do
     call append(waves%notes, 'measured waves: no interval is claimed, since so few sensors fit any beam and no lines '// &
       & 'confirm each other; one sensor more would show whether the ends are as assumed: '//words(3:))
-  end subroutine refuse_intervals
+  end subroutine remove_intervals
 
   pure subroutine note_misfits(facts, lines, misfits, notes)
-    !! Say which lines have shapes that the ends do not allow.
+    !! Note the lines whose shapes the ends do not allow.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
     logical, intent(in) :: misfits(:)          !! (line)

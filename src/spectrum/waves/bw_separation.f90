@@ -1,5 +1,5 @@
 module bw_separation
-  !! Numbers of known correlations turned into independent ones.
+  !! Decorrelation of numbers with known correlations.
   use bw_kinds, only: dp
   use bw_lapack, only: dsyev
   use bw_missing, only: no_number
@@ -7,12 +7,12 @@ module bw_separation
   private
   public :: separation_of
 
-  real(dp), parameter :: least = 1.0e-3_dp     !! eigenvalue of correlations, whose trace is S: all but a thirtieth is shared
+  real(dp), parameter :: least = 1.0e-3_dp     !! least eigenvalue that is used, of S in all (all but 1/30 is shared)
 
 contains
 
   function separation_of(correlation) result(separating)
-    !! What turns numbers of these correlations into independent ones of the same variance.
+    !! The symmetric matrix that turns numbers with these correlations into independent ones of the same variance.
     real(dp), intent(in) :: correlation(:, :)
     real(dp), dimension(size(correlation, 1), size(correlation, 2)) :: separating, vectors
     real(dp) :: values(size(correlation, 1)), work(64*size(correlation, 1))

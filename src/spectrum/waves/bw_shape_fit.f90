@@ -1,7 +1,7 @@
 module bw_shape_fit
-  !! Least squares of one line's amplitudes at sensors by the functions of a uniform beam, over α = k l (variable projection:
-  !! Golub & Pereyra 1973). Each function has a complex factor of its own, so that a motion may travel or be damped; strain has
-  !! factors of its own beside other quantities, since its constant is not known.
+  !! Least-squares fit of one line's amplitudes at sensors by functions of a uniform beam, over α = k l (variable projection:
+  !! Golub & Pereyra 1973). Each function has a complex factor, so that a motion may travel or be damped; strain has its own
+  !! factors, since its constant is not known.
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_model_shapes, only: model_shape
@@ -12,40 +12,40 @@ module bw_shape_fit
   private
   public :: candidates_of, costs_of, fits_anything, freedom_of, interval_of, reason_against, scanned
 
-  real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
-  real(dp), parameter :: highest = 200         !! α; about the 64th mode. Of many lines modes twice as high as there are lines
-  real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
-  real(dp), parameter :: dependent = 1.0e-8_dp !! part of a function that the others and the places leave: less is rounding
+  real(dp), parameter :: lowest = 0.1_dp       !! α; with a smaller one the beam looks straight to any sensor
+  real(dp), parameter :: highest = 200         !! α; about the 64th mode. With many lines the scan goes to twice as many modes
+  real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits vary over π
+  real(dp), parameter :: dependent = 1.0e-8_dp !! part of a function independent of the others; a smaller one is rounding
   integer, parameter :: most_steps = 60
   real(dp), parameter, public :: rounding = 8*epsilon(1.0_dp)
-  real(dp), parameter, public :: worse = 25    !! five deviations squared: what costs so much more is no candidate
+  real(dp), parameter, public :: worse = 25    !! five standard deviations squared: the highest cost of a candidate above the best
 
   type, public :: wave_sensor
-    !! What is known of the sensors and of the beam's ends.
+    !! The sensors, and what is known of the beam's ends.
     real(dp), allocatable :: position(:)       !! ξ, (S)
     logical, allocatable :: strain(:)          !! strain is measured, else displacement, (S)
     character(:), allocatable :: ends          !! 'model', 'tip', 'clamped' or 'any'
-    type(piece_beam) :: model                  !! with 'model': the beam with all that holds it and is attached to it
+    type(piece_beam) :: model                  !! with 'model': the beam with its supports and attached bodies
   end type wave_sensor
 
   type, public :: motion_type
-    !! One line at the sensors, over the deviations.
+    !! Amplitudes of one line at the sensors, over their standard deviations.
     complex(dp), allocatable :: data(:)        !! (S)
-    real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, times any number, (S)
-    real(dp), allocatable :: separating(:, :)  !! what makes the noise of all sensors independent; allocated where it is not, (S, S)
-    logical :: freed = .false.                 !! the deviation is known to a factor only
+    real(dp), allocatable :: weight(:)         !! 1 over the standard deviation of real and of imaginary part, up to a factor, (S)
+    real(dp), allocatable :: separating(:, :)  !! decorrelates the noise of the sensors; unallocated if it is independent, (S, S)
+    logical :: freed = .false.                 !! standard deviations are known up to a factor only
   end type motion_type
 
   type, public :: wave_candidate
     !! A wave number that fits better than its neighbours.
     real(dp) :: alpha = 0
-    real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory
-    real(dp) :: misfit = huge(1.0_dp)          !! sum of squares
-    real(dp) :: cost = 0                       !! against the best, as of `costs_of`
+    real(dp) :: deviation = huge(1.0_dp)       !! standard deviation of α in linear theory
+    real(dp) :: misfit = huge(1.0_dp)          !! sum of squared residuals
+    real(dp) :: cost = 0                       !! above the best, from `costs_of`
   end type wave_candidate
 
   type :: shape_projection
-    !! What the functions leave at one α.
+    !! Residual of the fit at one α.
     real(dp) :: misfit = 0
     real(dp) :: slope = 0, curvature = 0       !! half the derivatives by α (Gauss & Newton, Kaufman 1975)
   end type shape_projection
@@ -53,26 +53,26 @@ module bw_shape_fit
 contains
 
   pure integer function columns_of(sensors)
-    !! How many functions there are, strain and other quantities apart.
+    !! Number of functions, counted separately for strain and other quantities.
     type(wave_sensor), intent(in) :: sensors
     columns_of = function_count(sensors%ends)*count([any(sensors%strain), any(.not. sensors%strain)])
   end function columns_of
 
   pure integer function places_of(sensors, strain)
-    !! At how many places a kind of quantity says something: not where all functions vanish.
+    !! Number of distinct positions of sensors of a kind of quantity, without those where all functions vanish.
     type(wave_sensor), intent(in) :: sensors
     logical, intent(in) :: strain
-    logical :: tells(size(sensors%position))
+    logical :: valid(size(sensors%position))
     integer :: i
-    tells = sensors%strain .eqv. strain
-    if (sensors%ends /= 'any' .and. sensors%model%root%holds_deflection .and. .not. strain) tells = tells .and. sensors%position > 0
-    if (function_count(sensors%ends) == 1 .and. strain) tells = tells .and. sensors%position < 1
-    places_of = count([(tells(i) .and. .not. any(tells(:i - 1) .and. sensors%position(:i - 1) == sensors%position(i)), &
-      & i=1, size(tells))])
+    valid = sensors%strain .eqv. strain
+    if (sensors%ends /= 'any' .and. sensors%model%root%holds_deflection .and. .not. strain) valid = valid .and. sensors%position > 0
+    if (function_count(sensors%ends) == 1 .and. strain) valid = valid .and. sensors%position < 1
+    places_of = count([(valid(i) .and. .not. any(valid(:i - 1) .and. sensors%position(:i - 1) == sensors%position(i)), &
+      & i=1, size(valid))])
   end function places_of
 
   pure function reason_against(sensors) result(reason)
-    !! Why the sensors cannot fix any wave number; '' where they can. One kind of quantity needs one place more than there are
+    !! Why the sensors cannot determine any wave number; '' if they can. One kind of quantity needs one position more than there are
     !! functions.
     type(wave_sensor), intent(in) :: sensors
     character(:), allocatable :: reason
@@ -86,13 +86,13 @@ contains
   end function reason_against
 
   pure logical function fits_anything(sensors)
-    !! Whether there are so few sensors that some α fits whatever real amplitudes they show.
+    !! Whether there are so few sensors that some α fits any real amplitudes.
     type(wave_sensor), intent(in) :: sensors
     fits_anything = max(places_of(sensors, .false.), places_of(sensors, .true.)) == function_count(sensors%ends) + 1
   end function fits_anything
 
   pure integer function freedom_of(sensors)
-    !! How many real numbers the amplitudes of a line have more than the fit has unknowns.
+    !! Degrees of freedom of the fit: the real numbers in a line's amplitudes minus the unknowns.
     type(wave_sensor), intent(in) :: sensors
     integer :: n
     n = function_count(sensors%ends)
@@ -100,7 +100,7 @@ contains
   end function freedom_of
 
   pure function functions_at(sensors, alpha) result(values)
-    !! The functions at the sensors, each 0 where the other kind of quantity is measured.
+    !! The functions at the sensors; 0 at sensors of the other kind of quantity.
     type(wave_sensor), intent(in) :: sensors
     complex(dp), intent(in) :: alpha
     complex(dp) :: values(size(sensors%position), columns_of(sensors))
@@ -122,7 +122,7 @@ contains
   end function functions_at
 
   pure subroutine scanned(sensors, motions, alpha, misfit)
-    !! The misfits of all lines over a grid of α.
+    !! Compute the misfits of all lines over a grid of α.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), allocatable, intent(out) :: alpha(:), misfit(:, :)  !! (n), (n, line)
@@ -143,16 +143,16 @@ contains
   end subroutine scanned
 
   pure type(shape_projection) function projected(functions, motion, with_slope) result(projection)
-    !! What the functions leave of a motion; the slope from their imaginary parts, `tiny_step` times their derivatives.
+    !! Residual of the fit to a motion; the slope from the functions' imaginary parts, `tiny_step` times their derivatives.
     complex(dp), intent(in) :: functions(:, :)  !! (S, column)
     type(motion_type), intent(in) :: motion
     logical, intent(in) :: with_slope
     real(dp) :: basis(size(functions, 1), size(functions, 2)), triangle(size(functions, 2), size(functions, 2)), length
-    complex(dp), dimension(size(functions, 1)) :: left, change
+    complex(dp), dimension(size(functions, 1)) :: residual, change
     complex(dp) :: factor(size(functions, 2))
     logical :: used(size(functions, 2))
     integer :: i, j, pass
-    left = motion%data
+    residual = motion%data
     triangle = 0
     factor = 0
     do j = 1, size(basis, 2)
@@ -169,10 +169,10 @@ contains
       triangle(j, j) = norm2(basis(:, j))
       used(j) = triangle(j, j) > dependent*max(length, norm2(motion%weight))
       basis(:, j) = merge(basis(:, j)/max(triangle(j, j), tiny(1.0_dp)), 0.0_dp, used(j))
-      factor(j) = sum(basis(:, j)*left)
-      left = left - factor(j)*basis(:, j)
+      factor(j) = sum(basis(:, j)*residual)
+      residual = residual - factor(j)*basis(:, j)
     end do
-    projection%misfit = sum(left%re**2 + left%im**2)
+    projection%misfit = sum(residual%re**2 + residual%im**2)
     if (.not. with_slope) return
     do j = size(basis, 2), 1, -1
       factor(j) = factor(j) - sum(triangle(j, j + 1:)*factor(j + 1:))
@@ -185,12 +185,12 @@ contains
     do j = 1, size(basis, 2)
       change = change - sum(basis(:, j)*change)*basis(:, j)
     end do
-    projection%slope = -sum(change%re*left%re + change%im*left%im)
+    projection%slope = -sum(change%re*residual%re + change%im*residual%im)
     projection%curvature = sum(change%re**2 + change%im**2)
   end function projected
 
   pure function weighted(motion, values) result(independent)
-    !! Numbers at the sensors over the deviations, such that their noise is independent.
+    !! Values at the sensors over the standard deviations, decorrelated.
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: values(:)          !! (S)
     real(dp) :: independent(size(values))
@@ -199,7 +199,7 @@ contains
   end function weighted
 
   pure type(shape_projection) function projection_at(sensors, motion, alpha) result(projection)
-    !! What the functions leave at one α, with slope and curvature.
+    !! Residual of the fit at one α, with slope and curvature.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha
@@ -210,12 +210,12 @@ contains
   end function projection_at
 
   pure function candidates_of(sensors, motion, alpha, misfit, freedom) result(candidates)
-    !! The local minima that a scan shows, polished, but for those that a parabola rules out as candidates
-    !! beside the best. The scan's lower end is a minimum too where the misfit still falls there.
+    !! The refined local minima of a scan, without those that a parabola predicts to be too far above the best for a candidate.
+    !! The scan's lower end is a minimum, too, if the misfit still falls there.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha(:), misfit(:)  !! of the scan, (n)
-    integer, intent(in) :: freedom             !! of the fit
+    integer, intent(in) :: freedom             !! degrees of freedom of the fit
     type(wave_candidate), allocatable :: candidates(:)
     integer, allocatable :: low(:)
     real(dp) :: best, least
@@ -223,29 +223,29 @@ contains
     low = pack([(i, i=1, size(alpha))], misfit <= eoshift(misfit, -1, huge(1.0_dp)) &
       & .and. misfit <= eoshift(misfit, 1, huge(1.0_dp)))
     first = low(minloc(misfit(low), dim=1))
-    candidates = [polished(sensors, motion, alpha(first))]
+    candidates = [refined(sensors, motion, alpha(first))]
     best = candidates(1)%misfit
     do i = 1, size(low)
       if (low(i) == first) cycle
       least = predicted_minimum(sensors, motion, alpha(low(i)))
       if (costs_of(least, best, freedom, .true.) > worse .and. (motion%freed .or. least > best + worse)) cycle
-      candidates = [candidates, polished(sensors, motion, alpha(low(i)))]
+      candidates = [candidates, refined(sensors, motion, alpha(low(i)))]
       best = min(best, candidates(size(candidates))%misfit)
     end do
   end function candidates_of
 
   elemental real(dp) function costs_of(misfit, least, freedom, scaled) result(cost)
-    !! How much worse a fit is than the best, as twice the logarithm of the ratio of their likelihoods; where the deviation is
-    !! told by the misfit, of those with the likeliest deviation for each.
+    !! Twice the logarithm of the likelihood ratio of the best fit to this one. If the standard deviation is estimated from the
+    !! misfit, each fit has its own maximum-likelihood estimate.
     real(dp), intent(in) :: misfit, least      !! sums of squares
     integer, intent(in) :: freedom
-    logical, intent(in) :: scaled              !! the misfit tells the deviation
+    logical, intent(in) :: scaled              !! the standard deviation is estimated from the misfit
     cost = misfit - least
     if (scaled) cost = (freedom + 1)*log((max(misfit, least) + freedom*rounding**2)/(least + freedom*rounding**2))
   end function costs_of
 
   pure real(dp) function predicted_minimum(sensors, motion, alpha) result(least)
-    !! The minimum that a parabola predicts, and less by nine times the fall that it predicts, since the misfit is no parabola.
+    !! A cautious estimate of the minimum: the misfit less ten times the fall that a parabola predicts, since it is no parabola.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha
@@ -255,9 +255,9 @@ contains
     if (here%curvature > 0) least = least - 10*here%slope**2/here%curvature
   end function predicted_minimum
 
-  pure type(wave_candidate) function polished(sensors, motion, start) result(candidate)
-    !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; less what
-    !! rounding of α makes of it.
+  pure type(wave_candidate) function refined(sensors, motion, start) result(candidate)
+    !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; the misfit
+    !! is reduced by what rounding of α contributes.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: start
@@ -282,11 +282,11 @@ contains
     candidate%alpha = alpha
     candidate%misfit = max(0.0_dp, here%misfit - here%curvature*(rounding*alpha)**2)
     if (here%curvature > 0) candidate%deviation = 1/sqrt(here%curvature)
-  end function polished
+  end function refined
 
   pure function interval_of(sensors, motion, candidate, rise) result(interval)
-    !! Where the misfit is no more than a rise above its minimum (profile likelihood), as far as it goes without a gap; an end
-    !! that is not found within the range of α is 0 or huge.
+    !! The interval around a candidate in which the misfit is at most `rise` above its minimum (profile likelihood). An end that
+    !! is not found within the range of α is 0 or huge.
     type(wave_sensor), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     type(wave_candidate), intent(in) :: candidate
@@ -297,7 +297,7 @@ contains
   contains
 
     pure real(dp) function end_at(side) result(outside)
-      !! The end on one side: steps outwards, then bisection with the secant of the root of the rise.
+      !! The end on one side: steps outwards, then bisection.
       integer, intent(in) :: side
       real(dp) :: inside, move, middle
       type(shape_projection) :: there

@@ -1,5 +1,5 @@
 module bw_tip_mass
-  !! The mass at the tip that a wave number α = P l implies (Eq. 19), and where the α of a mode can be whatever the mass. All modes
+  !! The mass at the tip that a wave number α = P l implies (Eq. 19), and the range of α of each mode for any mass. All modes
   !! of one beam imply the same mass.
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -7,14 +7,14 @@ module bw_tip_mass
   private
   public :: alpha_range, mass_angle, mode_near
 
-  real(dp), parameter :: margin = 1.0e-3_dp      !! roots lie that near the ends (k−¾)π and (k−½)π, or between
+  real(dp), parameter :: margin = 1.0e-3_dp      !! roots lie between (k−¾)π and (k−½)π, or so near these
   real(dp), parameter :: first_mode(2) = [1.0e-3_dp, 1.8752_dp]
   real(dp), parameter :: small = 0.5_dp          !! α below which sin α cosh α − cos α sinh α is summed as a series
 
 contains
 
   elemental integer function mode_near(alpha)
-    !! The number of the mode whose range of α, for any tip mass, is the nearest.
+    !! The number of the mode whose range of α, for any tip mass, is nearest.
     real(dp), intent(in) :: alpha
     mode_near = max(1, nint(min(alpha, 1.0e8_dp)/pi + 0.625_dp))
   end function mode_near
@@ -29,7 +29,7 @@ contains
 
   pure real(dp) function mass_angle(alpha, mode)
     !! The angle whose tangent is γ = (1 + cos α cosh α)/(α (sin α cosh α − cos α sinh α)), Eq. 19. It falls smoothly from π/2
-    !! (γ infinite) to 0 (no mass) as α rises through the mode's range, and goes on beyond both ends of it.
+    !! (γ infinite) to 0 (no mass) as α rises through the mode's range, and continues beyond both ends.
     real(dp), intent(in) :: alpha                !! > 0
     integer, intent(in) :: mode                  !! k ≥ 1
     real(dp) :: cosine, bracket, sign_of_range

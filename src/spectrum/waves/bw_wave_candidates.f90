@@ -1,6 +1,6 @@
 module bw_wave_candidates
-  !! The wave numbers that lines may have, as points of the plane of β² and α⁴, in which those of a uniform beam lie on a straight
-  !! line (Eq. 3), and with a mass at the tip the angle of the mass that each implies (Eq. 19).
+  !! The candidates for the lines' wave numbers, as points (β², α⁴), which for a uniform beam lie on a straight line (Eq. 3), and
+  !! with a mass at the tip as angles of the mass that each implies (Eq. 19).
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_shape_fit, only: wave_candidate, worse
@@ -9,35 +9,35 @@ module bw_wave_candidates
   private
   public :: possible_tips, problem_of
 
-  real(dp), parameter :: first = 3             !! α of a first mode at most; what is known of it may be that alone
+  real(dp), parameter :: first = 3             !! largest α of a first mode; the deviation of a smaller α may reach up to it
 
   type, public :: choice_type
-    !! The wave numbers that one line may have.
+    !! The candidates for the wave number of one line.
     type(wave_candidate), allocatable :: candidates(:)
-    real(dp) :: scale = 1                      !! deviation of the data over what it was said to be
-    integer :: freedom = huge(1)               !! degrees of freedom that tell the scale
-    logical :: misfits = .false.               !! the shape does not fit, by which the scale is told
-    integer :: chosen = 0                      !! of the candidates; 0: none
-    integer :: rival = 0                       !! where none is chosen: the next best beside the first, `best`
+    real(dp) :: scale = 1                      !! standard deviation of the data relative to the given one
+    integer :: freedom = huge(1)               !! degrees of freedom of the scale
+    logical :: misfits = .false.               !! the shape does not fit, and the scale is estimated from the misfit
+    integer :: chosen = 0                      !! index of the chosen candidate; 0: none
+    integer :: rival = 0                       !! the next best after `best`
     integer :: best = 0
-    logical :: on_curve = .false.              !! it lies on the curve of all
+    logical :: on_curve = .false.              !! it lies on the common curve of the lines
   end type choice_type
 
   type, public :: problem_type
-    !! All lines and their candidates as the search sees them.
-    real(dp), allocatable :: square(:)         !! β² over the largest, (line)
+    !! All lines and their candidates in the form that the search uses.
+    real(dp), allocatable :: square(:)         !! β² relative to the largest, (line)
     real(dp), allocatable :: power(:, :), variance(:, :)  !! α⁴ and its variance, (candidate, line)
-    real(dp), allocatable :: cost(:, :)        !! misfit above the least, (candidate, line)
-    real(dp), allocatable :: angle(:, :), angle_variance(:, :)  !! of the mass that is implied
-    integer, allocatable :: mode(:, :)         !! its number, with a mass at the tip; else about its number
-    integer, allocatable :: count(:)           !! of candidates, (line)
+    real(dp), allocatable :: cost(:, :)        !! misfit above the smallest, (candidate, line)
+    real(dp), allocatable :: angle(:, :), angle_variance(:, :)  !! of the implied mass
+    integer, allocatable :: mode(:, :)         !! mode number, with a mass at the tip; otherwise approximate
+    integer, allocatable :: count(:)           !! number of candidates, (line)
     logical :: rotates = .false., tip = .false.
   end type problem_type
 
 contains
 
   pure function possible_tips(candidates) result(possible)
-    !! Those candidates that a mass at the tip allows within five deviations: α between those of an infinite mass and of none.
+    !! The candidates that a mass at the tip allows within five standard deviations: α between those of infinite mass and of none.
     type(wave_candidate), intent(in) :: candidates(:)
     type(wave_candidate), allocatable :: possible(:)
     logical :: allowed(size(candidates))
@@ -53,7 +53,7 @@ contains
   end function possible_tips
 
   pure type(problem_type) function problem_of(square, rotates, tip, choices) result(problem)
-    !! The candidates as points of the plane of β² and α⁴, with their deviations.
+    !! The candidates as points (β², α⁴), with their variances.
     real(dp), intent(in) :: square(:)
     logical, intent(in) :: rotates, tip
     type(choice_type), intent(in) :: choices(:)

@@ -1,7 +1,7 @@
 module bw_wave_choice
-  !! Which of the wave numbers that fit a line alike is the line's: those of all lines lie on one curve of a uniform beam, and with a
-  !! mass at the tip all imply the same mass. What is chosen fits much better than every choice that contradicts it; otherwise
-  !! nothing is.
+  !! The choice among wave numbers that fit a line equally well: those of all lines lie on one curve of a uniform beam, and with a
+  !! mass at the tip all imply the same mass. A wave number is chosen only if it fits much better than every choice that
+  !! contradicts it.
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
   use bw_shape_fit, only: worse
@@ -11,20 +11,20 @@ module bw_wave_choice
   private
   public :: choose_waves
 
-  integer, parameter :: most_anchors = 6       !! lines that a curve is begun with
-  real(dp), parameter :: clear = 2*log(1.0e4_dp)  !! that much better than any contradiction
-  real(dp), parameter :: gap_costs = 2*log(10.0_dp)  !! of a mode without a line, below the highest that has one
+  integer, parameter :: most_anchors = 6       !! lines from which curves start
+  real(dp), parameter :: clear = 2*log(1.0e4_dp)  !! cost by which a choice must be better than any that contradicts it
+  real(dp), parameter :: gap_costs = 2*log(10.0_dp)  !! cost of a mode without a line, below the highest that has one
 
 contains
 
   subroutine choose_waves(square, rotates, tip, alone, choices, monitor)
-    !! Choose a candidate for each line, or name the two best where nothing tells.
+    !! Choose a candidate for each line, or name the two best if none is clearly better.
     real(dp), intent(in) :: square(:)          !! β² of the undamped line, (line)
     logical, intent(in) :: rotates             !! in the plane of bending
     logical, intent(in) :: tip                 !! a mass at the tip is the only unknown of the ends
-    integer, intent(in) :: alone               !! the mode that a line by itself is, with a mass at the tip; 0: not known
+    integer, intent(in) :: alone               !! mode number of a single line, with a mass at the tip; 0: not known
     type(choice_type), intent(inout) :: choices(:)
-    class(monitor_type), intent(inout), optional :: monitor    !! nothing is chosen where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor    !! nothing is chosen after a stop request
     type(problem_type) :: problem
     real(dp), allocatable :: least(:, :)
     integer :: best(size(choices)), k
@@ -53,18 +53,18 @@ contains
   end subroutine choose_waves
 
   subroutine search(problem, least, best, monitor)
-    !! Begin a curve with each candidate of a few lines, or each pair where the beam rotates, and go on with the others.
+    !! Start a curve from each candidate of a few lines, or from each pair if the beam rotates, and extend it to the other lines.
     type(problem_type), intent(in) :: problem
-    real(dp), allocatable, intent(out) :: least(:, :)  !! the cost of the best choice that takes a candidate, (candidate, line)
-    integer, intent(out) :: best(:)            !! the best choice of all; 0: the line is not on the curve, (line)
+    real(dp), allocatable, intent(out) :: least(:, :)  !! lowest cost of a choice that contains the candidate, (candidate, line)
+    integer, intent(out) :: best(:)            !! candidates of the best choice; 0: the line is not on the curve, (line)
     class(monitor_type), intent(inout), optional :: monitor
     integer :: chosen(size(best)), anchors(min(most_anchors, size(best)))
     type(curve_type) :: curve
-    real(dp) :: record
+    real(dp) :: lowest
     integer :: a, b, i, j
     allocate (least(size(problem%power, 1), size(best)), source=huge(1.0_dp)/4)
     anchors = anchors_of(problem)
-    record = huge(1.0_dp)/4
+    lowest = huge(1.0_dp)/4
     best = 0
     do a = 1, size(anchors)
       do i = 1, problem%count(anchors(a))
@@ -72,7 +72,7 @@ contains
           chosen = 0
           chosen(anchors(a)) = i
           curve = begun(problem, anchors([a]), [i])
-          call finish
+          call complete
           cycle
         end if
         if (stops(monitor)) return
@@ -82,7 +82,7 @@ contains
             chosen = 0
             chosen(anchors([a, b])) = [i, j]
             curve = begun(problem, anchors([a, b]), [i, j])
-            call finish
+            call complete
           end do
         end do
       end do
@@ -90,52 +90,52 @@ contains
 
   contains
 
-    subroutine finish
-      !! Go on with the curve, and note what it makes of each line.
+    subroutine complete
+      !! Extend the curve, and record its cost for the candidates on it.
       integer :: k
       if (.not. is_curve(curve)) return
-      call go_on(problem, record + clear, chosen, curve)
-      if (.not. curve%cost <= record + clear) return
+      call extend(problem, lowest + clear, chosen, curve)
+      if (.not. curve%cost <= lowest + clear) return
       do k = 1, size(chosen)
         if (chosen(k) > 0) least(chosen(k), k) = min(least(chosen(k), k), curve%cost)
       end do
-      if (curve%cost >= record) return
-      record = curve%cost
+      if (curve%cost >= lowest) return
+      lowest = curve%cost
       best = chosen
-    end subroutine finish
+    end subroutine complete
 
   end subroutine search
 
   pure function anchors_of(problem) result(anchors)
-    !! The lines with the fewest candidates, and of these the best known.
+    !! The lines with the fewest candidates, and among these the best known ones.
     type(problem_type), intent(in) :: problem
     integer :: anchors(min(most_anchors, size(problem%count)))
-    real(dp) :: doubt(size(problem%count))
+    real(dp) :: uncertainty(size(problem%count))
     integer :: i
-    doubt = problem%count + minval(sqrt(problem%variance)/(problem%power + sqrt(problem%variance)), dim=1, &
+    uncertainty = problem%count + minval(sqrt(problem%variance)/(problem%power + sqrt(problem%variance)), dim=1, &
       & mask=problem%power < huge(1.0_dp))
-    where (problem%count == 0) doubt = huge(1.0_dp)
+    where (problem%count == 0) uncertainty = huge(1.0_dp)
     do i = 1, size(anchors)
-      anchors(i) = minloc(doubt, dim=1)
-      doubt(anchors(i)) = huge(1.0_dp)
+      anchors(i) = minloc(uncertainty, dim=1)
+      uncertainty(anchors(i)) = huge(1.0_dp)
     end do
   end function anchors_of
 
-  pure subroutine go_on(problem, limit, chosen, curve)
-    !! Take in the remaining lines, that first whose wave number the curve foresees best (recursive least squares). A line that
-    !! has no candidate on the curve costs as much as one that is five deviations away.
+  pure subroutine extend(problem, limit, chosen, curve)
+    !! Add the remaining lines, in each step the one that the curve predicts most precisely (recursive least squares). A line
+    !! without a candidate on the curve costs as much as one that is five standard deviations away.
     type(problem_type), intent(in) :: problem
-    real(dp), intent(in) :: limit              !! of the cost, beyond which there is no point in going on
+    real(dp), intent(in) :: limit              !! of the cost, above which the curve is abandoned
     integer, intent(inout) :: chosen(:)
     type(curve_type), intent(inout) :: curve
-    logical :: waits(size(chosen))
+    logical :: remaining(size(chosen))
     real(dp) :: cost, least
     integer :: i, j, next
-    waits = chosen == 0 .and. problem%count > 0
-    do i = 1, count(waits)
+    remaining = chosen == 0 .and. problem%count > 0
+    do i = 1, count(remaining)
       if (curve%cost > limit) return
-      next = foreseen_best(problem, waits, curve)
-      waits(next) = .false.
+      next = best_predicted(problem, remaining, curve)
+      remaining(next) = .false.
       least = worse
       do j = 1, problem%count(next)
         if (problem%tip) then
@@ -154,7 +154,7 @@ contains
   contains
 
     pure logical function taken(mode)
-      !! Whether some line is that mode already.
+      !! Whether a line is assigned to that mode already.
       integer, intent(in) :: mode
       integer :: k
       taken = .false.
@@ -164,7 +164,7 @@ contains
     end function taken
 
     pure integer function gaps()
-      !! How many modes below the highest have no line.
+      !! Number of modes below the highest that have no line.
       integer :: k, top
       top = 0
       do k = 1, size(chosen)
@@ -173,25 +173,25 @@ contains
       gaps = max(0, top - count(problem%count > 0))
     end function gaps
 
-  end subroutine go_on
+  end subroutine extend
 
-  pure integer function foreseen_best(problem, waits, curve) result(best)
-    !! The waiting line whose α the curve foresees with the least deviation.
+  pure integer function best_predicted(problem, remaining, curve) result(best)
+    !! The remaining line whose α the curve predicts with the smallest standard deviation.
     type(problem_type), intent(in) :: problem
-    logical, intent(in) :: waits(:)
+    logical, intent(in) :: remaining(:)
     type(curve_type), intent(in) :: curve
-    real(dp) :: doubt, least, power
+    real(dp) :: uncertainty, least, power
     integer :: k
     least = huge(1.0_dp)
-    best = findloc(waits, .true., dim=1)
-    do k = 1, size(waits)
-      if (.not. waits(k)) cycle
+    best = findloc(remaining, .true., dim=1)
+    do k = 1, size(remaining)
+      if (.not. remaining(k)) cycle
       power = max(dot_product(curve%value, [problem%square(k), 1.0_dp]), epsilon(1.0_dp)*curve%value(1))
-      doubt = foreseen_variance(problem, k, curve)/power**1.5_dp
-      if (doubt >= least) cycle
-      least = doubt
+      uncertainty = foreseen_variance(problem, k, curve)/power**1.5_dp
+      if (uncertainty >= least) cycle
+      least = uncertainty
       best = k
     end do
-  end function foreseen_best
+  end function best_predicted
 
 end module bw_wave_choice

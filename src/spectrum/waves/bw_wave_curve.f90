@@ -1,7 +1,7 @@
 module bw_wave_curve
-  !! The curve α⁴ = A β² + B of a uniform beam through wave numbers that lines may have (recursive least squares), A > 0 and B ≥ 0,
-  !! which is 0 without rotation (Eq. 3), with the mean of the masses at the tip that they imply, and what it costs: the squares of
-  !! what each is away from it, in deviations.
+  !! The curve α⁴ = A β² + B of a uniform beam through candidate wave numbers (recursive least squares), A > 0 and B ≥ 0, with
+  !! B = 0 without rotation (Eq. 3); the mean of the tip masses that they imply; and its cost, the sum of squared distances in
+  !! standard deviations.
   use bw_kinds, only: dp
   use bw_shape_fit, only: worse
   use bw_wave_candidates, only: problem_type
@@ -10,7 +10,7 @@ module bw_wave_curve
   public :: apart, begun, foreseen_variance, is_curve, mass_cost, take
 
   type, public :: curve_type
-    !! α⁴ = sum(value·[β², 1]) with its covariance, and the mass so far.
+    !! α⁴ = sum(value·[β², 1]) with its covariance, and the mean of the masses so far.
     real(dp) :: value(2) = 0, covariance(2, 2) = 0
     real(dp) :: angle = 0, angle_variance = huge(1.0_dp)
     real(dp) :: cost = 0
@@ -19,14 +19,14 @@ module bw_wave_curve
 contains
 
   pure logical function is_curve(curve)
-    !! Whether a curve is one of a beam: A > 0 and, within five deviations, B ≥ 0.
+    !! Whether the curve is that of a beam: A > 0 and, within five standard deviations, B ≥ 0.
     type(curve_type), intent(in) :: curve
     is_curve = curve%value(1) > 0 .and. curve%value(2) >= -sqrt(worse*curve%covariance(2, 2)) &
       & .and. curve%cost < huge(1.0_dp)/8
   end function is_curve
 
   pure type(curve_type) function begun(problem, lines, own) result(curve)
-    !! The curve through one candidate and the origin, or through two.
+    !! The curve through one candidate and the origin, or through two candidates.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: lines(:), own(:)
     real(dp) :: slope(2, 2), far
@@ -53,7 +53,7 @@ contains
   end function begun
 
   pure subroutine add_mass(problem, own, line, curve)
-    !! Take the mass that a candidate implies into the mean of all, and what it is away from it into the cost.
+    !! Add the mass that a candidate implies to the mean, and its squared distance from the mean to the cost.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: own, line
     type(curve_type), intent(inout) :: curve
@@ -66,7 +66,7 @@ contains
   end subroutine add_mass
 
   pure real(dp) function mass_cost(problem, own, line, curve)
-    !! What it costs that a candidate implies another mass; at most half of what a line costs that is on no curve.
+    !! Cost of a candidate that implies another mass; at most half the cost of a line that is on no curve.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: own, line
     type(curve_type), intent(in) :: curve
@@ -77,7 +77,7 @@ contains
   end function mass_cost
 
   pure real(dp) function foreseen_variance(problem, line, curve) result(variance)
-    !! The variance of the curve's α⁴ at a line.
+    !! Variance of the curve's α⁴ at a line.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: line
     type(curve_type), intent(in) :: curve
@@ -85,7 +85,7 @@ contains
   end function foreseen_variance
 
   pure real(dp) function apart(problem, own, line, curve)
-    !! The squared distance of a candidate from the curve in deviations.
+    !! Squared distance of a candidate from the curve, over its variance.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: own, line
     type(curve_type), intent(in) :: curve
@@ -94,20 +94,20 @@ contains
   end function apart
 
   pure subroutine take(problem, own, line, curve)
-    !! Take a candidate into the curve.
+    !! Add a candidate to the curve.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: own, line
     type(curve_type), intent(inout) :: curve
-    real(dp) :: gain(2), left(2, 2), variance
+    real(dp) :: gain(2), reduction(2, 2), variance
     variance = problem%variance(own, line) + foreseen_variance(problem, line, curve)
     gain = matmul(curve%covariance, [problem%square(line), 1.0_dp])/variance
     curve%cost = curve%cost + problem%cost(own, line) + apart(problem, own, line, curve)
     curve%value = curve%value + gain*(problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))
-    left = -spread(gain, 2, 2)*spread([problem%square(line), 1.0_dp], 1, 2)
-    left(1, 1) = left(1, 1) + 1
-    left(2, 2) = left(2, 2) + 1
-    curve%covariance = matmul(matmul(left, curve%covariance), transpose(left)) &
-      & + problem%variance(own, line)*spread(gain, 2, 2)*spread(gain, 1, 2)  ! Joseph's form, which stays positive
+    reduction = -spread(gain, 2, 2)*spread([problem%square(line), 1.0_dp], 1, 2)
+    reduction(1, 1) = reduction(1, 1) + 1
+    reduction(2, 2) = reduction(2, 2) + 1
+    curve%covariance = matmul(matmul(reduction, curve%covariance), transpose(reduction)) &
+      & + problem%variance(own, line)*spread(gain, 2, 2)*spread(gain, 1, 2)  ! Joseph's form, which stays positive definite
     if (problem%tip) call add_mass(problem, own, line, curve)
   end subroutine take
 

@@ -1,27 +1,27 @@
 module bw_wave_shapes
-  !! The functions that the motion of a uniform beam in one line is made of: solutions of v'''' = α⁴ v, lengths in units of the
-  !! beam's. What is known of the ends leaves one, two or four of them:
+  !! Functions of the motion of a uniform beam in one line: solutions of v'''' = α⁴ v, lengths in units of the beam's. Known end
+  !! conditions leave one, two or four of them:
   !!
   !! - 'tip': clamped at ξ = 0 and no moment at ξ = 1, Φ of Eqs 18 and 20, for any mass or spring at the tip;
   !! - 'clamped': cosh αξ − cos αξ and sinh αξ − sin αξ of a beam clamped at ξ = 0;
   !! - 'any': cos, sin and the two exponentials.
   !!
-  !! With 'model' there is one, that of bw_model_shapes.
+  !! With 'model' there is one, from bw_model_shapes.
   !!
-  !! Strain follows v''/α², in which cos and sin change their sign. All exponentials decay, no small difference of large numbers
-  !! is formed, and all functions are analytic in α: the imaginary part at α + iε is ε times the derivative.
+  !! Strain is represented by v''/α², in which cos and sin change their sign. All exponentials decay, there is no cancellation,
+  !! and all functions are analytic in α: the imaginary part at α + iε is ε times the derivative.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: function_count, near, powers, shape_functions, tip_shape
 
-  real(dp), parameter :: near = 1.9_dp         !! αξ below which sums of powers replace differences of exponentials
+  real(dp), parameter :: near = 1.9_dp         !! αξ below which power series replace differences of exponentials
   real(dp), parameter :: factorial(0:3) = [1, 1, 2, 6]
 
 contains
 
   pure integer function function_count(ends)
-    !! How many functions what is known of the ends leaves.
+    !! Number of functions that the end conditions leave.
     character(*), intent(in) :: ends           !! 'model', 'tip', 'clamped' or 'any'
     select case (ends)
     case ('model', 'tip')
@@ -34,7 +34,7 @@ contains
   end function function_count
 
   pure function shape_functions(ends, alpha, position, strain) result(values)
-    !! The functions at sensors, of displacement or of strain. They span the same space whatever constants they carry.
+    !! The functions of displacement or strain at sensors, up to constant factors and mixtures that do not change their span.
     character(*), intent(in) :: ends
     complex(dp), intent(in) :: alpha           !! real part > 0
     real(dp), intent(in) :: position(:)        !! ξ, (n)
@@ -62,7 +62,7 @@ contains
   end function tip_shape
 
   elemental complex(dp) function moment_free(alpha)
-    !! The number (1 − σ) e^α, σ = (cos α + cosh α)/(sin α + sinh α), by which the tip is free of moment.
+    !! The factor (1 − σ) e^α, σ = (cos α + cosh α)/(sin α + sinh α), that makes the tip free of moment.
     complex(dp), intent(in) :: alpha
     complex(dp) :: decay
     decay = exp(-alpha)
@@ -96,7 +96,7 @@ contains
   end function clamped_sum
 
   pure function free_functions(alpha, position) result(values)
-    !! All four functions about the middle of the sensors, where these are near each other as sums of powers, which tend to
+    !! All four functions about the middle of the sensors; if these are close together, as power series, which tend to
     !! 1, x, x² and x³.
     complex(dp), intent(in) :: alpha
     real(dp), intent(in) :: position(:)
@@ -104,7 +104,7 @@ contains
     real(dp) :: half, x
     integer :: i, m
     half = (maxval(position) - minval(position))/2
-    if (.not. half > 0) half = 1               ! all at one place, where any function stands for the others
+    if (.not. half > 0) half = 1               ! all at one position, where any function represents the others
     do i = 1, size(position)
       x = position(i) - minval(position) - half
       z = alpha*x

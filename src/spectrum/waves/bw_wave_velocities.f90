@@ -1,6 +1,6 @@
 module bw_wave_velocities
-  !! Wave numbers and velocities in SI from what is found of each line over the beam's length: phase velocities line by line, group
-  !! velocities, √(EI/ρA) and ω from the dispersion of all.
+  !! Wave numbers and velocities in SI from the α of each line: phase velocities line by line, group velocities, √(EI/ρA) and ω
+  !! from the dispersion of all lines.
   use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
   use bw_kinds, only: dp
   use bw_quantile, only: normal, squares_deviation, student_quantile
@@ -11,19 +11,19 @@ module bw_wave_velocities
   private
   public :: fill_dispersion, fill_waves
 
-  real(dp), parameter, public :: unlikely = 3.0902_dp  !! a normal number is above it once in a thousand times
+  real(dp), parameter, public :: unlikely = 3.0902_dp  !! a normal number exceeds it with a probability of 1/1000
 
   type, public :: wave_type
-    !! The wave number of a line over the beam's length.
+    !! The wave number of a line times the beam's length.
     real(dp) :: alpha = 1, error = 0
-    real(dp) :: deviation = 0                  !! of a normal number with that error
+    real(dp) :: deviation = 0                  !! standard deviation of a normal number with that error
     logical :: exists = .false.
   end type wave_type
 
 contains
 
   pure subroutine fill_waves(facts, lines, found, waves)
-    !! Wave numbers, and phase velocities of the undamped lines.
+    !! Fill in wave numbers, and phase velocities of the undamped lines.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
     type(wave_type), intent(in) :: found(:)
@@ -38,13 +38,13 @@ contains
   end subroutine fill_waves
 
   pure subroutine fill_dispersion(facts, lines, found, on_curve, waves, agree)
-    !! √(EI/ρA), ω and group velocities from the lines that lie on one curve.
+    !! Fill in √(EI/ρA), ω and group velocities from the lines that lie on one curve.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
     type(wave_type), intent(in) :: found(:)
     logical, intent(in) :: on_curve(:)         !! (line)
     type(sensor_waves), intent(inout) :: waves
-    logical, intent(out) :: agree(:)           !! lines on a curve that more of them determine than it takes, and that all fit
+    logical, intent(out) :: agree(:)           !! lines that overdetermine a curve, if all fit it
     type(dispersion_type) :: curve
     real(dp), dimension(size(found)) :: square, variance, velocity, deviation
     real(dp) :: quantile, reach, unit
@@ -52,7 +52,7 @@ contains
     agree = .false.
     if (.not. any(on_curve)) return
     power = exponent(maxval(square_of(lines)))
-    unit = scale(1.0_dp, (power - modulo(power, 2))/2)   ! of frequencies: with it other units of time give the same bits
+    unit = scale(1.0_dp, (power - modulo(power, 2))/2)   ! of frequency: results have the same bits in other units of time
     square = square_of(lines)/unit/unit
     variance = found%deviation**2 + (found%alpha*lines%frequency_deviation/(2*lines%angular_frequency))**2
     curve = fit_dispersion(pack(square, on_curve), pack(found%alpha, on_curve), pack(variance, on_curve), facts%rotates)
