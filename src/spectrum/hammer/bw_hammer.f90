@@ -1,7 +1,7 @@
 module bw_hammer
-  !! A blow whose force is measured. Behind it the beam moves as Σ Re A e^(zt), with A = C F/(iβ) times z for each derivative that a
-  !! sensor measures: F = ∫f e^(−zt)dt, and C = φ_sφ_f/M is the modal constant, in 1/kg. With z = −δ + iβ this holds whatever the
-  !! blow's shape and however often the hammer hits.
+  !! A blow whose force is measured. After it the beam moves as Σ Re A e^(zt), with A = C F/(iβ), times z for each derivative that
+  !! a sensor measures. Here z = −δ + iβ, F = ∫f e^(−zt)dt, and C = φ_sφ_f/M is the modal constant, in 1/kg. This holds for any
+  !! shape of the blow and any number of hits.
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_order, only: quantile_of
@@ -9,23 +9,23 @@ module bw_hammer
   private
   public :: find_constants, hammer_of, hammer_response
 
-  real(dp), parameter :: clear = 0.1_dp          !! of the largest force: what is more is a blow
-  real(dp), parameter :: seen = 4                !! standard deviations of the force at rest: what is less is not the blow's any more
-  real(dp), parameter :: soon = 1.0_dp/16        !! of the record: too short a decay between two hits to tell lines
-  real(dp), parameter :: normal_median = 0.6745_dp   !! of a normal number's size
+  real(dp), parameter :: clear = 0.1_dp          !! of the largest force, above which there is a blow
+  real(dp), parameter :: seen = 4                !! standard deviations of the force at rest, above which a blow continues
+  real(dp), parameter :: soon = 1.0_dp/16        !! of the record: the longest time between two hits that are one blow
+  real(dp), parameter :: normal_median = 0.6745_dp   !! median of the absolute value of a standard normal number
 
   type, public :: hammer_type
     real(dp), allocatable :: force(:)            !! N, 0 where the hammer does not touch the beam, (samples)
-    logical, allocatable :: acts(:)              !! a blow is under way, (samples)
-    integer, allocatable :: after(:)             !! the first sample behind each blow, (blows)
-    real(dp) :: deviation = 0                    !! of the force at rest, N
+    logical, allocatable :: acts(:)              !! during a blow, (samples)
+    integer, allocatable :: after(:)             !! the first sample after each blow, (blows)
+    real(dp) :: deviation = 0                    !! standard deviation of the force at rest, N
   end type hammer_type
 
 contains
 
   pure type(hammer_type) function hammer_of(force) result(hammer)
-    !! The blows in a force: where it is clearly above that at rest, and outwards as long as it can be told from it. Hits that follow
-    !! each other soon are one blow.
+    !! Find the blows in a force: each begins where the force is clearly above its value at rest, and extends both ways as long
+    !! as it exceeds noise. Hits in quick succession are one blow.
     real(dp), intent(in) :: force(:)             !! N, with any offset
     real(dp) :: above(size(force))
     integer :: j, n, last
@@ -51,15 +51,15 @@ contains
   end function hammer_of
 
   pure subroutine find_constants(hammer, step, row, pole, derivative, amplitude, constant, share)
-    !! The modal constants of a line at some sensors, by the first blow.
+    !! Find the modal constants of a line at some sensors, from the first blow.
     type(hammer_type), intent(in) :: hammer
     real(dp), intent(in) :: step                 !! s
-    integer, intent(in) :: row                   !! the sample whose amplitudes these are
+    integer, intent(in) :: row                   !! the sample that the amplitudes refer to
     complex(dp), intent(in) :: pole              !! −δ + iβ, rad/s
-    integer, intent(in) :: derivative(:)         !! 0 of displacement, 1 of velocity, 2 of acceleration, (sensors)
+    integer, intent(in) :: derivative(:)         !! 0 for displacement, 1 for velocity, 2 for acceleration, (sensors)
     complex(dp), intent(in) :: amplitude(:)      !! in SI, (sensors)
     complex(dp), intent(out) :: constant(:)      !! 1/kg, (sensors)
-    real(dp), intent(out) :: share               !! standard deviation of the force's part in it, relatively
+    real(dp), intent(out) :: share               !! relative standard deviation of the constants due to noise of the force
     complex(dp) :: turn(hammer%after(1)), impulse
     integer :: j
     turn = [(exp(-pole*step*(j - row)), j=1, size(turn))]
@@ -69,7 +69,7 @@ contains
   end subroutine find_constants
 
   subroutine hammer_response(hammer, step, values, frequency, response, spectrum)
-    !! The transforms of sensors over that of the force at the bins that are nearest to some frequencies; 0 where the force has none.
+    !! Find the transforms of sensors over that of the force, at the bins nearest to given frequencies; 0 where the force has none.
     type(hammer_type), intent(in) :: hammer
     real(dp), intent(in) :: step                 !! s
     real(dp), intent(in) :: values(:, :)         !! (samples, sensors)

@@ -1,9 +1,9 @@
 module bw_belief
-  !! What can be believed of the lines of a record: bounds in the noise found, intervals that hold what the record shows of drift,
-  !! and names for lines that are no single steady mode.
+  !! Statistics of the lines of a record: bounds in the noise found, intervals that include drift, and the status of lines that are
+  !! not single steady modes.
   !!
-  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it, or reaches from the value at the blow to that
-  !! at the end of a line's life where it drifts.
+  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; for a drifting line it also covers the change
+  !! from the blow to the end of the line's life.
   use bw_constants, only: pi
   use bw_found_lines, only: find_record_lines, found_lines
   use bw_kinds, only: dp
@@ -23,31 +23,31 @@ module bw_belief
   private
   public :: at_edge, believed_line, close_pair, drifting, find_believed_lines, harmonic
 
-  real(dp), parameter :: life = 3                !! decay times after which a line is taken for gone
-  real(dp), parameter :: most_share = 0.9_dp     !! of noise in a line's squares
-  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
+  real(dp), parameter :: life = 3                !! decay times after which a line has died out
+  real(dp), parameter :: most_share = 0.9_dp     !! largest share of noise in a line's squared amplitudes
+  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound that the record does not determine
 
 contains
 
   subroutine find_believed_lines(samples, confidence, false_alarm, found, believed, monitor)
     !! Find the lines of a record with their intervals, by ascending frequency.
-    type(samples_type), intent(inout) :: samples   !! loses sensors that are constant, or copies of others
+    type(samples_type), intent(inout) :: samples   !! loses sensors that are constant or multiples of others
     real(dp), intent(in) :: confidence             !! of the intervals, 0 … 1
-    real(dp), intent(in) :: false_alarm            !! that noise alone makes any line
+    real(dp), intent(in) :: false_alarm            !! probability that noise alone yields any line
     type(found_lines), intent(out) :: found
     type(believed_line), allocatable, intent(out) :: believed(:)
-    class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
     call find_record_lines(samples, false_alarm, found, monitor)
     allocate (believed(0))
     if (stops(monitor)) return
     call judge_lines(found%model, confidence, false_alarm, believed)
     believed = believed(ascending(believed%frequency))
     call name_lines(samples, believed)
-    call repeat_sensors(found, believed)
+    call add_multiples(found, believed)
   end subroutine find_believed_lines
 
   subroutine judge_lines(model, confidence, false_alarm, believed)
-    !! Judge lines that overlap together.
+    !! Judge all lines; those that overlap are fitted together.
     type(model_type), intent(in) :: model
     real(dp), intent(in) :: confidence, false_alarm
     type(believed_line), allocatable, intent(inout) :: believed(:)
@@ -62,14 +62,14 @@ contains
       own = cluster_of(model, findloc(done, .false., dim=1))
       done = done .or. own
       call refit(model, own, pack(model%lines, own), 0, found)
-      if (.not. any(found%reduced%stretch >= 1)) cycle   ! no sample tells them
+      if (.not. any(found%reduced%stretch >= 1)) cycle   ! no samples to fit them to
       errors = line_errors_of(pack(model%lines, own), found%reduced)
       windows = windows_of(model, pack(model%lines, own), false_alarm)
       j = 0
       do k = 1, size(own)
         if (.not. own(k)) cycle
         j = j + 1
-        line = judged(model, errors, j, confidence)
+        line = judged_line(model, errors, j, confidence)
         if (.not. is_in_band(line, student_quantile(confidence, freedom_of(model))/span_of_model(model))) cycle
         line%windows = windows(:, :, j)
         believed = [believed, line]
@@ -78,17 +78,17 @@ contains
   end subroutine judge_lines
 
   pure logical function is_in_band(line, unresolved)
-    !! Whether a line is known to have a frequency between 0 and half the sampling rate, but for what is not resolved. Else something
-    !! else is told by it.
+    !! Whether a line's frequency is certainly between 0 and half the sampling rate, to within the resolution. If not, the line
+    !! represents something else.
     type(believed_line), intent(in) :: line
-    real(dp), intent(in) :: unresolved             !! half the interval of a frequency that nothing else tells
+    real(dp), intent(in) :: unresolved             !! half-width of the interval of a frequency at the record's resolution
     real(dp), parameter :: middle = 0.25_dp        ! of the band, periods per step
     is_in_band = abs(line%frequency - middle) + line%frequency_error <= middle + 2*unresolved
   end function is_in_band
 
-  type(believed_line) function judged(model, errors, j, confidence) result(line)
-    !! Frequency and decay at the time at which the record tells them best; the intervals of a line that drifts reach from the blow to
-    !! the end of its life.
+  type(believed_line) function judged_line(model, errors, j, confidence) result(line)
+    !! Frequency and decay at the time at which they are known best. Intervals of a drifting line cover the values from the blow
+    !! to the end of its life.
     type(model_type), intent(in) :: model
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
@@ -117,38 +117,38 @@ contains
       end if
       call judge_amplitude(model, errors, j, wider, line)
     end associate
-  end function judged
+  end function judged_line
 
   pure real(dp) function best_time(errors, j, last) result(best)
-    !! The time after the blow at which the pole of line j is known best; 0 where it does not drift.
+    !! The time after the blow at which the pole of line j is known best; 0 if it does not drift.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
     real(dp), intent(in) :: last                 !! steps
-    integer, parameter :: looks = 32
+    integer, parameter :: trials = 32
     real(dp) :: deviation, least
     integer :: i
     best = 0
     if (size(errors%lines(j)%courses) == 0) return
     least = huge(1.0_dp)
-    do i = 0, looks
-      deviation = maxval(pole_deviation(errors, j, last*i/looks))
+    do i = 0, trials
+      deviation = maxval(pole_deviation(errors, j, last*i/trials))
       if (.not. deviation < least) cycle
       least = deviation
-      best = last*i/looks
+      best = last*i/trials
     end do
   end function best_time
 
   pure integer function freedom_of(model) result(freedom)
-    !! How many independent numbers tell the noise's level at one frequency: an autoregression of order p knows it from about N/p at
-    !! each sensor (Kay, Modern Spectral Estimation, 1988).
+    !! Degrees of freedom of the noise level at one frequency: an autoregression of order p estimates it from about N/p values
+    !! of each sensor (Kay, Modern Spectral Estimation, 1988).
     type(model_type), intent(in) :: model
     freedom = max(4, size(model%white)/(1 + maxval(model%noise%order)))
   end function freedom_of
 
   pure real(dp) function noise_share(errors, j) result(share)
-    !! The part of the squares of line j's amplitudes that noise is expected to have added. The slopes of a fit grow with these
-    !! amplitudes, so that the information F that they tell is F (1 − share) in truth: estimates scatter by as much more than the
-    !! bound of known amplitudes (Stoica and Nehorai, 1990).
+    !! The share of line j's squared amplitudes that noise is expected to contribute. The slopes of a fit are proportional to the
+    !! amplitudes found, so that the true information is F (1 − share) instead of F: estimates scatter by more than the bound for
+    !! known amplitudes (Stoica and Nehorai, 1990).
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
     real(dp) :: squares, added
@@ -166,11 +166,11 @@ contains
   end function noise_share
 
   subroutine judge_amplitude(model, errors, j, wider, line)
-    !! Amplitudes at the blow, and the bounds of their lengths and phases. Each is a sum over the components of the noise.
+    !! Find amplitudes at the blow and the bounds of their moduli and phases. Each is a sum over the components of the noise.
     type(model_type), intent(in) :: model
     type(line_errors), intent(in) :: errors
-    integer, intent(in) :: j                       !! its place among the lines of the fit
-    real(dp), intent(in) :: wider                  !! factor of the bounds
+    integer, intent(in) :: j                       !! index of the line in the fit
+    real(dp), intent(in) :: wider                  !! factor of all bounds
     type(believed_line), intent(inout) :: line
     complex(dp) :: factor(size(model%white, 2), size(model%white, 2)), noises(size(model%white, 2), size(model%white, 2)), turn
     real(dp) :: noise(size(model%white, 2)), length
@@ -210,7 +210,7 @@ contains
   end subroutine judge_amplitude
 
   pure function factors_of(model, line) result(factor)
-    !! The amplitude at each sensor of a line of white amplitude 1 in each component, (S, components).
+    !! The amplitudes at the sensors of a line whose whitened amplitude is 1 in one component, (S, components).
     type(model_type), intent(in) :: model
     type(line_type), intent(in) :: line
     complex(dp) :: factor(size(model%white, 2), size(model%white, 2))
@@ -223,10 +223,10 @@ contains
     end do
   end function factors_of
 
-  subroutine repeat_sensors(found, believed)
-    !! Give the lines to sensors that are multiples of others too. Constant ones tell nothing of amplitudes.
+  subroutine add_multiples(found, believed)
+    !! Extend the lines to sensors that are multiples of others. Constant sensors do not determine amplitudes.
     type(found_lines), intent(in) :: found
-    type(believed_line), intent(inout) :: believed(:)  !! correlations of their noise are those of the sensors that were kept
+    type(believed_line), intent(inout) :: believed(:)  !! noise correlations are those of the sensors kept, else 0
     complex(dp), allocatable :: correlation(:, :)
     integer, allocatable :: source(:)
     integer :: k
@@ -246,6 +246,6 @@ contains
         end associate
       end do
     end associate
-  end subroutine repeat_sensors
+  end subroutine add_multiples
 
 end module bw_belief

@@ -1,8 +1,8 @@
 module bw_found_lines
-  !! The lines of a record as they were found: at sensors that tell something of their own, with the noise in which they are.
+  !! The lines of a record as they were found, at sensors with information of their own, and the noise of these sensors.
   !!
-  !! A record without noise, as a simulation's, has its lines from its transform to the last digit; what is left is rounding, and
-  !! stands for the noise.
+  !! The lines of a record without noise, as a simulation's, are found from its transform to the last digit; their residual is
+  !! rounding, which takes the place of noise.
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -20,25 +20,25 @@ module bw_found_lines
   type, public :: found_lines
     type(model_type) :: model
     type(line_outcome) :: outcome
-    type(distinct_type) :: distinct              !! the model is that of the sensors that are kept
-    real(dp), allocatable :: deviation(:)        !! standard deviation of the residual of each of these
+    type(distinct_type) :: distinct              !! the model is that of the sensors kept
+    real(dp), allocatable :: deviation(:)        !! standard deviation of the residual of each sensor kept
   end type found_lines
 
 contains
 
   subroutine find_record_lines(samples, false_alarm, found, monitor)
     !! Find the lines of a record.
-    type(samples_type), intent(inout) :: samples   !! loses sensors that are constant, or copies of others
-    real(dp), intent(in) :: false_alarm            !! that noise alone makes any line
+    type(samples_type), intent(inout) :: samples   !! loses sensors that are constant or multiples of others
+    real(dp), intent(in) :: false_alarm            !! probability that noise alone yields any line
     type(found_lines), intent(out) :: found
-    class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
     type(line_type), allocatable :: lines(:)
-    type(residual_type) :: left
+    type(residual_type) :: residual
     logical :: pure
     found%distinct = find_distinct(samples)
     call keep_distinct(found%distinct, samples)
     pure = .false.
-    if (.not. allocated(samples%valid)) call find_lines_if_pure(samples, lines, left, pure, monitor)
+    if (.not. allocated(samples%valid)) call find_lines_if_pure(samples, lines, residual, pure, monitor)
     if (stops(monitor)) return
     if (pure) then
       call take_lines(samples, lines, found)
@@ -49,7 +49,7 @@ contains
   end subroutine find_record_lines
 
   subroutine take_lines(samples, lines, found)
-    !! Take the lines of a record without noise. One that does not oscillate and is steady is an offset.
+    !! Fill the model with the lines of a record without noise. A steady line that does not oscillate is an offset and left out.
     type(samples_type), intent(in) :: samples
     type(line_type), intent(in) :: lines(:)
     type(found_lines), intent(inout) :: found
@@ -70,14 +70,14 @@ contains
     !! The standard deviation of each sensor's residual.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
-    real(dp) :: deviation(size(samples%value, 2)), left(samples%count, 1)
+    real(dp) :: deviation(size(samples%value, 2)), residual(samples%count, 1)
     logical :: valid(samples%count)
     integer :: s
     valid = .true.
     if (allocated(samples%valid)) valid = samples%valid
-    do s = 1, size(deviation)                      ! one sensor at a time: a record may fill the memory
-      call find_misfit(samples, model, [s], left)
-      deviation(s) = sqrt(sum(left(:, 1)**2, mask=valid)/max(1, count(valid)))
+    do s = 1, size(deviation)                      ! one sensor at a time, since a record may fill the memory
+      call find_misfit(samples, model, [s], residual)
+      deviation(s) = sqrt(sum(residual(:, 1)**2, mask=valid)/max(1, count(valid)))
     end do
   end function deviations_of
 

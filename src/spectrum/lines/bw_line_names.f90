@@ -1,5 +1,5 @@
 module bw_line_names
-  !! A line with what is known of it, and its names: drifting, one of a close pair, a harmonic, at an edge.
+  !! A line with its errors, and its status: drifting, one of a close pair, a harmonic, at an edge.
   use bw_kinds, only: dp
   use bw_samples, only: samples_type, span_of
   implicit none (type, external)
@@ -7,13 +7,13 @@ module bw_line_names
   public :: name_lines
 
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
-  real(dp), parameter :: by_chance = 0.1_dp    !! of the stronger line's frequency, that a harmonic's interval may be wide
-  integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
+  real(dp), parameter :: by_chance = 0.1_dp    !! largest interval of a harmonic, relative to the stronger line's frequency
+  integer, parameter :: most_times = 6         !! largest order of a harmonic
   integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
-    !! bits of a status; 0 is a line that is none of these
+    !! bits of a status; 0: none of these
 
   type, public :: believed_line
-    !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
+    !! A line with its errors; frequencies are in periods per step, decay rates in e-folds per step.
     real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
     real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
     complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
@@ -21,16 +21,16 @@ module bw_line_names
     real(dp), allocatable :: amplitude_noise(:)
       !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
     complex(dp), allocatable :: noise_correlation(:, :)
-      !! of these parts of the amplitudes at each pair of sensors, (S, S); allocated where the sensors share noise
+      !! correlations of these parts between sensors, (S, S); allocated if the sensors share noise
     integer :: status = 0
-    real(dp) :: drift = 0, drift_bound = 0     !! change of frequency over its life, and its bound
+    real(dp) :: drift = 0, drift_bound = 0     !! change of frequency over the line's life, and its bound
     real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
   end type believed_line
 
 contains
 
   pure subroutine name_lines(samples, believed)
-    !! Name close pairs, harmonics and lines at an edge.
+    !! Mark close pairs, harmonics and lines at an edge.
     type(samples_type), intent(in) :: samples
     type(believed_line), intent(inout) :: believed(:)
     real(dp) :: strength(size(believed)), away
@@ -66,15 +66,15 @@ contains
   contains
 
     pure logical function is_at(line, stronger, frequency, error)
-      !! Whether a line is at a frequency, or where that is folded to, within both errors, which must be far below the frequency of
-      !! the line that it would be a multiple of: otherwise it would be near some multiple by chance.
+      !! Whether a line is at a frequency, or at its alias, within both errors. These have to be far below the frequency of the
+      !! line of which it would be a multiple, or else it would be near some multiple by chance.
       type(believed_line), intent(in) :: line
-      type(believed_line), intent(in) :: stronger  !! the lower one of two
+      type(believed_line), intent(in) :: stronger  !! the one in question, or the lower of two
       real(dp), intent(in) :: frequency, error
-      real(dp) :: folded
-      folded = abs(frequency)
-      if (.not. allocated(samples%place)) folded = abs(folded - anint(folded))
-      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error) .and. &
+      real(dp) :: aliased
+      aliased = abs(frequency)
+      if (.not. allocated(samples%place)) aliased = abs(aliased - anint(aliased))
+      is_at = abs(line%frequency - aliased) <= hypot(line%frequency_error, error) .and. &
         & max(line%frequency_error, error) < by_chance*stronger%frequency
     end function is_at
 

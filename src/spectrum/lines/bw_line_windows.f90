@@ -1,5 +1,5 @@
 module bw_line_windows
-  !! Lines in halves and quarters of the longest stretch after a blow: what each part says by itself of their frequencies and decays.
+  !! Lines in halves and quarters of the longest interval after a blow: frequencies and decay rates from each window alone.
   use bw_band, only: band_around, band_type, fill_rows, put_back
   use bw_band_fit, only: fit_band, reduced_type
   use bw_constants, only: pi
@@ -13,22 +13,22 @@ module bw_line_windows
   public :: windows_of
 
   integer, parameter :: most_steps = 6
-  real(dp), parameter :: untold(4) = [0.0_dp, 0.0_dp, huge(1.0_dp), huge(1.0_dp)]  !! what a window says that does not tell
+  real(dp), parameter :: no_estimate(4) = [0.0_dp, 0.0_dp, huge(1.0_dp), huge(1.0_dp)] !! of a window that gives no estimate
   real(dp), parameter, public :: window_start(6) = [0.0_dp, 0.5_dp, 0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp]
   real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
 
 contains
 
   function windows_of(model, lines, false_alarm) result(windows)
-    !! Frequency [periods per step], decay [per step] and their bounds of lines that overlap, all fitted to each window, (4, windows,
-    !! lines). Where a window does not tell, its bounds are huge.
+    !! Frequency [periods per step], decay [per step] and their bounds of overlapping lines, fitted together in each window,
+    !! (4, windows, lines). If a window gives no estimate, its bounds are huge.
     type(model_type), intent(in) :: model
     type(line_type), intent(in) :: lines(:)
-    real(dp), intent(in) :: false_alarm          !! that noise alone is taken for a line in a window
+    real(dp), intent(in) :: false_alarm          !! probability that noise alone passes for a line in a window
     real(dp) :: windows(4, size(window_start), size(lines))
     integer :: rows(2, 0:ubound(model%stretches, 2)), own(2, 0:1), b, i, k, n
     type(line_type) :: of_white(size(lines))
-    windows = spread(spread(untold, 2, size(windows, 2)), 3, size(lines))
+    windows = spread(spread(no_estimate, 2, size(windows, 2)), 3, size(lines))
     rows = rows_of_stretches(model)
     b = maxloc(rows(2, 1:) - rows(1, 1:), dim=1)
     n = rows(2, b) - rows(1, b) + 1
@@ -46,7 +46,7 @@ contains
   contains
 
     function in_window(own) result(window)
-      !! What a window says of those lines that stand out in it.
+      !! The estimates from one window, for the lines that are significant in it.
       integer, intent(in) :: own(:, 0:)
       real(dp) :: window(4, size(lines)), deviation(2)
       type(line_type) :: moved(size(lines))
@@ -67,7 +67,7 @@ contains
       call put_back([(later(of_white(j), since), j=1, size(lines))], band)
       call fit_band(band, .false., most_steps, moved, reduced)
       errors = line_errors_of(moved, reduced)
-      window = spread(untold, 2, size(lines))
+      window = spread(no_estimate, 2, size(lines))
       do j = 1, size(lines)
         gain = sum([(sum((reduced(p)%linear_part(2*j - 1:2*j, :)/amplitude_noise(errors, p, j))**2), p=1, size(reduced))])
         if (.not. gain > least) cycle

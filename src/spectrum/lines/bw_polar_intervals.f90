@@ -1,10 +1,10 @@
 module bw_polar_intervals
-  !! Intervals of the length and the phase of a complex amplitude whose noise is known, also where it hardly stands out of it.
+  !! Intervals of the modulus and the phase of a complex amplitude in known noise, also if it barely exceeds the noise.
   !!
-  !! Noise of deviation ν on each part makes the length of a/ν = α that of √(α² + 1) with about a normal number added (Rice, 1944):
-  !! a length is at least √((x − qν)² − ν²), x being what was found and q a normal quantile, and may be 0 where this has no root.
-  !! What noise adds across the true direction is normal for any α: the phase φ₀ has |x sin(φ − φ₀)| ≤ qν. Where noise alone makes
-  !! a length like x, nothing is known of the phase.
+  !! With noise of standard deviation ν in each part, the modulus of a/ν = α is about normal around √(α² + 1) (Rice, 1944): the true
+  !! modulus is at least √((x − qν)² − ν²), x being the modulus found and q a normal quantile, and may be 0 where this has no root.
+  !! Noise across the true direction is normal for any α: the phase φ₀ satisfies |x sin(φ − φ₀)| ≤ qν. If noise alone may have
+  !! a modulus like x, the phase is unknown.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
@@ -16,9 +16,9 @@ module bw_polar_intervals
 contains
 
   elemental real(dp) function length_error(length, along, across, quantile) result(error)
-    !! Half the width of the interval of a length; `missing` where its deviation is.
-    real(dp), intent(in) :: length               !! as it was found
-    real(dp), intent(in) :: along, across        !! deviations of the amplitude in its direction and across it
+    !! Half-width of the interval of a modulus; `missing` if its standard deviation is.
+    real(dp), intent(in) :: length               !! the modulus found
+    real(dp), intent(in) :: along, across        !! standard deviations of the amplitude along and across its direction
     real(dp), intent(in) :: quantile             !! q
     real(dp) :: least
     error = missing
@@ -28,8 +28,8 @@ contains
   end function length_error
 
   elemental real(dp) function phase_error(deviation, quantile, confidence) result(error)
-    !! Half the width of the interval of a phase, π where it may be any.
-    real(dp), intent(in) :: deviation            !! of the amplitude across its direction, over its length
+    !! Half-width of the interval of a phase; π if it may be any.
+    real(dp), intent(in) :: deviation            !! standard deviation of the amplitude across its direction, over its modulus
     real(dp), intent(in) :: quantile             !! q
     real(dp), intent(in) :: confidence           !! of the interval, 0 … 1
     error = pi

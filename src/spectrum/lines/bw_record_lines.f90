@@ -1,6 +1,6 @@
 module bw_record_lines
-  !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
-  !! of the program takes from this folder.
+  !! The lines of a record in SI with their errors, and the candidates that were rejected: the interface of this folder to the rest
+  !! of the program.
   use bw_belief, only: believed_line, undetermined
   use bw_constants, only: two_pi
   use bw_found_lines, only: found_lines
@@ -16,10 +16,10 @@ module bw_record_lines
   private
   public :: fitted_history, lines_in_si, noise_level
 
-  real(dp), parameter :: same_place = 0.5_dp     !! bins between candidates that are one
+  real(dp), parameter :: same_place = 0.5_dp     !! bins within which candidates are one
 
   character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']
-    !! bit by bit, 1, 2, 4, …; `line` is one that is none of the others
+    !! bits 1, 2, 4, …; `line` means none of the others
   character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'noise_colour']
     !! by number, from 1
   character(*), parameter, public :: reason_texts(*) = [character(64) :: &
@@ -27,15 +27,15 @@ module bw_record_lines
     'a driven motion, or the colour of noise, explains it as well']
 
   type, public :: rejected_candidate
-    !! A place in the spectrum that was looked at, and is no line.
+    !! A place in the spectrum that was examined and is no line.
     real(dp) :: angular_frequency = 0             !! rad/s
-    real(dp) :: ordinate = 0                      !! what it takes off half the squares over the noise's level
-    integer :: reason = 0                         !! place among `reason_words`
+    real(dp) :: ordinate = 0                      !! half its likelihood gain
+    integer :: reason = 0                         !! index in `reason_words`
   end type rejected_candidate
 
   type, public :: record_lines
-    !! Lines by ascending frequency: sensor s moves as Re A_s e^(−δt + iβt). An error is half the width of the interval at the
-    !! confidence asked for, a bound the Cramér–Rao standard deviation in the noise found.
+    !! Lines by ascending frequency: sensor s moves as Re A_s e^(−δt + iβt). An error is the half-width of the interval at the
+    !! requested confidence, a bound the Cramér–Rao standard deviation in the noise found.
     real(dp), allocatable :: angular_frequency(:), angular_frequency_error(:), angular_frequency_bound(:)   !! β, rad/s, (lines)
     real(dp), allocatable :: decay_rate(:), decay_rate_error(:), decay_rate_bound(:)      !! δ, 1/s; negative grows, (lines)
     complex(dp), allocatable :: amplitude(:, :)   !! A at the first blow, in the sensor's SI unit, (sensors, lines)
@@ -43,33 +43,33 @@ module bw_record_lines
     real(dp), allocatable :: amplitude_noise(:, :)
       !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
     complex(dp), allocatable :: noise_correlation(:, :, :)
-      !! of these parts at each pair of sensors, (sensors, sensors, lines); allocated where sensors share noise
-    logical, allocatable :: own(:)                !! the sensor is neither constant nor a multiple of one before it, (sensors)
+      !! correlation of these parts between sensors, (sensors, sensors, lines); allocated if sensors share noise
+    logical, allocatable :: own(:)                !! the sensor is neither constant nor a multiple of an earlier one, (sensors)
     real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
     real(dp), allocatable :: drift(:), drift_bound(:)
-      !! change of β from the blow to the last sample, or over three decay times where these are shorter, rad/s, (lines)
+      !! change of β from the blow to the last sample, or over three decay times if these are shorter, rad/s, (lines)
     real(dp), allocatable :: windows(:, :, :)
-      !! β and δ and their bounds in each half and quarter of the record by itself, `missing` where that does not tell,
+      !! β, δ and their bounds from each half and quarter of the record alone, `missing` if it does not determine them,
       !! (4, windows, lines)
     integer, allocatable :: status(:)             !! sum of bits of `status_words`, (lines)
     type(rejected_candidate), allocatable :: rejected(:)
-    real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
-    real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
+    real(dp), allocatable :: noise_deviation(:)   !! standard deviation of each sensor's residual, (sensors)
+    real(dp) :: quantile = 1                      !! of a standard normal number, used for the errors
     real(dp), allocatable :: blow(:)              !! times of the blows since the first sample, s, (blows)
     logical :: driven = .false.                   !! the motion is no free decay, and has no lines
-    integer :: left_out = 0                       !! weaker lines that are not among these
-    logical :: converged = .true.                 !! .false.: the search was ended before no move paid any more
+    integer :: left_out = 0                       !! number of weaker lines that are not among these
+    logical :: converged = .true.                 !! .false.: the search was ended before it converged
   end type record_lines
 
 contains
 
   pure function lines_in_si(samples, found, believed, confidence, most) result(lines)
-    !! The strongest lines, from periods and e-folds per step to SI.
-    type(samples_type), intent(in) :: samples     !! their step counts
+    !! The strongest lines, converted from periods and e-folds per step to SI.
+    type(samples_type), intent(in) :: samples     !! only their times are used
     type(found_lines), intent(in) :: found
     type(believed_line), intent(in) :: believed(:)
     real(dp), intent(in) :: confidence            !! of the intervals, 0 … 1
-    integer, intent(in) :: most                   !! lines
+    integer, intent(in) :: most                   !! largest number of lines
     type(record_lines) :: lines
     integer, allocatable :: chosen(:)
     real(dp) :: turn, rate
@@ -83,13 +83,13 @@ contains
     lines%driven = found%outcome%driven
     lines%blow = samples%step*[(place_of(samples, found%model%stretches(1, i)), i=1, ubound(found%model%stretches, 2))]
     lines%angular_frequency = turn*believed(chosen)%frequency
-    lines%angular_frequency_error = told(believed(chosen)%frequency_error, turn)
-    lines%angular_frequency_bound = told(believed(chosen)%frequency_bound, turn)
+    lines%angular_frequency_error = in_unit(believed(chosen)%frequency_error, turn)
+    lines%angular_frequency_bound = in_unit(believed(chosen)%frequency_bound, turn)
     lines%decay_rate = rate*believed(chosen)%decay
-    lines%decay_rate_error = told(believed(chosen)%decay_error, rate)
-    lines%decay_rate_bound = told(believed(chosen)%decay_bound, rate)
+    lines%decay_rate_error = in_unit(believed(chosen)%decay_error, rate)
+    lines%decay_rate_bound = in_unit(believed(chosen)%decay_bound, rate)
     lines%drift = turn*believed(chosen)%drift
-    lines%drift_bound = told(believed(chosen)%drift_bound, turn)
+    lines%drift_bound = in_unit(believed(chosen)%drift_bound, turn)
     lines%status = merge(2*believed(chosen)%status, 1, believed(chosen)%status > 0)
     associate (sensors => size(found%distinct%place), n => size(chosen))
       allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n), &
@@ -99,7 +99,7 @@ contains
     do i = 1, size(chosen)
       associate (line => believed(chosen(i)))
         lines%amplitude(:, i) = line%amplitude
-        lines%amplitude_bound(:, i) = told(line%amplitude_bound, 1.0_dp)
+        lines%amplitude_bound(:, i) = in_unit(line%amplitude_bound, 1.0_dp)
         lines%amplitude_noise(:, i) = line%amplitude_noise
         lines%phase_bound(:, i) = line%phase_bound
         lines%windows(:, :, i) = windows_in_si(line%windows, turn, rate)
@@ -118,35 +118,35 @@ contains
     end associate
   end function lines_in_si
 
-  elemental real(dp) function told(deviation, unit)
-    !! A deviation in another unit; `missing` where the record does not tell.
+  elemental real(dp) function in_unit(deviation, unit)
+    !! A standard deviation or error in another unit; `missing` if the record does not determine it.
     real(dp), intent(in) :: deviation, unit
-    told = missing
-    if (deviation < undetermined/100) told = unit*deviation
-  end function told
+    in_unit = missing
+    if (deviation < undetermined/100) in_unit = unit*deviation
+  end function in_unit
 
   pure function candidates_in_si(found, apart, rate) result(candidates)
-    !! Those that stand out most come first; what was rejected twice stands there once.
+    !! The rejected candidates by descending gain, each frequency once.
     type(found_lines), intent(in) :: found
-    real(dp), intent(in) :: apart                 !! rad per step, between candidates that are not one
+    real(dp), intent(in) :: apart                 !! rad per step; closer candidates are one
     real(dp), intent(in) :: rate                  !! steps per second
     type(rejected_candidate), allocatable :: candidates(:)
-    logical :: again(size(found%outcome%poles))
+    logical :: excluded(size(found%outcome%poles))
     integer :: i, best
     associate (omega => found%outcome%poles%im, gain => found%outcome%gains)
-      again = [(any(abs(omega(i + 1:) - omega(i)) < apart) .or. any(abs(found%model%lines%pole%im - omega(i)) < apart) &
+      excluded = [(any(abs(omega(i + 1:) - omega(i)) < apart) .or. any(abs(found%model%lines%pole%im - omega(i)) < apart) &
         & .or. .not. omega(i) > apart .or. .not. gain(i) > 1, i=1, size(omega))]
       allocate (candidates(0))
-      do i = 1, count(.not. again)
-        best = maxloc(gain, dim=1, mask=.not. again)
-        again(best) = .true.
+      do i = 1, count(.not. excluded)
+        best = maxloc(gain, dim=1, mask=.not. excluded)
+        excluded(best) = .true.
         candidates = [candidates, rejected_candidate(rate*omega(best), gain(best)/2, merge(2, 1, found%outcome%driven))]
       end do
     end associate
   end function candidates_in_si
 
   pure function windows_in_si(windows, turn, rate) result(converted)
-    !! Frequencies and decays of parts of the record; those whose bound is huge do not exist.
+    !! Frequencies and decay rates of windows; `missing` where the bounds are huge.
     real(dp), intent(in) :: windows(:, :)         !! (4, windows)
     real(dp), intent(in) :: turn, rate
     real(dp) :: converted(size(windows, 1), size(windows, 2))
@@ -159,7 +159,7 @@ contains
   end function windows_in_si
 
   pure function strongest(believed, most) result(chosen)
-    !! The places of the lines of largest amplitude, all sensors together, in their order.
+    !! Indices of the lines of largest amplitude, all sensors combined, in their order.
     type(believed_line), intent(in) :: believed(:)
     integer, intent(in) :: most
     integer, allocatable :: chosen(:)
@@ -170,8 +170,8 @@ contains
   end function strongest
 
   function fitted_history(samples, found, s) result(history)
-    !! What the lines, an offset and a slope make of one sensor, at all samples of the record.
-    type(samples_type), intent(in) :: samples     !! of the record as it was; their values do not count
+    !! The history of one sensor that the lines, an offset and a slope give, at all samples of the record.
+    type(samples_type), intent(in) :: samples     !! of the whole record; their values are not used
     type(found_lines), intent(in) :: found
     integer, intent(in) :: s
     real(dp), allocatable :: history(:)
@@ -194,7 +194,7 @@ contains
   end function fitted_history
 
   pure real(dp) function noise_level(samples, found, frequency, s) result(level)
-    !! The standard deviation that white noise would have which is as strong as a sensor's noise at a frequency.
+    !! The standard deviation of white noise that is as strong as a sensor's noise at a frequency.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(in) :: found
     real(dp), intent(in) :: frequency             !! Hz

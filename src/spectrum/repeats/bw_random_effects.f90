@@ -1,7 +1,7 @@
 module bw_random_effects
-  !! One number measured several times, each time with a standard deviation of its own, that scatters more than these say: the
-  !! random-effects model x_k = μ + b_k + e_k, var b = τ², var e_k = s_k². τ² is that of Paule & Mandel (1982), the interval that of
-  !! Hartung & Knapp (2001).
+  !! One number measured several times, each time with its own standard deviation, with more scatter than these explain: the
+  !! random-effects model x_k = μ + b_k + e_k, var b = τ², var e_k = s_k². τ² is estimated by the method of Paule & Mandel (1982),
+  !! the interval by that of Hartung & Knapp (2001).
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_order, only: ascending
@@ -10,29 +10,29 @@ module bw_random_effects
   private
   public :: middle_of, pooled_number
 
-  real(dp), parameter :: most_weight = 2   !! of one repeat over that of the middle one; tuned, so that intervals hold 95 % where
-                                           !! deviations differ by a factor of 10, and scatter is as large as some of them
+  real(dp), parameter :: most_weight = 2   !! of one repeat relative to the median one; tuned so that intervals hold 95 % where
+                                           !! standard deviations differ by a factor of 10, and scatter is as large as some
 
   type, public :: pooled_value
-    !! What repeats tell of a number; `missing` where fewer than two tell it.
+    !! The pooled value of a number; `missing` if fewer than two repeats have it.
     real(dp) :: value = missing        !! μ
-    real(dp) :: error = missing        !! half the interval that holds μ
-    real(dp) :: next = missing         !! half the interval about μ that holds what one more repeat measures
+    real(dp) :: error = missing        !! half-width of the interval for μ
+    real(dp) :: next = missing         !! half-width of the interval about μ for the value of one more repeat
     real(dp) :: scatter = missing      !! τ, the standard deviation between repeats beyond their own
-    real(dp) :: drift = 0              !! what a change along each repeat has added to `error`
-    integer :: count = 0               !! repeats that tell it
-    logical :: scatters = .false.      !! they scatter more than their own deviations allow
+    real(dp) :: drift = 0              !! part of `error` that is due to a change along each repeat
+    integer :: count = 0               !! repeats that have a value
+    logical :: scatters = .false.      !! they scatter more than their own standard deviations explain
   end type pooled_value
 
 contains
 
   pure type(pooled_value) function pooled_number(value, deviation, confidence, false_alarm) result(pooled)
-    !! Pool the values whose deviations are not `missing`. With equal deviations the interval is Student's of the values. It is
-    !! never narrower than the deviations alone make it, so that two repeats that agree by chance claim nothing; and none weighs
-    !! more than twice the middle one, as one that claims too much would stand for all. The next repeat has the middle deviation.
-    real(dp), intent(in) :: value(:), deviation(:)   !! deviations above 0
+    !! Pool the values whose standard deviations are not `missing`. If these are equal, the interval is Student's. It is never
+    !! narrower than the standard deviations allow, so that two repeats that agree by chance do not give a narrow one. No repeat
+    !! weighs more than twice the median one, as one with too small an error would dominate. One more has the median deviation.
+    real(dp), intent(in) :: value(:), deviation(:)   !! standard deviations above 0
     real(dp), intent(in) :: confidence               !! of the intervals, 0 … 1
-    real(dp), intent(in) :: false_alarm              !! probability that repeats of one number are said to scatter
+    real(dp), intent(in) :: false_alarm              !! probability that consistent repeats are reported to scatter
     real(dp), allocatable :: x(:), variance(:)
     real(dp) :: between, own, usual, student, known, squares
     x = pack(value, .not. is_missing(deviation))
@@ -54,8 +54,8 @@ contains
   end function pooled_number
 
   pure real(dp) function between_variance(x, variance) result(between)
-    !! τ² ≥ 0 with which the weighted sum of squares is what it should be, by Newton's method from below: the sum falls with τ²
-    !! and is convex, so that no step goes too far.
+    !! The τ² ≥ 0 at which the weighted sum of squares equals its expectation, by Newton's method from below: the sum falls with
+    !! τ² and is convex, so that no step overshoots.
     real(dp), intent(in) :: x(:), variance(:)
     integer, parameter :: most = 200
     real(dp) :: excess, step
@@ -73,13 +73,13 @@ contains
   end function between_variance
 
   pure real(dp) function squares_of(x, variance) result(squares)
-    !! Squared distances from the weighted mean over the variances.
+    !! Sum of squared distances from the weighted mean over the variances.
     real(dp), intent(in) :: x(:), variance(:)
     squares = sum((x - mean_of(x, variance))**2/variance)
   end function squares_of
 
   pure real(dp) function mean_of(x, variance) result(mean)
-    !! Weighted by one over the variances; found from the first number, of which little may differ.
+    !! The mean weighted by 1/variance, computed relative to the first number to limit rounding.
     real(dp), intent(in) :: x(:), variance(:)
     mean = x(1) + sum((x - x(1))/variance)/sum(1/variance)
   end function mean_of

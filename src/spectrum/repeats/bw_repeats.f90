@@ -1,5 +1,5 @@
 module bw_repeats
-  !! Repeats of one measurement: which lines of them are the same, and what their scatter says of frequency and decay.
+  !! Repeats of one measurement: the lines that they share, and the scatter of frequencies and decay rates.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_order, only: ascending
@@ -10,45 +10,45 @@ module bw_repeats
 
   character(*), parameter, public :: pooled_words(*) = [character(18) :: 'repeats', 'frequency_scatters', 'decay_scatters', &
     'drifting']
-    !! bit by bit, 1, 2, 4, 8: a number scatters where the cases differ by more than their own deviations allow; `repeats` is a
-    !! line that is none of the others
-  real(dp), parameter :: wander = 0.002_dp  !! part of a frequency by which repeats may well differ; real beams put together anew do
-  real(dp), parameter :: gate = 9           !! squared deviations, and the logarithm of their variance, at which lines are two
+    !! bits 1, 2, 4, 8: a number scatters if the cases differ by more than their standard deviations explain; `repeats` means
+    !! none of the others
+  real(dp), parameter :: wander = 0.002_dp  !! relative; frequencies of repeats may well differ by as much if beams are reassembled
+  real(dp), parameter :: gate = 9           !! squared standard deviations, plus the log of the variance, at which lines differ
 
   type, public :: repeated_lines
-    !! The lines of some cases by ascending frequency, with `missing` frequencies behind them. A deviation is the standard
-    !! deviation by which a case may be wrong by itself, `missing` where it does not tell; drift is half the interval that a change
-    !! along the record adds, which is the same in each repeat and does not average out.
+    !! The lines of some cases by ascending frequency, followed by `missing` frequencies. A deviation is the standard deviation
+    !! of a case by itself, `missing` if unknown. Drift is the part of the half-width of an interval that is due to a change along
+    !! the record, which is the same in each repeat and does not average out.
     real(dp), allocatable, dimension(:, :) :: frequency, frequency_deviation, frequency_drift   !! (lines, cases)
     real(dp), allocatable, dimension(:, :) :: decay, decay_deviation, decay_drift               !! (lines, cases)
   end type repeated_lines
 
   type, public :: pooled_lines
-    !! Lines that two cases or more have, by ascending frequency.
+    !! Lines that at least two cases have, by ascending frequency.
     type(pooled_value), allocatable :: frequency(:), decay(:)    !! (pooled)
     integer, allocatable :: count(:)                             !! of the cases that have the line, (pooled)
     integer, allocatable :: status(:)                            !! sum of bits of `pooled_words`, (pooled)
     integer, allocatable :: member(:, :)                         !! pooled line of each line of each case; 0: none, (lines, cases)
     real(dp), allocatable, dimension(:, :) :: h1_real, h1_imag, h2_real, h2_imag, coherence
-      !! of a hammer's blows: H1, H2 in the sensors' units over 1 N, and coherence, (frequencies, sensors); unallocated: none
+      !! from blows of a hammer: H1, H2 in the sensors' units over 1 N, and coherence, (frequencies, sensors); unallocated: none
     type(pooled_value), allocatable, dimension(:, :) :: constant_real, constant_imag
-      !! modal constants of a hammer's blows, 1/kg, (pooled, sensors); unallocated: none
+      !! modal constants from blows of a hammer, 1/kg, (pooled, sensors); unallocated: none
   end type pooled_lines
 
   type :: repeat_group
-    !! Lines that are taken for the same, weighted by one over their variances.
+    !! Lines that are taken as the same, weighted by 1/variance.
     integer :: lines = 0
     real(dp) :: weight = 0, moment = 0
   contains
-    procedure :: take
+    procedure :: update
   end type repeat_group
 
 contains
 
   pure type(pooled_lines) function pool_repeats(lines, resolution, confidence, false_alarm, most) result(pooled)
-    !! Pool what two cases or more have; of more than `most` lines those that most cases have.
+    !! Pool the lines that at least two cases have; if these are more than `most`, those that most cases have.
     type(repeated_lines), intent(in) :: lines
-    real(dp), intent(in) :: resolution         !! one over the duration, in the unit of frequencies
+    real(dp), intent(in) :: resolution         !! 1/duration, in the unit of frequencies
     real(dp), intent(in) :: confidence         !! of the intervals, 0 … 1
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: most
@@ -69,7 +69,7 @@ contains
   end function pool_repeats
 
   pure type(pooled_value) function with_drift(pooled, drift) result(wider)
-    !! The same with an interval that reaches as far as half of the repeats drift.
+    !! The pooled value with its interval widened by the median drift of the repeats.
     type(pooled_value), intent(in) :: pooled
     real(dp), intent(in) :: drift(:)
     wider = pooled
@@ -79,7 +79,7 @@ contains
   end function with_drift
 
   pure integer function status_of(frequency, decay) result(status)
-    !! The bits of `pooled_words`.
+    !! The status: a sum of bits of `pooled_words`.
     type(pooled_value), intent(in) :: frequency, decay
     status = 0
     if (frequency%scatters) status = ibset(status, 1)
@@ -89,9 +89,9 @@ contains
   end function status_of
 
   pure function matched_lines(frequency, deviation, resolution) result(member)
-    !! Number the lines of all cases so that those of one number are the same; 0 where there is none, or nothing is known of its
-    !! error. Case after case is assigned to what stands, twice, as the second time it stands for all.
-    real(dp), intent(in) :: frequency(:, :), deviation(:, :)    !! (lines, cases); `missing` where there are no more
+    !! Number the lines of all cases so that equal numbers mean the same line; 0 where there is no line, or its error is unknown.
+    !! Each case in turn is assigned to the groups found so far, in two passes, so that the second uses the groups of all cases.
+    real(dp), intent(in) :: frequency(:, :), deviation(:, :)    !! (lines, cases); `missing` after the last line
     real(dp), intent(in) :: resolution
     integer :: member(size(frequency, 1), size(frequency, 2))
     type(repeat_group), allocatable :: groups(:)
@@ -105,7 +105,7 @@ contains
         associate (x => frequency(known, case), width => width_at(frequency(known, case), resolution)**2)
           associate (variance => deviation(known, case)**2 + width)
             do i = 1, size(known)
-              if (member(known(i), case) > 0) call groups(member(known(i), case))%take(x(i), variance(i), -1)
+              if (member(known(i), case) > 0) call groups(member(known(i), case))%update(x(i), variance(i), -1)
             end do
             member(known, case) = assigned(x, variance, width, groups)
             do i = 1, size(known)
@@ -113,7 +113,7 @@ contains
                 groups = [groups, repeat_group()]
                 member(known(i), case) = size(groups)
               end if
-              call groups(member(known(i), case))%take(x(i), variance(i), 1)
+              call groups(member(known(i), case))%update(x(i), variance(i), 1)
             end do
           end associate
         end associate
@@ -122,30 +122,30 @@ contains
   end function matched_lines
 
   elemental real(dp) function width_at(frequency, resolution) result(width)
-    !! The standard deviation by which lines of repeats may differ and still be the same, whatever their errors: half of what one
-    !! record resolves, and what beams do.
+    !! The standard deviation by which lines of repeats may differ, besides their errors, and still be the same: half the
+    !! resolution of one record, combined with the usual variation of beams.
     real(dp), intent(in) :: frequency, resolution
     width = hypot(resolution/2, wander*frequency)
   end function width_at
 
-  elemental subroutine take(self, x, variance, times)
-    !! Add a line to those of a group, or take it away again.
+  elemental subroutine update(self, x, variance, times)
+    !! Add a line to a group, or remove it.
     class(repeat_group), intent(inout) :: self
     real(dp), intent(in) :: x, variance
     integer, intent(in) :: times               !! 1, or −1
     self%lines = self%lines + times
     self%weight = self%weight + times/variance
     self%moment = self%moment + times*x/variance
-  end subroutine take
+  end subroutine update
 
   pure function assigned(x, variance, width, groups) result(partner)
-    !! The group of each line of a case, 0 where it has none, each group once and in their order: of all ways the likeliest. The
-    !! gain of a pair is what minus twice the logarithm of its likelihood stays below the gate.
-    real(dp), intent(in) :: x(:), variance(:), width(:)    !! of the lines, ascending; what is the same whatever the errors
+    !! The group of each line of a case, 0 if it has none. Each group is used once and in ascending order; the assignment has the
+    !! largest likelihood. The gain of a pair is the gate minus −2 ln of its likelihood.
+    real(dp), intent(in) :: x(:), variance(:), width(:)    !! ascending; `width` is the variance besides errors
     type(repeat_group), intent(in) :: groups(:)
     integer :: partner(size(x))
     integer, allocatable :: order(:)
-    real(dp), allocatable :: best(:, :)        ! gain of the first lines with the first groups
+    real(dp), allocatable :: best(:, :)        ! largest gain of the first lines with the first groups
     real(dp) :: total
     integer :: i, j
     order = pack([(j, j=1, size(groups))], groups%lines > 0)
@@ -177,7 +177,7 @@ contains
   end function assigned
 
   pure subroutine keep_repeated(frequency, most, member)
-    !! Leave those that two cases or more have, at most so many, and number them by ascending frequency.
+    !! Keep the lines that at least two cases have, at most `most` of them, and number these by ascending frequency.
     real(dp), intent(in) :: frequency(:, :)    !! (lines, cases)
     integer, intent(in) :: most
     integer, intent(inout) :: member(:, :)     !! (lines, cases)

@@ -1,19 +1,18 @@
 module bw_distinct_sensors
-  !! Sensors that tell nothing of a motion: one whose samples are all the same, and one whose samples are those of another sensor
-  !! times a number. Noise is judged, and lines are found, without them: their samples would be counted twice, or their lack of
-  !! noise taken for accuracy.
+  !! Sensors without information of their own: constant ones, and multiples of another sensor. Noise is estimated and lines are
+  !! found without them; otherwise their samples would be counted twice, or their lack of noise taken for accuracy.
   use bw_kinds, only: dp
   use bw_samples, only: keep_sensors, samples_type
   implicit none (type, external)
   private
   public :: find_distinct, keep_distinct
 
-  real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample
+  real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! relative, of a sample
 
   type, public :: distinct_type
-    !! What the samples of each sensor are: factor(s) times those of the sensor kept(place(s)); where place(s) is 0, the
-    !! number constant(s).
-    integer, allocatable :: kept(:)            !! sensors whose samples are no other's, rising
+    !! The samples of sensor s: factor(s) times those of sensor kept(place(s)); if place(s) is 0, all are the number
+    !! constant(s).
+    integer, allocatable :: kept(:)            !! sensors with samples of their own, ascending
     integer, allocatable :: place(:)           !! (S)
     real(dp), allocatable :: factor(:), constant(:)  !! (S)
   end type distinct_type
@@ -21,7 +20,7 @@ module bw_distinct_sensors
 contains
 
   pure function find_distinct(samples) result(distinct)
-    !! Compare all sensors. Where all of them are constant the first one is kept.
+    !! Compare all sensors. If all are constant, the first one is kept.
     type(samples_type), intent(in) :: samples
     type(distinct_type) :: distinct
     integer :: highest(size(samples%value, 2)), s, j
@@ -52,7 +51,7 @@ contains
   end function find_distinct
 
   pure logical function all_are(value, number)
-    !! Whether all numbers are this one; the first that is not ends the search.
+    !! Whether all numbers are equal to this one.
     real(dp), intent(in) :: value(:), number
     integer :: n
     all_are = .false.
@@ -63,7 +62,7 @@ contains
   end function all_are
 
   pure logical function is_multiple(value, other, factor)
-    !! Whether numbers are others times a factor, but for rounding.
+    !! Whether numbers are others times a factor, to within rounding.
     real(dp), intent(in) :: value(:), other(:), factor
     integer :: n
     is_multiple = .false.
@@ -74,7 +73,7 @@ contains
   end function is_multiple
 
   subroutine keep_distinct(distinct, samples)
-    !! Leave out the samples of all other sensors.
+    !! Remove the sensors that are constant or multiples of others.
     type(distinct_type), intent(in) :: distinct
     type(samples_type), intent(inout) :: samples
     if (size(distinct%kept) < size(distinct%place)) call keep_sensors(distinct%kept, samples)

@@ -1,35 +1,35 @@
 module bw_line
   !! One mode of a record: a pole that all sensors share, and an amplitude at each sensor after each blow.
   !!
-  !! After a blow, m steps long, sensor s moves as Re A_s e^(zm + Σκψ(m)). The pole z = −δ + iω is that at the blow. A mode that
-  !! drifts has courses: ψ(m) = 2(m − (1 − e^(−gm))/g)/g is m² at first, and its slope comes to rest after 1/g steps, so that the
-  !! pole moves from z to z + 2κ/g. A frequency that follows the square of an amplitude does so with g = 2δ.
+  !! Sensor s moves as Re A_s e^(zm + Σκψ(m)), m steps after a blow. The pole z = −δ + iω is that at the blow. A mode that drifts
+  !! has courses: ψ(m) = 2(m − (1 − e^(−gm))/g)/g is m² at first, and its slope levels off after 1/g steps, so that the pole moves
+  !! from z to z + 2κ/g. With g = 2δ the frequency follows the square of the amplitude.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: bend_of, find_wave, later, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
 
-  integer, parameter :: table = 64            !! samples between two exponentials that are computed anew
-  real(dp), parameter, public :: highest = 250        !! logarithm of a factor, whose square with powers of time is a number
+  integer, parameter :: table = 64            !! samples between two exponentials that are computed directly
+  real(dp), parameter, public :: highest = 250        !! of exponents; the exponential squared, times powers of time, is finite
 
   type, public :: course_type
-    real(dp) :: rate = 0                      !! g, per step; 0: ψ = m² all along
+    real(dp) :: rate = 0                      !! g, per step; 0: ψ = m² throughout
     complex(dp) :: bend = 0                   !! κ, per step²
-    logical :: held = .false.                 !! the rate is not fitted
+    logical :: held = .false.                 !! the rate is fixed, not fitted
   end type course_type
 
   type, public :: line_type
     complex(dp) :: pole = 0                   !! z, per step
     type(course_type), allocatable :: courses(:)
-    logical :: steady = .false.               !! a tone that does not decay, and was there before the first blow
+    logical :: steady = .false.               !! an undamped tone that was there before the first blow
     complex(dp), allocatable :: amplitude(:, :)  !! A at the first sample after each blow, (S, stretches)
   end type line_type
 
 contains
 
   elemental real(dp) function psi(rate, m)
-    !! The course ψ(m).
+    !! The function ψ(m) of a course.
     real(dp), intent(in) :: rate, m
     real(dp) :: x
     x = rate*m
@@ -41,7 +41,7 @@ contains
   end function psi
 
   elemental real(dp) function psi_slope(rate, m)
-    !! Its slope.
+    !! The slope of ψ.
     real(dp), intent(in) :: rate, m
     real(dp) :: x
     x = rate*m
@@ -53,13 +53,13 @@ contains
   end function psi_slope
 
   elemental real(dp) function psi_bend(rate, m)
-    !! Its second derivative.
+    !! The second derivative of ψ.
     real(dp), intent(in) :: rate, m
     psi_bend = 2*exp(-rate*m)
   end function psi_bend
 
   pure function psi_by_rate(rate, m) result(slopes)
-    !! The slope of ψ by the rate, and its first and second derivative by m.
+    !! The derivative of ψ by the rate, and the first and second derivatives of this by m.
     real(dp), intent(in) :: rate, m
     real(dp) :: slopes(0:2), x, fall
     x = rate*m
@@ -75,7 +75,7 @@ contains
   end function psi_by_rate
 
   pure complex(dp) function bend_of(line, m)
-    !! What the courses add to the exponent m steps after a blow.
+    !! The contribution of the courses to the exponent, m steps after a blow.
     type(line_type), intent(in) :: line
     real(dp), intent(in) :: m
     integer :: c
@@ -97,7 +97,7 @@ contains
   end function pole_at
 
   pure type(line_type) function later(line, m)
-    !! The same motion counted from m steps later: ψ(m + n) = ψ(m) + ψ'(m)n + e^(−gm)ψ(n).
+    !! The same motion with time counted from m steps later: ψ(m + n) = ψ(m) + ψ'(m)n + e^(−gm)ψ(n).
     type(line_type), intent(in) :: line
     real(dp), intent(in) :: m
     later = line
@@ -107,7 +107,7 @@ contains
   end function later
 
   pure real(dp) function life_of(line, folds, longest)
-    !! Steps within which a line falls by so many e-folds, at most `longest`.
+    !! The number of steps in which a line decays by `folds` e-folds, at most `longest`.
     type(line_type), intent(in) :: line
     real(dp), intent(in) :: folds, longest
     real(dp) :: slowest
@@ -117,10 +117,10 @@ contains
   end function life_of
 
   pure subroutine find_wave(line, from, place, wave)
-    !! Find the exponential of a line `from`, `from` + 1, … steps after a blow, or at these places after it.
+    !! Compute the exponential of a line at `from`, `from` + 1, … steps after a blow, or at given places after it.
     type(line_type), intent(in) :: line
     real(dp), intent(in) :: from
-    real(dp), intent(in), optional :: place(:)   !! uneven times, from which `from` is taken off
+    real(dp), intent(in), optional :: place(:)   !! uneven times, from which `from` is subtracted
     complex(dp), intent(out) :: wave(0:)
     complex(dp) :: fine(0:table - 1), coarse
     integer :: n, last
@@ -135,7 +135,7 @@ contains
     else
       fine(0) = 1
       n = 1
-      do while (n < table)                       ! as many again, each time
+      do while (n < table)                       ! doubles the table in each step
         fine(n:2*n - 1) = exp(line%pole*n)*fine(:n - 1)
         n = 2*n
       end do
@@ -148,7 +148,7 @@ contains
   end subroutine find_wave
 
   elemental complex(dp) function limited(exponent)
-    !! e^x; what overflows is cut off.
+    !! e^x, with the real part of x limited to ±`highest`.
     complex(dp), intent(in) :: exponent
     limited = exp(cmplx(max(-highest, min(highest, exponent%re)), exponent%im, dp))
   end function limited

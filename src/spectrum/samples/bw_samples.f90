@@ -1,5 +1,5 @@
 module bw_samples
-  !! Samples of one motion at several sensors, taken at even or uneven times. Time is counted in steps from the first sample.
+  !! Samples of one motion at several sensors, at even or uneven times. Time is counted in steps from the first sample.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -8,18 +8,18 @@ module bw_samples
   type, public :: samples_type
     integer :: count = 0                     !! N
     real(dp) :: step = 1                     !! s; of uneven times the median
-    real(dp), allocatable :: place(:)        !! times of the samples, rising from 0, (N); not allocated: 0, 1, 2, …
-    integer, allocatable :: row(:)           !! numbers of the samples that were recorded, rising from 1; not allocated: all were
+    real(dp), allocatable :: place(:)        !! times of the samples, ascending from 0, (N); unallocated: 0, 1, 2, …
+    integer, allocatable :: row(:)           !! numbers of the recorded samples, ascending from 1; unallocated: all were recorded
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
-    logical, allocatable :: valid(:)         !! all sensors tell the motion then, (N); not allocated: they do in all samples
-    integer, allocatable :: blow(:)          !! first samples behind blows that are known; not allocated: they are looked for
-    logical :: pure = .false.                !! known to hold lines and their rounding and no noise, as a simulation's
+    logical, allocatable :: valid(:)         !! the samples of all sensors are valid, (N); unallocated: all are
+    integer, allocatable :: blow(:)          !! first samples after known blows; unallocated: blows are searched for
+    logical :: pure = .false.                !! known to hold lines and rounding but no noise, as a simulation's
   end type samples_type
 
 contains
 
   pure real(dp) function span_of(samples)
-    !! The length of the record in steps, N where they are even.
+    !! The length of the record in steps; N if times are even.
     type(samples_type), intent(in) :: samples
     span_of = samples%count
     if (allocated(samples%place)) span_of = samples%place(samples%count) + 1
@@ -34,8 +34,8 @@ contains
   end function place_of
 
   pure subroutine keep_sensors(kept, samples)
-    !! Leave out the samples of all other sensors.
-    integer, intent(in) :: kept(:)           !! sensors, in the order that they shall have
+    !! Keep the samples of some sensors only.
+    integer, intent(in) :: kept(:)           !! sensors in their new order
     type(samples_type), intent(inout) :: samples
     real(dp), allocatable :: value(:, :)
     integer :: s

@@ -1,6 +1,6 @@
 module bw_uneven_fourier
-  !! The Fourier sums Σ x_n e^(−2πi mτ_n/M), m = 0 … M/2, of samples at any times 0 ≤ τ < M: every sample is spread by a
-  !! Gaussian over a grid of half steps, the grid is transformed by FFTW, and the Gaussian taken out again.
+  !! The Fourier sums Σ x_n e^(−2πi mτ_n/M), m = 0 … M/2, of samples at any times 0 ≤ τ < M: a Gaussian spreads each sample
+  !! over a grid of half steps, FFTW transforms the grid, and the Gaussian's transform is divided out.
   !! Source: Greengard & Lee, SIAM Review 46 (2004) 443.
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
@@ -9,7 +9,7 @@ module bw_uneven_fourier
   private
   public :: uneven_transform
 
-  integer, parameter :: reach = 12             !! points on either side; leaves 1e-12
+  integer, parameter :: reach = 12             !! grid points on either side; the error is 1e-12
 
 contains
 

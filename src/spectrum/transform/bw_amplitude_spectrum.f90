@@ -1,6 +1,6 @@
 module bw_amplitude_spectrum
-  !! This module makes one-sided amplitude spectra with windows that are sums of cosines, in the periodic form that a Fourier
-  !! transform asks for.
+  !! This module computes one-sided amplitude spectra with windows that are sums of cosines, in the periodic form that suits a
+  !! Fourier transform.
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
@@ -11,12 +11,12 @@ module bw_amplitude_spectrum
 
 
   type, public :: spectrum_plan
-    !! The plan of spectra of one length and window, cached from record to record.
+    !! The transform and the window of records of one length, kept from record to record.
     private
     type(real_fourier) :: fourier
     character(:), allocatable :: window
     real(dp), allocatable :: weight(:)            ! of the window, (N)
-    real(dp) :: whole = 0.0_dp                    ! its sum
+    real(dp) :: weight_sum = 0.0_dp               ! its sum
   contains
     procedure, private :: prepare
   end type spectrum_plan
@@ -24,28 +24,28 @@ module bw_amplitude_spectrum
 contains
 
   subroutine amplitude_spectrum(samples, window, plan, amplitude)
-    !! Make the one-sided amplitude spectrum, in the unit of the samples; a tone of amplitude A in the middle of a bin reads A,
-    !! whatever the window. Amplitudes below 1e-154 of the largest sample may read 0.
+    !! Compute the one-sided amplitude spectrum, in the unit of the samples. A tone of amplitude A at the centre of a bin has the
+    !! value A with any window. Amplitudes below 1e-154 of the largest sample may be 0.
     real(dp), intent(in), contiguous :: samples(:)   !! (N), N ≥ 1, finite
     character(*), intent(in) :: window            !! a word of `known_windows`
-    type(spectrum_plan), intent(inout) :: plan    !! made anew where the length or the window is another
+    type(spectrum_plan), intent(inout) :: plan    !! renewed if the length or the window changes
     real(dp), intent(out), contiguous :: amplitude(0:)   !! (0:N/2)
     real(dp) :: down(2), up(2)
     integer :: last, power
     last = size(samples)/2
     call plan%prepare(size(samples), window)
-    power = exponent(largest_magnitude(samples))  ! of two: samples near overflow pass
+    power = exponent(largest_magnitude(samples))  ! scale by a power of two, so that samples near overflow pass
     down = power_of_two(-power)
     up = power_of_two(power)
     plan%fourier%samples(:) = plan%weight*((samples*down(1))*down(2))
     call plan%fourier%transform()
-    call find_magnitudes(plan%fourier%spectrum, up(1)*(2.0_dp/plan%whole), up(2), amplitude)
-    amplitude(0) = amplitude(0)/2                 ! these two have no mirror image beside them
+    call find_magnitudes(plan%fourier%spectrum, up(1)*(2.0_dp/plan%weight_sum), up(2), amplitude)
+    amplitude(0) = amplitude(0)/2                 ! bins 0 and N/2 have no mirror image
     if (2*last == size(samples)) amplitude(last) = amplitude(last)/2
   end subroutine amplitude_spectrum
 
   pure subroutine find_magnitudes(x, factor, factor_too, magnitude)
-    !! Find |x| times two factors, where the square of |x| is within range.
+    !! Compute |x| times two factors; the square of |x| has to be within range.
     complex(dp), intent(in), contiguous :: x(:)
     real(dp), intent(in) :: factor, factor_too
     real(dp), intent(out), contiguous :: magnitude(:)
@@ -60,7 +60,7 @@ contains
   end function power_of_two
 
   subroutine prepare(self, length, window)
-    !! Make the window and the transform's plan, unless they are those of this length and window already.
+    !! Make the window and the transform's plan, unless they are there for this length and window.
     class(spectrum_plan), intent(inout) :: self
     integer, intent(in) :: length                 !! N
     character(*), intent(in) :: window
@@ -70,7 +70,7 @@ contains
     if (ready) return
     self%window = window
     self%weight = window_samples(window, length)
-    self%whole = sum(self%weight)
+    self%weight_sum = sum(self%weight)
     call self%fourier%prepare(length)
   end subroutine prepare
 
@@ -85,7 +85,7 @@ contains
 
   pure function window_samples(word, count) result(weight)
     !! The window w_j = Σ_q (−1)^q a_q cos(2πqj/count), j = 0 … count−1, (count).
-    !! A record too short for the window's main lobe, or a word that is not known, gets the rectangular window.
+    !! A record too short for the window's main lobe, or an unknown word, gets the rectangular window.
     character(*), intent(in) :: word
     integer, intent(in) :: count
     real(dp) :: weight(count)
@@ -94,7 +94,7 @@ contains
   end function window_samples
 
   pure function window_at(word, place, length) result(weight)
-    !! The same window at any places of a record.
+    !! The same window at given places of a record.
     character(*), intent(in) :: word
     real(dp), intent(in) :: place(:), length      !! from the record's start, and the record's length, in the same unit
     real(dp) :: weight(size(place))
@@ -109,7 +109,7 @@ contains
   end function window_at
 
   pure function window_coefficients(word) result(a)
-    !! The coefficients a_0, a_1, … of the window; there are none if the word is not known.
+    !! The coefficients a_0, a_1, … of the window; none if the word is unknown.
     !! Source: Harris, Proc. IEEE 66 (1978) 51; flat_top: ISO 18431-2.
     character(*), intent(in) :: word
     real(dp), allocatable :: a(:)

@@ -1,6 +1,6 @@
 module bw_fourier
-  !! This module makes discrete Fourier transforms of real records by FFTW. Its plans, and so the last bits, depend on the remainder
-  !! of addresses by 16 bytes: that of allocated arrays, and of columns of complex numbers in them, is 0 in every run.
+  !! This module computes discrete Fourier transforms of real records with FFTW. FFTW's plans, and so the last bits, depend on
+  !! addresses modulo 16 bytes: for allocated arrays, and for columns of complex numbers in them, these are 0 in every run.
   use, intrinsic :: iso_c_binding
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -10,9 +10,9 @@ module bw_fourier
   include 'fftw3.f03'
 
   type, public :: real_fourier
-    !! The transform X_m = Σ_j x_j e^(−2πi mj/N), m = 0 … N/2, of many records of one length: FFTW's plan takes longer to
-    !! make than a short transform.
-    real(c_double), allocatable :: samples(:)                      !! x, (N); lost in `transform`
+    !! The transform X_m = Σ_j x_j e^(−2πi mj/N), m = 0 … N/2, of many records of one length. FFTW's plan is kept, since making it
+    !! takes longer than a short transform.
+    real(c_double), allocatable :: samples(:)                      !! x, (N); overwritten by `transform`
     complex(c_double_complex), allocatable :: spectrum(:)          !! X, (0:N/2)
     type(c_ptr), private :: plan = c_null_ptr
   contains
@@ -24,8 +24,8 @@ module bw_fourier
 contains
 
   subroutine prepare(self, length)
-    !! Make room and a plan for records of this length, unless they are there. FFTW_ESTIMATE is used because measured plans
-    !! differ from run to run, and so would the last bits.
+    !! Allocate arrays and make a plan for records of this length, unless they exist. FFTW_ESTIMATE is used because measured
+    !! plans differ from run to run, and with them the last bits.
     class(real_fourier), intent(inout) :: self
     integer, intent(in) :: length                 !! N ≥ 1
     if (allocated(self%samples)) then
@@ -44,14 +44,14 @@ contains
   end subroutine transform
 
   subroutine destroy(self)
-    !! Give FFTW's plan back.
+    !! Release FFTW's plan.
     type(real_fourier), intent(inout) :: self
     if (c_associated(self%plan)) call fftw_destroy_plan(self%plan)
     self%plan = c_null_ptr
   end subroutine destroy
 
   subroutine transform_in_place(length, spectrum)
-    !! Transform one record in its memory: the spectrum overwrites the samples.
+    !! Transform one record in place: the spectrum overwrites the samples.
     integer, intent(in) :: length                 !! N ≥ 1
     complex(dp), intent(inout), target, contiguous :: spectrum(:)   !! (N/2 + 1); in: its first N reals are the samples
     real(c_double), pointer, contiguous :: samples(:)
