@@ -1,11 +1,11 @@
 module bw_line_bounds
-  !! This module tells how far fitted lines may be from the true ones.
+  !! This module bounds the errors of fitted lines.
   !!
-  !! A bound is `safety` standard deviations of the fit. The noise is what the fit leaves in the bins that the line itself reaches,
-  !! since what is not explained elsewhere does not move it, and never less than rounding. The bound holds for a line that is alone.
-  !! A line that lies d bins beside this one and is taken for a part of it moves it by up to d bins and leaves about d² of it in
-  !! the residual, or d where its ratio is another: a residual that is the part ρ of the line may hide one that moves it by √ρ
-  !! bins, and its ratio by the part √ρ. That is told apart.
+  !! A bound is `safety` standard deviations of the fit. The noise is the residual in the bins that the line itself reaches, since
+  !! a residual elsewhere does not move the line; it is at least rounding. The bound holds for a line that is alone. A line d bins
+  !! beside this one that is taken for a part of it moves it by up to d bins and leaves about d² of it in the residual, or d if its
+  !! ratio is another: a residual that is the fraction ρ of the line may hide one that moves it by √ρ bins, and changes its ratio
+  !! by the fraction √ρ. This effect is reported separately.
   use bw_constants, only: pi
   use bw_band, only: tapered_band
   use bw_band_fit, only: reduce
@@ -20,37 +20,37 @@ module bw_line_bounds
   private
   public :: bound_errors
 
-  real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
-  real(dp), parameter :: unlikely = 1.0e-4_dp  !! that a line lies beside another by chance
-  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
-  real(dp), parameter :: motionless = 1.0e-100_dp   !! of the midpoint's amplitude: a tip that moves less has no ratio; 1/c₁² overflows
+  real(dp), parameter :: unexplained = 10      !! times the noise, above which the residual hides a line
+  real(dp), parameter :: unlikely = 1.0e-4_dp  !! probability that a line lies beside another by chance
+  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins from 0 or the Nyquist frequency
+  real(dp), parameter :: motionless = 1.0e-100_dp   !! relative to the midpoint; a tip that moves less has no ratio: 1/c₁² overflows
 
   type, public :: bounded_line
-    !! A line and how far it may be from the true one. Positions are periods in the record.
+    !! A line with bounds of its errors. Positions are in periods per record.
     real(dp) :: position = 0
     real(dp) :: position_error = 0
     real(dp) :: growth = 0                     !! logarithm of the growth over the record
-    logical :: steady = .true.                 !! it has been held at 0
-    real(dp) :: strength = 0                   !! the amplitudes of all sensors together
+    logical :: steady = .true.                 !! the growth is held at 0
+    real(dp) :: strength = 0                   !! norm of the amplitudes of all sensors
     real(dp) :: strength_error = 0
     real(dp) :: ratio = 0                      !! signed, of the second sensor to the first
     real(dp) :: ratio_error = 0                !! huge if there is no ratio
-    real(dp) :: hidden = 0                     !! part of it that a line hidden beside it may be
-    logical :: doubtful = .true.               !! there may well be such a line
+    real(dp) :: hidden = 0                     !! fraction of it that may belong to a line hidden beside it
+    logical :: doubtful = .true.               !! such a line cannot be excluded
   end type bounded_line
 
 contains
 
   subroutine bound_errors(fitted, others, density, residual, lines, explained)
-    !! Find the errors of a group's lines, and what hidden lines may add to them.
+    !! Bound the errors of a group's lines, and the effect of hidden lines on them.
     type(line_type), intent(in) :: fitted(:)
-    type(line_type), intent(in) :: others(:)   !! of the group, which count as a part of what is left
+    type(line_type), intent(in) :: others(:)   !! of the group, treated as part of the residual
     real(dp), intent(in) :: density              !! lines per bin of the whole record
     type(residual_type), intent(in) :: residual
     type(bounded_line), allocatable, intent(out) :: lines(:)  !! one for each
-    logical, intent(out) :: explained            !! the lines leave no more than noise
+    logical, intent(out) :: explained            !! the residual is no more than noise
     complex(dp), allocatable :: image(:, :)
-    real(dp) :: left(size(fitted)), noise(size(fitted)), expected, free
+    real(dp) :: residual_norm(size(fitted)), noise(size(fitted)), expected, free
     integer :: bins(2), i
     bins = band_of(group_type([fitted, others], [integer ::]), residual%count)
     allocate (image(bins(1):bins(2), size(residual%tapered, 2)), source=group_image(residual, others, bins))
@@ -58,13 +58,13 @@ contains
     free = max(1.0_dp, numbers_in(residual, bins)/correlated - sum(unknowns(fitted, size(image, 2))))
     do i = 1, size(fitted)
       associate (own => own_bins(fitted(i), residual%count, bins))
-        left(i) = norm2(abs(image(own(1):own(2), :)))
-        noise(i) = max(left(i)/sqrt(free*numbers_in(residual, own)/numbers_in(residual, bins)), expected)
+        residual_norm(i) = norm2(abs(image(own(1):own(2), :)))
+        noise(i) = max(residual_norm(i)/sqrt(free*numbers_in(residual, own)/numbers_in(residual, bins)), expected)
       end associate
     end do
     explained = norm2(abs(image)) <= unexplained*expected*sqrt(free)
     allocate (lines, source=lines_in_noise(without_phase_at_ends(fitted, residual%count), residual, bins, safety*noise))
-    lines%hidden = sqrt(left/(lines%strength*residual%count*main_lobe/2))
+    lines%hidden = sqrt(residual_norm/(lines%strength*residual%count*main_lobe/2))
     lines%doubtful = .not. explained .or. 2*density*lines%hidden > unlikely
     lines%position_error = min(lines%position_error, real(residual%count, dp)) + rounding*lines%position
     lines%ratio_error = min(lines%ratio_error, sqrt(huge(1.0_dp))) + 4*epsilon(1.0_dp)*abs(lines%ratio)
@@ -76,17 +76,17 @@ contains
   end subroutine bound_errors
 
   pure function own_bins(line, count, bins) result(own)
-    !! The first and last of the group's bins that are in the band of this line by itself too.
+    !! The first and last of the group's bins that are also in the band of this line alone.
     type(line_type), intent(in) :: line
-    integer, intent(in) :: count, bins(2)      !! samples; of the group
+    integer, intent(in) :: count, bins(2)      !! number of samples; bins of the group
     integer :: own(2)
     own = band_of(group_type([line], [integer ::]), count)
     own = max(bins(1), min(bins(2), own))
   end function own_bins
 
   pure function without_phase_at_ends(fitted, count) result(lines)
-    !! The lines; a steady one that is at 0 or the Nyquist frequency but for rounding is put there: it has no phase, and its errors
-    !! must not be asked for one.
+    !! The lines, with each steady one that is at 0 or the Nyquist frequency to within rounding put there exactly: it has no phase,
+    !! and its errors must not depend on one.
     type(line_type), intent(in) :: fitted(:)
     integer, intent(in) :: count
     type(line_type) :: lines(size(fitted))
@@ -102,12 +102,12 @@ contains
   end function without_phase_at_ends
 
   function lines_in_noise(fitted, residual, bins, noise) result(lines)
-    !! Find the ratio of each line, and the errors of position, strength and ratio that noise makes. A ratio whose first sensor does
-    !! not move but for rounding does not exist: it is 0 with a huge error.
+    !! Find the ratio of each line, and the errors of position, strength and ratio due to noise. If the first sensor moves no more
+    !! than by rounding, there is no ratio: it is 0 with a huge error.
     type(line_type), intent(in) :: fitted(:)
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
-    real(dp), intent(in) :: noise(:)           !! standard deviation of a real number of the image beside each line, (line)
+    real(dp), intent(in) :: noise(:)           !! standard deviation of a real number of the image near each line, (line)
     type(bounded_line) :: lines(size(fitted))
     type(line_errors) :: errors
     real(dp) :: direction(2, 2)
@@ -123,7 +123,7 @@ contains
         line%position_error = noise_times(deviation(2), noise(i)*residual%count/(2*pi))
         line%strength_error = huge(1.0_dp)
         line%ratio_error = huge(1.0_dp)
-        if (any(abs(c) > 0)) then                    ! of lines at one place the fit may leave one without amplitude
+        if (any(abs(c) > 0)) then                    ! of lines at one position, the fit may give one no amplitude
           direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/norm2(abs(c))
           line%strength_error = noise_times(amplitude_deviation(errors, 1, i, direction), noise(i))
         end if

@@ -1,5 +1,5 @@
 module bw_line_group
-  !! One group of lines that share bins: how many there are, steady or growing, where, and which the others do without.
+  !! One group of lines that share bins: their number, whether they are steady or grow, their positions, and which are superfluous.
   use bw_band, only: tapered_band
   use bw_band_fit, only: amplitudes_of, fit_band, reduced_type, squares_left
   use bw_kinds, only: dp
@@ -12,19 +12,19 @@ module bw_line_group
   public :: band_of, group_image, group_image_of, group_noise, numbers_in, refit_group, unknowns
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
-  integer, parameter :: extra_lines = 2        !! tried beyond one more
-  real(dp), parameter :: worth = 0.3_dp        !! a further line must lower the residual to this part of it
-  real(dp), parameter :: unseen = 0.2_dp       !! of the threshold: no peak would be taken up any more
-  real(dp), parameter :: fullest = 0.7_dp      !! unknowns for each number in a group's bins
-  real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
-  real(dp), parameter :: enough = 3            !! times the expected residual
-  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's highest sample
+  integer, parameter :: extra_lines = 2        !! numbers of lines tried beyond one more line
+  real(dp), parameter :: worth = 0.3_dp        !! fraction to which a further line must lower the residual
+  real(dp), parameter :: unseen = 0.2_dp       !! of the threshold, below which no peak would be seen
+  real(dp), parameter :: fullest = 0.7_dp      !! most unknowns for each number in a group's bins
+  real(dp), parameter :: least_freedom = 1.0e-4_dp  !! of degrees of freedom: the residual of noise is at least 1 % of it
+  real(dp), parameter :: enough = 3            !! times the expected residual: a smaller one needs no further lines
+  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude relative to the record's largest sample
   integer, parameter :: steady_all = 1, growing_all = 2  !! passes of a fit
 
   integer, parameter :: most_steps = 20
-  real(dp), parameter :: slowest = 0.64_dp     !! part of the squares: a step that leaves more is the last
-  real(dp), parameter, public :: resolution = 1  !! periods in the record; closer lines are one
-  real(dp), parameter, public :: correlated = 2.3_dp  !! neighbouring bins of the taper share their noise
+  real(dp), parameter :: slowest = 0.64_dp     !! fraction of the squares; the fit ends with a step that leaves more
+  real(dp), parameter, public :: resolution = 1  !! periods per record; closer lines are one
+  real(dp), parameter, public :: correlated = 2.3_dp  !! numbers for each independent one: the taper correlates neighbouring bins
 
   type, public :: group_type
     type(line_type), allocatable :: lines(:)
@@ -34,7 +34,7 @@ module bw_line_group
 contains
 
   pure function band_of(group, count) result(bins)
-    !! The first and last bin of the group's fit; the band is wider where lines grow.
+    !! The first and last bin of the group's fit. The band is wider if lines grow.
     type(group_type), intent(in) :: group
     integer, intent(in) :: count
     integer :: bins(2), half
@@ -46,7 +46,7 @@ contains
   end function band_of
 
   pure function group_image(residual, lines, bins) result(image)
-    !! The tapered transform of these lines and of what all lines leave, in these bins: the record without all other lines.
+    !! The tapered transform of these lines and of the residual in these bins, which is that of the record without other lines.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: bins(2)
@@ -55,7 +55,7 @@ contains
   end function group_image
 
   pure function group_image_of(residual, lines, bins) result(image)
-    !! The tapered transform of these lines and nothing else in these bins.
+    !! The tapered transform of these lines alone in these bins.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: bins(2)
@@ -68,27 +68,27 @@ contains
   end function group_image_of
 
   elemental integer function unknowns(line, sensors)
-    !! How many real numbers describe a line: its amplitudes, its position, and its growth unless it is steady.
+    !! The number of real unknowns of a line: its amplitudes, its position, and its growth unless it is steady.
     type(line_type), intent(in) :: line
     integer, intent(in) :: sensors
     unknowns = 2*sensors + merge(1, 2, line%steady)
   end function unknowns
 
   pure real(dp) function group_noise(residual, lines)
-    !! The residual to be expected of each real number of the image: noise, and rounding of the strongest line.
+    !! The expected residual of each real number of the image: noise, and rounding of the strongest line.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     group_noise = residual%noise + rounding_of(lines, residual%count)
   end function group_noise
 
-  subroutine fit_group(residual, image, bins, goal, lines, left)
-    !! Improve lines in the bins of an image until the length of what they leave stops falling, or is far below the goal.
+  subroutine fit_group(residual, image, bins, goal, lines, residual_norm)
+    !! Refine lines in the bins of an image until the norm of the residual stops falling or is far below the goal.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
     complex(dp), intent(in) :: image(:, :)     !! of these lines alone, (bins, S)
     real(dp), intent(in) :: goal
     type(line_type), intent(inout) :: lines(:)
-    real(dp), intent(out) :: left
+    real(dp), intent(out) :: residual_norm
     type(reduced_type), allocatable :: reduced(:)
     real(dp) :: noise
     integer :: k
@@ -97,54 +97,54 @@ contains
     do k = 1, size(lines)
       lines(k)%amplitude = amplitudes_of(reduced, k, 2, size(image, 2))
     end do
-    left = noise*sqrt(squares_left(reduced))
+    residual_norm = noise*sqrt(squares_left(reduced))
   end subroutine fit_group
 
   subroutine refit_group(residual, group)
-    !! Improve the group's lines; where that leaves more than noise beside new peaks, look for further lines.
+    !! Refine the group's lines; if the residual is more than noise and there are new peaks, look for further lines.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(inout) :: group
     type(group_type) :: start
     complex(dp), allocatable :: image(:, :)
-    real(dp) :: goal, left
+    real(dp) :: goal, residual_norm
     integer :: bins(2)
     start = group
     bins = band_of(group, residual%count)
     if (size(group%lines) > 0) then
       goal = goal_of(residual, group%lines, bins)
       image = group_image(residual, start%lines, bins)
-      call fit_group(residual, image, bins, goal, group%lines, left)
-      if (left <= goal) call drop_needless(residual, image, bins, group%lines)
-      if (left <= goal .or. size(group%peaks) == 0) return
+      call fit_group(residual, image, bins, goal, group%lines, residual_norm)
+      if (residual_norm <= goal) call drop_superfluous(residual, image, bins, group%lines)
+      if (residual_norm <= goal .or. size(group%peaks) == 0) return
     end if
     call grow(residual, start, group%lines)
   end subroutine refit_group
 
-  subroutine drop_needless(residual, image, bins, lines)
-    !! Leave out lines that the others do without: what was left while stronger lines were not at their places yet may have been
-    !! taken for a line beside one of them.
+  subroutine drop_superfluous(residual, image, bins, lines)
+    !! Remove superfluous lines: the residual of stronger lines that were not yet at their positions may have been taken for a
+    !! line beside one of them.
     type(residual_type), intent(in) :: residual
-    complex(dp), intent(in) :: image(:, :)     !! that the lines explain, (bins, S)
+    complex(dp), intent(in) :: image(:, :)     !! of the lines, (bins, S)
     integer, intent(in) :: bins(2)
     type(line_type), allocatable, intent(inout) :: lines(:)
     type(line_type), allocatable :: trial(:)
-    real(dp) :: goal, left
+    real(dp) :: goal, residual_norm
     integer :: i
     i = 1
     do while (i <= size(lines) .and. size(lines) > 1)
       trial = [lines(:i - 1), lines(i + 1:)]
       goal = goal_of(residual, trial, bins)
-      call fit_group(residual, image, bins, goal, trial, left)
-      if (left <= goal) then
+      call fit_group(residual, image, bins, goal, trial, residual_norm)
+      if (residual_norm <= goal) then
         call move_alloc(trial, lines)
       else
         i = i + 1
       end if
     end do
-  end subroutine drop_needless
+  end subroutine drop_superfluous
 
   pure real(dp) function goal_of(residual, lines, bins)
-    !! The length of the image's residual below which nothing is left to explain.
+    !! The norm of the image's residual below which no further lines are needed.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: bins(2)
@@ -152,15 +152,15 @@ contains
   end function goal_of
 
   pure real(dp) function numbers_in(residual, bins)
-    !! How many real numbers all sensors have in these bins.
+    !! The number of real values of all sensors in these bins.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
     numbers_in = 2*size(residual%tapered, 2)*(bins(2) - bins(1) + 1)
   end function numbers_in
 
   subroutine grow(residual, start, lines)
-    !! Try the peaks as lines, then poles of the group's bins, as many as stand out of noise, one more or less, and
-    !! one after another; keep the first set that explains all, otherwise the last that was worth its further lines.
+    !! Try the peaks as lines, then poles of the group's bins: as many as exceed noise, one or two fewer or more, and one further
+    !! line after another. Keep the first set that explains all, or else the last that was worth its further lines.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     type(line_type), allocatable, intent(inout) :: lines(:)
@@ -187,7 +187,7 @@ contains
   end subroutine grow
 
   subroutine try(residual, start, trial, lines, done)
-    !! Fit `trial` as steady lines, then as lines that grow or decay; keep what was worth it.
+    !! Fit `trial` as steady lines, then as lines that grow or decay; keep a fit that is worth its lines.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     type(line_type), intent(in) :: trial(:)
@@ -195,7 +195,7 @@ contains
     logical, intent(out) :: done
     type(line_type), allocatable :: fitted(:)
     complex(dp), allocatable :: image(:, :)
-    real(dp) :: left, trial_left, goal, freedom
+    real(dp) :: residual_norm, trial_norm, goal, freedom
     integer :: bins(2), pass, sensors
     sensors = size(residual%tapered, 2)
     done = .false.
@@ -208,21 +208,21 @@ contains
       if (sum(unknowns(fitted, sensors)) > fullest*numbers_in(residual, bins)) return
       goal = goal_of(residual, fitted, bins)
       image = group_image(residual, start%lines, bins)
-      call fit_group(residual, image, bins, goal, fitted, trial_left)
+      call fit_group(residual, image, bins, goal, fitted, trial_norm)
       if (cancel(fitted, residual)) cycle
       goal = goal_of(residual, fitted, bins)
-      left = norm2(abs(image - group_image_of(residual, lines, bins)))
-      done = trial_left <= min(goal, worth*left)
+      residual_norm = norm2(abs(image - group_image_of(residual, lines, bins)))
+      done = trial_norm <= min(goal, worth*residual_norm)
       freedom = 1 - correlated*(sum(unknowns(fitted, sensors)) - sum(unknowns(lines, sensors)))/numbers_in(residual, bins)
-      if (.not. done .and. trial_left > worth*left*sqrt(max(freedom, least_freedom))) cycle
+      if (.not. done .and. trial_norm > worth*residual_norm*sqrt(max(freedom, least_freedom))) cycle
       lines = fitted
       if (done) return
     end do
   end subroutine try
 
   pure logical function cancel(lines, residual)
-    !! Whether lines are so much larger than the record that only their difference is in it: a polynomial that fits anything slow,
-    !! and leaves its rounding everywhere.
+    !! Whether lines are so much larger than the record that they nearly cancel: their sum is a polynomial that fits any slow
+    !! motion, and leaves its rounding everywhere.
     type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual
     cancel = any(strength_of(lines, residual%count) > most_cancelled*residual%highest)

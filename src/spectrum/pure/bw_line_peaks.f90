@@ -1,5 +1,5 @@
 module bw_line_peaks
-  !! This module makes peaks that can be told apart of fitted lines, each with bounds on its errors.
+  !! This module combines fitted lines into resolved peaks, each with bounds of its errors.
   use bw_kinds, only: dp
   use bw_line, only: line_type
   use bw_line_bounds, only: bound_errors, bounded_line
@@ -11,41 +11,41 @@ module bw_line_peaks
   private
   public :: as_single, peaks_of, with_hidden
 
-  real(dp), parameter :: unlocated = 2         !! bins; a peak with a larger error is none
-  real(dp), parameter :: faint_part = 0.1_dp   !! of a line, below which another one beside it counts as faint
-  real(dp), parameter :: clear = 10            !! times the residual: no fit makes such a line of it
+  real(dp), parameter :: unlocated = 2         !! bins; a peak with a larger error is not located
+  real(dp), parameter :: faint_part = 0.1_dp   !! relative strength, below which a line beside another is faint
+  real(dp), parameter :: clear = 10            !! times the residual, above which a line cannot be an artefact of it
 
   type, public :: place_type
-    !! Where a line is, in periods in the record, and what is known of its ratio.
+    !! The position of a line, in periods per record, and its ratio.
     real(dp) :: position = 0
     real(dp) :: position_error = 0
     real(dp) :: ratio = 0                      !! signed, midpoint to tip
     real(dp) :: ratio_error = 0
-    real(dp) :: hidden = 0                     !! part of it that a line hidden beside it may be
+    real(dp) :: hidden = 0                     !! fraction of it that may belong to a line hidden beside it
   end type place_type
 
   type, public :: peak_type
-    !! A peak of the record: one line, or several that cannot be told apart. Positions are periods in the record.
+    !! A peak of the record: one line, or several that are not resolved. Positions are in periods per record.
     real(dp) :: position = 0
     real(dp) :: position_error = 0
     real(dp) :: growth = 0                     !! logarithm of the growth over the record
     real(dp) :: ratio = 0                      !! signed, midpoint to tip
     real(dp) :: ratio_error = 0
-    real(dp) :: hidden = 0                     !! part of it that a line hidden beside it may be
-    logical :: doubtful = .false.              !! there may well be such a line
-    real(dp) :: strength = 0                   !! largest amplitude, all sensors together
-    integer :: members = 1                     !! lines that are one within the resolution; e^(gt) and e^(−gt) are one
-    logical :: at_edge = .false.               !! one with its own mirror image at 0 or the Nyquist frequency
-    logical :: located = .true.                !! .false.: something is there, but the fit does not say where, or leaves as much
-    type(place_type), allocatable :: single    !! of the strongest member, if all others are faint and no lines
+    real(dp) :: hidden = 0                     !! fraction of it that may belong to a line hidden beside it
+    logical :: doubtful = .false.              !! such a line cannot be excluded
+    real(dp) :: strength = 0                   !! norm of all sensors' amplitudes, of the strongest line
+    integer :: members = 1                     !! number of lines within the resolution; e^(gt) and e^(−gt) count as one
+    logical :: at_edge = .false.               !! not resolved from its mirror image at 0 or the Nyquist frequency
+    logical :: located = .true.                !! .false.: the fit does not locate the peak, or its residual is as large
+    type(place_type), allocatable :: single    !! the strongest member alone, if all others are faint and may be no lines
   end type peak_type
 
 contains
 
   function peaks_of(lines, residual) result(peaks)
-    !! The peaks that the lines make, with bounds on their errors; lines that cannot be told apart are one peak.
+    !! The peaks of the lines, with bounds of their errors; lines that are not resolved are one peak.
     type(line_type), intent(in) :: lines(:)
-    type(residual_type), intent(in) :: residual  !! what these lines leave
+    type(residual_type), intent(in) :: residual  !! of these lines
     type(peak_type), allocatable :: peaks(:)
     type(group_type), allocatable :: group(:)
     integer :: i
@@ -76,7 +76,7 @@ contains
   end function peaks_of_group
 
   pure function are_faint(position, strength) result(faint)
-    !! Which lines lie beside a much stronger one.
+    !! The lines that lie beside a much stronger one.
     real(dp), intent(in) :: position(:), strength(:)
     logical :: faint(size(position))
     integer :: j
@@ -86,16 +86,16 @@ contains
   end function are_faint
 
   elemental logical function is_real(line)
-    !! Whether the line is a real exponential, one of the two that a mode above its critical speed moves as.
+    !! Whether the line is a real exponential, one of the two in the motion of a mode above its critical speed.
     type(bounded_line), intent(in) :: line
     is_real = .not. line%steady .and. .not. line%position > 0
   end function is_real
 
   function merged(group, lines, strong, residual, explained) result(peaks)
-    !! Lines that lie within the resolution of the one before become one peak, their mirror images included.
+    !! Combine lines that lie within the resolution of the one before into one peak, including their mirror images.
     type(group_type), intent(in) :: group
     type(bounded_line), intent(in) :: lines(:)   !! the group's, ascending
-    type(bounded_line), intent(in) :: strong(:)  !! without faint ones, with errors as if there were none
+    type(bounded_line), intent(in) :: strong(:)  !! without faint ones, with errors as if these did not exist
     type(residual_type), intent(in) :: residual
     logical, intent(in) :: explained
     type(peak_type), allocatable :: peaks(:)
@@ -109,7 +109,7 @@ contains
       end if
       peak = one_peak(lines(first:i), residual%count, explained)
       if (peak%members > 1) then
-        peak%located = peak%located .and. exceed(group%lines(first:i), residual, band_of(group, residual%count))
+        peak%located = peak%located .and. exceed_residual(group%lines(first:i), residual, band_of(group, residual%count))
         call find_strongest(strong, lines(first:i), peak)
       end if
       peaks = [peaks, peak]
@@ -118,7 +118,7 @@ contains
   end function merged
 
   pure subroutine find_strongest(strong, lines, peak)
-    !! Find what one line of the peak would be without the others, if all others are faint.
+    !! Find the strongest line of the peak as it would be without the others, if all others are faint.
     type(bounded_line), intent(in) :: strong(:)
     type(bounded_line), intent(in) :: lines(:)   !! of the peak, ascending
     type(peak_type), intent(inout) :: peak
@@ -130,17 +130,17 @@ contains
     end associate
   end subroutine find_strongest
 
-  logical function exceed(lines, residual, bins)
-    !! Whether the lines together, which may all but cancel, put clearly more into a bin than is left in any.
+  logical function exceed_residual(lines, residual, bins)
+    !! Whether the lines together, which may nearly cancel, contribute clearly more to a bin than the residual has in any.
     type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
-    exceed = maxval(abs(group_image_of(residual, lines, bins))) > &
+    exceed_residual = maxval(abs(group_image_of(residual, lines, bins))) > &
       & clear*maxval(abs(residual%tapered(bins(1):bins(2), :)))
-  end function exceed
+  end function exceed_residual
 
   function one_peak(lines, count, explained) result(peak)
-    !! The peak of lines that cannot be told apart.
+    !! The peak of lines that are not resolved.
     type(bounded_line), intent(in) :: lines(:)
     integer, intent(in) :: count
     logical, intent(in) :: explained
@@ -150,10 +150,10 @@ contains
     weight = lines%strength**2
     peak%at_edge = minval(position) < resolution/2 .or. maxval(position) > (count - resolution)/2
     error = lines%position_error
-    if (explained .and. (size(lines) > 1 .or. peak%at_edge)) error = min(error, resolution)  ! one may roam, all may not
+    if (explained .and. (size(lines) > 1 .or. peak%at_edge)) error = min(error, resolution)  ! the peak as a whole is resolved
     peak%position = sum(weight*position)/sum(weight)
     if (size(lines) == 1) peak%position = position(1)
-    peak%position = max(0.0_dp, peak%position)   ! rounding puts lines below 0
+    peak%position = max(0.0_dp, peak%position)   ! rounding may put lines below 0
     peak%position_error = maxval(abs(position - peak%position) + error)
     peak%growth = lines(maxloc(weight, dim=1))%growth
     peak%strength = sqrt(maxval(weight))
@@ -170,7 +170,7 @@ contains
   end function one_peak
 
   elemental type(peak_type) function close_pair(peak)
-    !! The peak as one of several lines that cannot be told apart, be it its mirror image.
+    !! The peak as one of several lines that are not resolved, which may be its own mirror image.
     type(peak_type), intent(in) :: peak
     close_pair = peak
     close_pair%position_error = max(peak%position_error, resolution)
@@ -178,7 +178,7 @@ contains
   end function close_pair
 
   elemental type(peak_type) function as_single(peak)
-    !! The peak as its strongest member without the others, where that can be.
+    !! The peak as its strongest member alone, if that is possible.
     type(peak_type), intent(in) :: peak
     as_single = peak
     if (.not. allocated(peak%single) .or. peak%at_edge) return
@@ -194,17 +194,17 @@ contains
   end function as_single
 
   elemental type(peak_type) function with_hidden(peak, part, covered)
-    !! The peak with bounds that hold with a line hidden beside it too, or in its own place.
+    !! The peak with bounds that also hold if a line is hidden beside it or at its own position.
     type(peak_type), intent(in) :: peak
-    real(dp), intent(in) :: part               !! of the peak that the hidden line is at most
-    real(dp), intent(in), optional :: covered  !! part that lines in its own place are at most
+    real(dp), intent(in) :: part               !! largest fraction of the peak in the hidden line
+    real(dp), intent(in), optional :: covered  !! largest fraction in lines at its own position
     real(dp) :: other
     other = part
     if (present(covered)) other = max(part, covered)
     with_hidden = peak
     with_hidden%position_error = peak%position_error + part
     if (peak%ratio_error < huge(1.0_dp)) with_hidden%ratio_error = peak%ratio_error &
-      & + other*(1 + abs(peak%ratio))*hypot(1.0_dp, peak%ratio)  ! of the tip's amplitude it is a larger part
+      & + other*(1 + abs(peak%ratio))*hypot(1.0_dp, peak%ratio)  ! it is a larger fraction of the tip's amplitude
   end function with_hidden
 
 end module bw_line_peaks

@@ -1,6 +1,6 @@
 module bw_line_poles
-  !! Where lines lie that overlap: the transform of a sum of exponentials is a rational function of the bin, and its
-  !! poles are the lines. They come from a Loewner pencil of all sensors' bins.
+  !! Positions of overlapping lines: the transform of a sum of exponentials is a rational function of the bin, and its
+  !! poles are the lines. They are found from a Loewner pencil of all sensors' bins.
   !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -12,25 +12,25 @@ module bw_line_poles
   private
   public :: ample_pencil, pole_lines
 
-  integer, parameter :: least_beside = 5       !! bins beside a group that help to find its poles
+  integer, parameter :: least_beside = 5       !! bins beside a group from which its poles are found
   integer, parameter :: most_beside = 40
-  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image
-  real(dp), parameter :: grows = 1.0e-3_dp     !! over the record; slower motion at 0 is a drift, which is a line's too
-  integer, parameter :: spare = 4  !! columns behind each matrix: zgemv of OpenBLAS 0.3.21 reads past the last one
+  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole no farther below 0 is not a mirror image
+  real(dp), parameter :: grows = 1.0e-3_dp     !! over the record; slower motion at 0 may also be a drift
+  integer, parameter :: spare = 4  !! columns after each matrix: zgemv of OpenBLAS 0.3.21 reads past the last one
                                    !! (github.com/OpenMathLib/OpenBLAS/issues/5000)
-  real(dp), parameter :: rounding = 1.0e-13_dp  !! of singular values
+  real(dp), parameter :: rounding = 1.0e-13_dp  !! relative to the largest singular value
 
   type, public :: pencil_type
     integer :: middle = 0                       !! bin
     integer :: count = 0                        !! samples in the record
     real(dp), allocatable :: singular(:)        !! of the divided differences, descending
-    complex(dp), allocatable :: shifted(:, :)   !! the shifted differences between their singular vectors
+    complex(dp), allocatable :: shifted(:, :)   !! the shifted differences in the basis of the singular vectors
   end type pencil_type
 
 contains
 
   subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
-    !! Make a pencil over so many bins that its rank, which counts the lines, is well below its size.
+    !! Make a pencil over enough bins that its rank, which counts the lines, is well below its size.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: own(:)
     integer, intent(in) :: bins(2)
@@ -48,9 +48,9 @@ contains
   end subroutine ample_pencil
 
   function group_pencil(residual, own, bins, beside) result(pencil)
-    !! The pencil of the group's bins and of `beside` more at either end, on both sides of 0 where the group is near it.
+    !! The pencil of the group's bins and of `beside` more at either end; for a group near 0, of bins on both sides of 0.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
+    type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` does not contain
     integer, intent(in) :: bins(2), beside
     type(pencil_type) :: pencil
     complex(dp), allocatable :: image(:, :)
@@ -71,8 +71,8 @@ contains
   end function group_pencil
 
   function pole_lines(pencil, rank, bins) result(lines)
-    !! The lines at the poles that lie among the group's bins; mirror images at negative frequency are left out. A pole at
-    !! 0 that grows is a real exponential: put there exactly, it stays, having no phase and no slope by its offset.
+    !! The lines at the poles among the group's bins, without mirror images at negative frequency. A pole at 0 that grows is a
+    !! real exponential: put at 0 exactly, it stays there, since it has no phase and no derivative by its offset.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank, bins(2)
     type(line_type), allocatable :: lines(:)
@@ -89,7 +89,7 @@ contains
   end function pole_lines
 
   function pencil_of(image, first, count) result(pencil)
-    !! The Loewner pencil of an image, reduced to its principal vectors.
+    !! The Loewner pencil of an image, in the basis of its singular vectors.
     integer, intent(in) :: first                  !! first bin, may be negative
     complex(dp), intent(in) :: image(first:, :)   !! transform without taper, (bins, S)
     integer, intent(in) :: count                  !! samples in the record
@@ -106,14 +106,14 @@ contains
   end function pencil_of
 
   pure integer function rank_of(pencil, noise)
-    !! How many poles stand out of noise of this size in the bins, and out of rounding.
+    !! The number of poles that exceed noise of this size in the bins, and rounding.
     type(pencil_type), intent(in) :: pencil
     real(dp), intent(in) :: noise
     rank_of = count(pencil%singular > max(noise*size(pencil%singular), rounding*pencil%singular(1)))
   end function rank_of
 
   subroutine find_poles(pencil, rank, position, growth)
-    !! Find the poles of the rational function of that degree.
+    !! Find the poles of the rational function of degree `rank`.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank                   !! ≥ 1
     real(dp), allocatable, intent(out) :: position(:)  !! bins; none if the degree is too high
@@ -135,8 +135,8 @@ contains
   end subroutine find_poles
 
   pure subroutine loewner(image, first, count, middle, pencil, shifted)
-    !! Make the divided differences of F = Y/ω and of ωF between even and odd bins, all sensors below each other, in the
-    !! variable (ω − ω_middle)/(2πi ω_middle/N), which is near the bin's distance from the middle.
+    !! Compute the divided differences of F = Y/ω and of ωF between even and odd bins, with all sensors below each other, in the
+    !! variable (ω − ω_middle)/(2πi ω_middle/N), which is close to the bin's distance from the middle.
     integer, intent(in) :: first, count, middle
     complex(dp), intent(in) :: image(first:, :)
     complex(dp), allocatable, intent(out) :: pencil(:, :), shifted(:, :)
@@ -160,7 +160,7 @@ contains
   end subroutine loewner
 
   pure complex(dp) function local_node(away, count)
-    !! The variable of the rational function at a bin that far from the middle: (e^(ix) − 1) N/(2πi), x = 2π away/N.
+    !! The variable of the rational function, `away` bins from the middle: (e^(ix) − 1) N/(2πi), x = 2π away/N.
     integer, intent(in) :: away, count
     real(dp) :: x
     x = pi*away/count
@@ -168,7 +168,7 @@ contains
   end function local_node
 
   elemental complex(dp) function logarithm(z)
-    !! The logarithm of 1 + z. Small |z| keeps its digits, and 0 of 1 + z gives a large negative growth.
+    !! The logarithm of 1 + z, without cancellation for small |z|; for 1 + z = 0 it is a large negative growth.
     complex(dp), intent(in) :: z
     complex(dp) :: rounded
     rounded = 1 + z
@@ -200,14 +200,14 @@ contains
     work = 0
     scratch = 0
     call zgesvd('S', 'S', m, n, a, m, singular, left, m, right, n, work, size(work), scratch, info)
-    if (info /= 0) singular = 0                   ! no pole stands out
+    if (info /= 0) singular = 0                   ! no pole is found
   end subroutine singular_vectors
 
   subroutine find_eigenvalues(matrix, values, found)
     !! Find the eigenvalues of a square matrix.
     complex(dp), intent(in) :: matrix(:, :)
     complex(dp), intent(out) :: values(size(matrix, 1))
-    logical, intent(out) :: found                 !! all of them
+    logical, intent(out) :: found                 !! all were found
     complex(dp) :: a(size(matrix, 1), size(matrix, 1) + spare), none(1, 1), work(32*size(matrix, 1))
     real(dp) :: scratch(2*size(matrix, 1))
     integer :: n, info

@@ -1,10 +1,10 @@
 module bw_pure_record
-  !! Records that hold lines and their rounding and no noise: histories of simulations. Where nobody says so, a stretch of the
-  !! record tells that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
+  !! Records of lines and rounding without noise: histories of simulations. If it is not known whether a record is one, a part of
+  !! it is tested first, and then whether its lines, found to the last digit, leave no more than rounding.
   !!
-  !! The search in noise (bw_line_search) does not make this one needless. It finds lines that are two bins apart or more as
-  !! exactly, at ten to fifty times the time; where 2 to 8 lie 0.2 to 3 bins apart it ends with another number of lines in a third
-  !! of the records, for it takes lines up and splits them only where noise would not have made them.
+  !! The search in noise (bw_line_search) cannot replace this one. It finds lines that are two or more bins apart as exactly, in ten
+  !! to fifty times the time; of 2 to 8 lines that are 0.2 to 3 bins apart it finds another number in a third of the records, since
+  !! it adds and splits lines only where noise would not have caused them.
   use bw_kinds, only: dp
   use bw_lapack, only: dgelsy
   use bw_line, only: line_type
@@ -18,24 +18,24 @@ module bw_pure_record
   public :: find_lines_if_pure
 
   real(dp), parameter, public :: safety = 10
-    !! deviations of what is left that a bound of a pure record's line takes in: rounding is no noise. Tuned on random records,
-    !! some with noise: 5 holds without noise, not always with it
+    !! standard deviations of the residual in the bound of a pure record's line, since rounding is not random. Tuned on random
+    !! records, some with noise: 5 is enough without noise, not always with it
   real(dp), parameter, public :: rounding = 32*epsilon(1.0_dp)
-    !! of a frequency; those of modes, and so of a record that is their sum, have been seen 7 epsilon off
-  integer, parameter :: fewest = 16, stretch = 500  !! samples, that are looked at first; as many hold 120 lines
-  integer, parameter :: whole = 256              !! samples, whose lines may be looked for in all bins at once
-  integer, parameter :: most_numbers = 2**24     !! of all sensors together; more would ask for too much memory
-  real(dp), parameter :: quietest = 1.0e-9_dp    !! of a record; no measurement has so little noise
-  real(dp), parameter :: unexplained = 1.0e-11_dp  !! of the record, that the lines of a pure one may leave in a bin
+    !! relative, of a frequency; frequencies of modes, and so of their sum, have been up to 7 epsilon wrong
+  integer, parameter :: fewest = 16, stretch = 500  !! samples; `stretch` of them are tested first and may hold 120 lines
+  integer, parameter :: whole = 256              !! samples of the longest record whose lines are found in all bins at once
+  integer, parameter :: most_numbers = 2**24     !! of all sensors together; more would need too much memory
+  real(dp), parameter :: quietest = 1.0e-9_dp    !! relative to the record; no measurement has so little noise
+  real(dp), parameter :: unexplained = 1.0e-11_dp  !! relative to the record: residual in a bin of a pure one
 
 contains
 
-  subroutine find_lines_if_pure(samples, lines, left, pure, monitor)
-    !! Find the lines of an even record without noise, an offset being one of frequency 0.
+  subroutine find_lines_if_pure(samples, lines, residual, pure, monitor)
+    !! Find the lines of an evenly sampled record without noise; an offset is a line of frequency 0.
     type(samples_type), intent(in) :: samples
     type(line_type), allocatable, intent(out) :: lines(:)
-    type(residual_type), intent(out) :: left     !! what they leave
-    logical, intent(out) :: pure                 !! false: there is noise, and no use in the lines
+    type(residual_type), intent(out) :: residual !! of these lines
+    logical, intent(out) :: pure                 !! false: there is noise, and the lines are invalid
     class(monitor_type), intent(inout), optional :: monitor
     allocate (lines(0))
     pure = samples%pure
@@ -43,31 +43,31 @@ contains
       if (.not. looks_pure(samples)) return
     end if
     associate (record => samples%value(:samples%count, :))
-      call find_pure_lines(record, lines, left, monitor)
+      call find_pure_lines(record, lines, residual, monitor)
       if (stops(monitor)) return
-      if (size(record, 1) <= whole .and. .not. explained(record, lines, left)) then
-        if (looks_pure(samples)) call take_whole(record, lines, left)
+      if (size(record, 1) <= whole .and. .not. explained(record, lines, residual)) then
+        if (looks_pure(samples)) call take_whole(record, lines, residual)
       end if
-      pure = pure .or. explained(record, lines, left)
+      pure = pure .or. explained(record, lines, residual)
     end associate
   end subroutine find_lines_if_pure
 
-  pure logical function explained(record, lines, left)
-    !! Whether lines leave no more than rounding.
+  pure logical function explained(record, lines, residual)
+    !! Whether the residual is no more than rounding.
     real(dp), intent(in) :: record(:, :)
     type(line_type), intent(in) :: lines(:)
-    type(residual_type), intent(in) :: left
+    type(residual_type), intent(in) :: residual
     integer :: s
-    explained = maxval(strength(left)) <= max(chance*rounding_of(lines, left%count), &
+    explained = maxval(strength(residual)) <= max(chance*rounding_of(lines, residual%count), &
       & unexplained*norm2([(norm2(record(:, s)), s=1, size(record, 2))]))
   end function explained
 
-  subroutine take_whole(record, lines, left)
-    !! Find all lines of a short record at once, where there is no bin between them to part them at; they are kept if they
-    !! explain it.
+  subroutine take_whole(record, lines, residual)
+    !! Find all lines of a short record at once, since no bins between them separate groups; they are kept if they explain the
+    !! record.
     real(dp), intent(in) :: record(:, :)
     type(line_type), allocatable, intent(inout) :: lines(:)
-    type(residual_type), intent(inout) :: left
+    type(residual_type), intent(inout) :: residual
     type(residual_type) :: fresh
     type(group_type) :: group
     call find_residual(record, [line_type ::], fresh)
@@ -77,11 +77,11 @@ contains
     call find_residual(record, group%lines, fresh)
     if (.not. explained(record, group%lines, fresh)) return
     call move_alloc(group%lines, lines)
-    left = fresh
+    residual = fresh
   end subroutine take_whole
 
   logical function looks_pure(samples)
-    !! Whether the sensor that moves most obeys a linear recursion where it does.
+    !! Whether the sensor with the largest sample obeys a linear recursion around it.
     type(samples_type), intent(in) :: samples
     integer :: n, first, largest(2)
     looks_pure = .false.
@@ -97,8 +97,8 @@ contains
 
   logical function has_recursion(record)
     !! Whether each sample follows from those before it: K real exponentials, or half as many lines, obey a linear recursion of
-    !! order K, so that a matrix of shifted records has the rank K.
-    real(dp), intent(in) :: record(:)            !! below 1
+    !! order K, so that a matrix of shifted records has rank K.
+    real(dp), intent(in) :: record(:)            !! at most 1 in absolute value
     real(dp), allocatable :: matrix(:, :), right(:, :), work(:)
     integer, allocatable :: pivot(:)
     integer :: order, rows, rank, info, i

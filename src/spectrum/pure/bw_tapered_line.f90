@@ -1,6 +1,6 @@
 module bw_tapered_line
-  !! The transform of a line through the taper sin⁶(πj/N), in closed form at whole bins: ten bins away it is below a millionth,
-  !! so that lines in other bins need not be known. Without the taper it is there for the poles of a few bins.
+  !! The transform of a line with the taper sin⁶(πj/N), in closed form at whole bins. Ten bins away it is below a millionth,
+  !! so that lines in other bins need not be known. Without the taper it serves to find poles from a few bins.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -10,14 +10,14 @@ module bw_tapered_line
 
   real(dp), parameter, public :: main_lobe = 10/32.0_dp  !! mean of the taper
   real(dp), parameter, public :: taper_costs = 4.2_dp
-    !! deviations of frequencies fitted to tapered bins, of those fitted to samples: √(Σw⁴u² Σu²)/Σw²u², w = sin⁶(πj/N), |u| ≤ 1
-  real(dp), parameter :: nearest = 1.0e-4_dp   !! of 1/N; a slope needs a few digits only, and loses them nearer to its bin
-  real(dp), parameter :: taper(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! sin⁶(πj/N) as a row of bins
+    !! standard deviation of frequencies fitted to tapered bins over that of a fit to samples: √(Σw⁴u² Σu²)/Σw²u², w = sin⁶(πj/N)
+  real(dp), parameter :: nearest = 1.0e-4_dp   !! of 1/N; a derivative needs a few digits only, and loses them closer to its bin
+  real(dp), parameter :: taper(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! Fourier coefficients of sin⁶(πj/N)
 
 contains
 
   pure type(line_type) function line_in_record(position, growth, count) result(line)
-    !! A line without amplitude of so many periods in a record of so many samples, and that logarithm of its growth over it.
+    !! A line without amplitude, from its periods in a record of `count` samples and the logarithm of its growth over the record.
     real(dp), intent(in) :: position, growth
     integer, intent(in) :: count
     line%pole = cmplx(growth, 2*pi*position, dp)/count
@@ -25,21 +25,21 @@ contains
   end function line_in_record
 
   elemental real(dp) function position_of(line, count) result(position)
-    !! How many periods of a line are in a record of so many samples.
+    !! The number of periods of a line in a record of `count` samples.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count
     position = line%pole%im*count/(2*pi)
   end function position_of
 
   elemental real(dp) function growth_of(line, count) result(growth)
-    !! The logarithm of a line's growth over a record of so many samples.
+    !! The logarithm of a line's growth over a record of `count` samples.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count
     growth = line%pole%re*count
   end function growth_of
 
   elemental real(dp) function strength_of(line, count) result(strength)
-    !! The amplitudes of all sensors together, where they are largest in a record of so many samples; it is never 0.
+    !! The norm of all sensors' amplitudes where it is largest in a record of `count` samples; it is never 0.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count
     strength = sqrt(tiny(1.0_dp))
@@ -48,7 +48,7 @@ contains
   end function strength_of
 
   pure function tapered_columns(line, count, bins, slopes) result(columns)
-    !! The bins first … last of a line of amplitude 1 and of one of amplitude i, and their slopes by the pole, with imaginary parts
+    !! The bins first … last of a line of amplitude 1 and of one of amplitude i, and their derivatives by the pole, imaginary parts
     !! below real ones, (2 bins, 2, 0:slopes); slopes ≤ 1.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count               !! samples in the record, N
@@ -80,7 +80,7 @@ contains
   end function line_image
 
   pure function transform(pole, count, bins, tapered) result(row)
-    !! The sums Σ_j w_j e^(zj − 2πi mj/N) at the bins m, z being the pole, and their slopes by z, (bins, 0:1).
+    !! The sums Σ_j w_j e^(zj − 2πi mj/N) at the bins m for the pole z, and their derivatives by z, (bins, 0:1).
     complex(dp), intent(in) :: pole
     integer, intent(in) :: count, bins(2)
     logical, intent(in) :: tapered
@@ -126,7 +126,7 @@ contains
   end function exp_less_one
 
   elemental real(dp) function sidelobe(distance)
-    !! The largest leakage of a steady line through the taper at that distance, relative to the line's peak.
+    !! The largest leakage of a steady line through the taper at a distance, relative to the line's peak.
     real(dp), intent(in) :: distance         !! bins, of either sign
     real(dp) :: d
     d = abs(distance)

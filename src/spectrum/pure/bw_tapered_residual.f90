@@ -1,5 +1,5 @@
 module bw_tapered_residual
-  !! What is left of a record when lines are taken out, and which peaks still stand out of it.
+  !! The residual of a record after lines are subtracted, and the significant peaks in it.
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
   use bw_constants, only: pi
   use bw_fourier, only: transform_in_place
@@ -14,50 +14,50 @@ module bw_tapered_residual
   public :: find_residual, peak_lines, plain_bins, rounding_of, strength, visible_peaks
 
   integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
-  integer, parameter :: most_peaks = 64        !! taken up at a time
-  real(dp), parameter, public :: chance = 8    !! noise does not reach so many standard deviations in 10¹² bins
-  real(dp), parameter :: faintest = 1.0e-13_dp !! of the record's peak; rounded phases make lines of up to 1e-14
-  real(dp), parameter :: guard = 4             !! a peak stands out of so many times the sidelobes of stronger ones
+  integer, parameter :: most_peaks = 64        !! examined at a time
+  real(dp), parameter, public :: chance = 8    !! standard deviations that noise does not reach in 10¹² bins
+  real(dp), parameter :: faintest = 1.0e-13_dp !! relative to the record's peak; rounded phases make lines of up to 1e-14
+  real(dp), parameter :: guard = 4             !! factor by which a peak must exceed the sidelobes of stronger ones
 
   type, public :: residual_type
     integer :: count = 0                       !! samples in the record
     complex(dp), allocatable :: tapered(:, :)  !! transform with the taper sin⁶(πj/N), (0:N/2, S)
-    complex(dp), allocatable :: plain(:, :)    !! transform without, (0:N/2, S)
+    complex(dp), allocatable :: plain(:, :)    !! transform without taper, (0:N/2, S)
     real(dp) :: noise = 0                      !! standard deviation of a real number of `tapered`
-    real(dp) :: highest = 0                    !! of the record's samples
+    real(dp) :: highest = 0                    !! largest absolute value of the record's samples
     real(dp) :: threshold = 0                  !! smaller values of |tapered| are no line
   end type residual_type
 
 contains
 
   subroutine find_residual(record, lines, residual, monitor)
-    !! Transform what the lines leave of the record, and judge its noise. The lines are subtracted in the memory of the
-    !! transforms, so that a long record is not stored more often than it must be.
+    !! Transform the residual of the record after these lines, and estimate its noise. The lines are subtracted in the memory of
+    !! the transforms, to save memory with long records.
     real(dp), intent(in) :: record(0:, :)      !! (N, S)
     type(line_type), intent(in) :: lines(:)
-    type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; of no use where the monitor stops
+    type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; undefined after a stop request
     class(monitor_type), intent(inout), optional :: monitor
-    real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without taper and with it
+    real(dp), pointer, contiguous :: history(:, :), tapered_history(:, :) ! without taper and with it
     real(dp) :: rounding, largest
     integer :: i, n, s, sensors
     n = size(record, 1)
     sensors = size(record, 2)
     residual%count = n
     if (.not. allocated(residual%plain)) allocate (residual%tapered(0:n/2, sensors), residual%plain(0:n/2, sensors))
-    call c_f_pointer(c_loc(residual%plain), left, [2*(n/2 + 1), sensors])
-    call c_f_pointer(c_loc(residual%tapered), seen, [2*(n/2 + 1), sensors])
-    seen(:n, :) = record
+    call c_f_pointer(c_loc(residual%plain), history, [2*(n/2 + 1), sensors])
+    call c_f_pointer(c_loc(residual%tapered), tapered_history, [2*(n/2 + 1), sensors])
+    tapered_history(:n, :) = record
     residual%highest = maxval(abs(record))
-    call apply_taper(seen(:n, :))
-    rounding = epsilon(1.0_dp)*maxval([(norm2(seen(:n, s)), s=1, sensors)])
-    largest = maxval(abs(seen(:n, :)))
-    left(:n, :) = record
+    call apply_taper(tapered_history(:n, :))
+    rounding = epsilon(1.0_dp)*maxval([(norm2(tapered_history(:n, s)), s=1, sensors)])
+    largest = maxval(abs(tapered_history(:n, :)))
+    history(:n, :) = record
     do i = 1, size(lines)
       if (stops(monitor)) return
-      call add_lines(reshape([1, 0, 1, n], [2, 2]), lines(i:i), -1.0_dp, left)
+      call add_lines(reshape([1, 0, 1, n], [2, 2]), lines(i:i), -1.0_dp, history)
     end do
-    call copy(left(:n, :), seen(:n, :))        ! an assignment of pointers would go through a third array
-    call apply_taper(seen(:n, :))
+    call copy(history(:n, :), tapered_history(:n, :)) ! an assignment of pointers would need a third array
+    call apply_taper(tapered_history(:n, :))
     do s = 1, sensors
       if (stops(monitor)) return
       call transform_in_place(n, residual%tapered(:, s))
@@ -68,7 +68,7 @@ contains
   end subroutine find_residual
 
   pure real(dp) function rounding_of(lines, count)
-    !! What the strongest line leaves in a bin, as its samples are rounded, and its frequency to a
+    !! The contribution of rounding to a bin: samples of the strongest line are rounded, and its frequency is rounded to a
     !! quarter of the spacing of numbers.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count
@@ -83,7 +83,7 @@ contains
   end subroutine copy
 
   pure subroutine apply_taper(samples)
-    !! Multiply all sensors by the taper sin⁶(πj/N), which is the same from both ends to the bit.
+    !! Multiply all sensors by the taper sin⁶(πj/N), which is symmetric to the bit.
     real(dp), intent(inout) :: samples(0:, :)  !! (N, S)
     real(dp) :: taper
     integer :: j, n
@@ -97,15 +97,15 @@ contains
   end subroutine apply_taper
 
   pure function strength(residual) result(value)
-    !! The length of all sensors' tapered transforms together in each bin, (0:N/2).
+    !! The norm of all sensors' tapered transforms in each bin, (0:N/2).
     type(residual_type), intent(in) :: residual
     real(dp) :: value(0:ubound(residual%tapered, 1))
     value = norm2(abs(residual%tapered), dim=2)
   end function strength
 
   pure real(dp) function quiet_level(value)
-    !! The standard deviation of the noise in `value`, judged by its quietest tenth; 0 where there are too few bins to tell.
-    !! The tenth quantile, found by bisection, of the length of four normal numbers is 1.03 standard deviations.
+    !! The standard deviation of the noise in `value`, estimated from its quietest tenth; 0 if there are too few bins for that.
+    !! The tenth quantile, found by bisection, of the norm of four normal numbers is 1.03 standard deviations.
     real(dp), intent(in) :: value(:)
     real(dp) :: low, high, middle
     integer :: i
@@ -148,7 +148,7 @@ contains
   contains
 
     pure real(dp) function leakage(bin)
-      !! The sidelobes that the peaks found so far and their mirror images have in this bin.
+      !! The sidelobes of the peaks found so far, and of their mirror images, in this bin.
       integer, intent(in) :: bin
       leakage = sum(value(peak)*(sidelobe(real(bin - peak, dp)) + sidelobe(real(bin + peak, dp)) &
         & + sidelobe(real(residual%count - bin - peak, dp))))
@@ -157,7 +157,7 @@ contains
   end function visible_peaks
 
   pure function plain_bins(residual, first, last) result(image)
-    !! The transform without taper at bins first … last, which may lie beyond 0 and the Nyquist frequency.
+    !! The transform without taper at bins first … last, which may extend beyond 0 and the Nyquist frequency.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: first, last
     complex(dp) :: image(first:last, size(residual%plain, 2))
@@ -173,7 +173,7 @@ contains
   end function plain_bins
 
   pure function peak_lines(residual, peaks) result(lines)
-    !! A line without amplitude at each peak; its offset comes from a parabola through the logarithms of three bins.
+    !! A line without amplitude at each peak; its offset is that of a parabola through the logarithms of three bins.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peaks(:)
     type(line_type) :: lines(size(peaks))

@@ -1,7 +1,7 @@
 module bw_tapered_search
-  !! All lines of a record that holds lines and their rounding, and no noise, as that of a simulation: peaks are taken up the
-  !! strongest first, lines that share bins of the tapered transform are fitted together, and what is left of the record is
-  !! searched again until nothing stands out.
+  !! All lines of a record of lines and rounding without noise, as that of a simulation: peaks are examined in the order of their
+  !! strength, lines that share bins of the tapered transform are fitted together, and the residual is searched again until no
+  !! peak is significant.
   use bw_kinds, only: dp
   use bw_line, only: line_type
   use bw_line_group, only: group_type, refit_group
@@ -15,20 +15,20 @@ module bw_tapered_search
 
   integer, parameter :: max_rounds = 16
   integer, parameter :: most_lines = 200
-  real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
+  real(dp), parameter :: apart = 10            !! bins, at which sidelobes are below 1e-6
   integer, parameter :: beside = 3             !! bins; within the main lobe
-  real(dp), parameter :: line_work = 0.045_dp  !! of a line taken from the record, over that of two tapered transforms; measured
+  real(dp), parameter :: line_work = 0.045_dp  !! of subtracting a line, relative to two tapered transforms; measured
 
   type :: closed_type
-    !! A peak where a further line has failed to help.
+    !! A peak where a further line did not help.
     integer :: bin = 0
-    integer :: neighbours = 0                  !! lines near it then: a new one takes its leakage away
+    integer :: neighbours = 0                  !! lines near it at that time: a new one removes its leakage
   end type closed_type
 
 contains
 
   subroutine find_pure_lines(record, lines, residual, monitor)
-    !! Find the lines of a record, by ascending position, and what they leave of it; both are of no use where the monitor stops.
+    !! Find the lines of a record, by ascending position, and their residual; both are undefined after a stop request.
     real(dp), intent(in) :: record(0:, :)      !! (N, S), not zero everywhere
     type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
@@ -58,13 +58,13 @@ contains
   end subroutine find_pure_lines
 
   pure real(dp) function residual_work(lines) result(work)
-    !! The work of finding a residual, in units of that without lines.
+    !! The work of finding a residual, relative to that without lines.
     integer, intent(in) :: lines
     work = 1.0_dp + lines*line_work
   end function residual_work
 
   pure function open_peaks(peak, position, closed) result(open)
-    !! The peaks that are not where a further line has already failed to help, among the same neighbours.
+    !! The peaks without those where a further line has already failed to help among the same neighbours.
     integer, intent(in) :: peak(:)
     real(dp), intent(in) :: position(:)        !! of the lines
     type(closed_type), intent(in) :: closed(:)
@@ -76,14 +76,14 @@ contains
   end function open_peaks
 
   pure integer function near(bin, position)
-    !! How many of the positions share bins with a group at this bin.
+    !! The number of positions that share bins with a group at this bin.
     integer, intent(in) :: bin
     real(dp), intent(in) :: position(:)
     near = count(abs(position - bin) < 2*apart)
   end function near
 
   subroutine fit_groups(residual, peak, lines, closed, monitor)
-    !! Fit each group of lines and new peaks; peaks that made no line are closed.
+    !! Fit each group of lines and new peaks; peaks that gave no line are closed.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peak(:)
     type(line_type), allocatable, intent(inout) :: lines(:)
@@ -108,7 +108,7 @@ contains
   end subroutine fit_groups
 
   pure function line_groups(lines, peak, count) result(group)
-    !! The groups of lines and peaks by ascending position, parted where more than `apart` bins are free.
+    !! The groups of lines and peaks by ascending position, divided at gaps of more than `apart` bins.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: peak(:)
     integer, intent(in) :: count               !! samples
