@@ -114,15 +114,14 @@ contains
   end function value_cells
 
   pure function status_text(status) result(text)
-    !! Which numbers scatter more than the repeats' own errors allow, and whether they drift: the bits of `pooled_words` behind the
-    !! first; behind blanks.
+    !! Name the numbers that scatter more than the repeats' errors explain, and drift: the bits of `pooled_words` after the first.
     integer, intent(in) :: status
     character(:), allocatable :: text
-    character(*), parameter :: told(*) = [character(20) :: ', frequency scatters', ', decay scatters', ', drifting']
+    character(*), parameter :: words(*) = [character(20) :: ', frequency scatters', ', decay scatters', ', drifting']
     integer :: i
     text = ''
-    do i = 1, size(told)
-      if (btest(status, i)) text = text//trim(told(i))
+    do i = 1, size(words)
+      if (btest(status, i)) text = text//trim(words(i))
     end do
     if (text /= '') text = '   '//text(3:)
   end function status_text

@@ -68,7 +68,7 @@ contains
     character(:), allocatable :: text
     text = sensor%name
     if (sensor%unit /= si_unit(sensor%quantity)) then
-      text = text//', taken for '//sensor%quantity
+      text = text//', treated as '//sensor%quantity
     else if (sensor%name /= sensor%quantity) then
       text = text//', '//sensor%quantity
     end if
