@@ -1,5 +1,1 @@
-#!/usr/bin/env bash
-# bench/contact.sh [--small] [--redraw] [--output DIR]   error against seconds of a contact that lasts, beside OpenSees and Exudyn
-set -eu
-. "$(dirname -- "$0")/common/run.sh"
-run_bench contact "$@"
+common/run.sh

@@ -1,1 +1,0 @@
-"""Published problems beside the program's answers; bench/README.md says more."""

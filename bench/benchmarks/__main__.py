@@ -10,8 +10,8 @@ from pathlib import Path
 import xarray as xr
 
 from benchmarks.problems import Problem, Row, digits, problems
+from common.bench import PROGRAM, PROJECT
 
-PROJECT = Path(__file__).parents[2]
 OPENING = """# Benchmarks
 
 Problems with published answers, compared with those of beamwave. The scenes are in [input/benchmarks/](../input/benchmarks);
@@ -55,7 +55,7 @@ def document(results: dict[str, xr.Dataset]) -> str:
 def main() -> None:
     """Write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--beamwave", type=Path, default=PROJECT / "build/bin/beamwave")
+    parser.add_argument("--beamwave", type=Path, default=PROGRAM)
     parser.add_argument("--output", type=Path, default=PROJECT / "docs/benchmarks.md")
     words = parser.parse_args()
     scenes = [scene for problem in problems() for scene in problem.scenes]

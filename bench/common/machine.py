@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import re
 import subprocess
+import time
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -43,4 +44,5 @@ def packages(names: tuple[str, ...]) -> str:
 def describe(program: Path, names: tuple[str, ...]) -> dict[str, str]:
     """All of it, in the order of the table."""
     python = {"Python": f"{platform.python_version()}, {packages(names)}"} if names else {}
-    return {"machine": f"{processor()}, {platform.system()}, one thread", **built_with(program), **python}
+    machine = f"{processor()}, {platform.system()}, one thread"
+    return {"machine": machine, **built_with(program), **python, "date": time.strftime("%Y-%m-%d")}

@@ -1,12 +1,15 @@
-# shellcheck shell=bash
-# Sourced by the commands in bench/: the project's set-up, and a Python of the benches' own with the packages that
-# bench/requirements.txt names; a bench may set both as its own, bench_venv and bench_packages. Nothing is installed into the
-# system's Python; a second call installs nothing.
-. "$(dirname -- "${BASH_SOURCE[0]}")/../../src/cmake/setup.sh"
+#!/usr/bin/env bash
+# bench/NAME.sh [--small] [--redraw] [--output DIR]   measures, and writes what bench/README.md says; each NAME.sh is this file.
+# It builds the program, and makes a Python of the benches' own with the packages that bench/requirements.txt names; a second
+# call installs nothing. Nothing is installed into the system's Python.
+set -eu
+. "$(dirname -- "$0")/../src/cmake/setup.sh"  # called as bench/NAME.sh
 
+name=$(basename -- "$0" .sh)
 bench=$root/bench
 bench_venv=$root/build/bench/venv
 bench_packages=$bench/requirements.txt
+target=
 export OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 MPLBACKEND=Agg PYTHONDONTWRITEBYTECODE=1
 export PYTHONPATH=$bench:$root/postproc
 
@@ -28,12 +31,23 @@ set_up_bench_python() {
   echo "$sum" > "$stamp"
 }
 
-# run_bench MODULE [ARGUMENT …]: builds the program, and the target bench_target where a bench sets it, then runs the bench
-run_bench() {
-  lock
-  set_up default --target programs ${bench_target:+"$bench_target"}
-  mkdir -p "$bench_venv"
-  set_up_bench_python
-  unlock
-  exec "$bench_venv/bin/python" -m "$@"
-}
+case $name in
+effects)  # valgrind does not know every instruction of the newest processors: it counts those of a build for any of them
+  portable=$root/build/bench/portable
+  cmake --preset default -S "$root" -B "$portable" -DBEAMWAVE_NATIVE=OFF -DBEAMWAVE_TESTS=OFF > /dev/null
+  cmake --build "$portable" --target beamwave > /dev/null
+  export BEAMWAVE_PORTABLE=$portable/bin/beamwave
+  ;;
+records)  # the other tools bring much with them: a Python of their own. harminv is a command of the system (Debian: harminv)
+  bench_venv=$root/build/bench/rivals bench_packages=$bench/records/requirements.txt
+  ;;
+sum) target=bench_sum ;;
+throughput) if command -v mpifort > /dev/null && command -v mpirun > /dev/null; then target=beamwave-mpi; fi ;;
+esac
+
+lock
+set_up default --target programs ${target:+"$target"}
+mkdir -p "$bench_venv"
+set_up_bench_python
+unlock
+exec "$bench_venv/bin/python" -m common "$name" "$@"

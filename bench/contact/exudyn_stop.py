@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 from peers import hermite
-from peers.hermite_newmark import at_samples
-from peers.peer import Peer, timed
+from peers.comparison import Peer, timed
 
-from .problem import Problem
+from .reference import Problem
 
 OPEN = 1e3  # m: where the other side of the stop lies
 
@@ -55,7 +54,7 @@ def settings_of(exu: Any, problem: Problem, steps: int) -> Any:
 
 def recorded(problem: Problem, elements: int, system: Any, sensor: int, steps: int) -> np.ndarray:
     record = system.GetSensorStoredData(sensor)[:steps, 1:][:, hermite.rows_of_points(problem, elements)]
-    return at_samples(record.T, problem)
+    return hermite.at_samples(record.T, problem)
 
 
 @timed
@@ -80,22 +79,21 @@ def dopri(problem: Problem, elements: int, tolerance: float) -> np.ndarray:
     return recorded(problem, elements, system, sensor, problem.samples)
 
 
-STEPS = ((4, 500), (8, 2000), (16, 8000), (32, 32_000), (64, 128_000))
-TOLERANCES = ((4, 1e-6), (8, 1e-6), (16, 1e-6), (32, 1e-6))
-
-NEWMARK = Peer(
-    "Exudyn, Newmark",
-    "Hermite elements, a connector with a limit stop, generalised alpha without damping",
-    newmark,
-    settings=tuple({"elements": elements, "steps": steps} for elements, steps in STEPS),
-    small=({"elements": 4, "steps": 1000}, {"elements": 8, "steps": 4000}),
-    packages=("exudyn", "scipy"),
-)
-DOPRI = Peer(
-    "Exudyn, DOPRI5",
-    "the same elements and stop, Runge and Kutta's method of order 5 with a tolerance",
-    dopri,
-    settings=tuple({"elements": elements, "tolerance": tolerance} for elements, tolerance in TOLERANCES),
-    small=({"elements": 4, "tolerance": 1e-6},),
-    packages=("exudyn", "scipy"),
+PEERS = (
+    Peer(
+        "Exudyn, Newmark",
+        "Hermite elements, a connector with a limit stop, generalised alpha without damping",
+        newmark,
+        {"elements": (4, 8, 16, 32, 64), "steps": (500, 2000, 8000, 32_000, 128_000)},
+        {"elements": (4, 8), "steps": (1000, 4000)},
+        ("exudyn", "scipy"),
+    ),
+    Peer(
+        "Exudyn, DOPRI5",
+        "the same elements and stop, Runge and Kutta's method of order 5 with a tolerance",
+        dopri,
+        {"elements": (4, 8, 16, 32), "tolerance": [1e-6] * 4},
+        {"elements": (4,), "tolerance": (1e-6,)},
+        ("exudyn", "scipy"),
+    ),
 )

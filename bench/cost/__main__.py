@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from common.command import BENCH, PROJECT
+from common.bench import PROGRAM
+from common.measuring import launched
 
 from .scenes import drawn
 
@@ -40,36 +40,25 @@ class Run(NamedTuple):
     counts: np.ndarray
 
 
-def launched(*words: object) -> tuple[str, float, float]:
-    """What a command printed, its CPU seconds and its peak bytes; seconds are infinite where it failed."""
-    command = [sys.executable, "-I", "-S", BENCH / "growth/launch.py", *map(str, words)]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    *text, last = ended.stdout.splitlines()
-    cpu, _, peak = map(float, last.split())
-    return "\n".join(text), cpu if ended.returncode in (0, 4) else np.inf, peak
-
-
 def runs(program: Path, seed: int, draws: int, directory: Path) -> list[Run]:
     """Of all scenes: the better of two runs beside what was said before it."""
     found = []
     for name, text in drawn(seed, draws):
         scene = directory / f"{name}.nml"
         scene.write_text(text)
-        words = [program.with_name("bench_cost"), scene]
-        counted = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
-        said, check_seconds, _ = launched(program, "check", scene)
-        size = re.search(r"memory +([\d.]+) (.B)", said)
-        best = [np.inf, 0.0]
-        for turn in range(2):
-            output = directory / f"{turn}"
-            _, *cost = launched(program, "run", scene, "--output", output, "--quiet", "--max-seconds", PATIENCE)
-            best = min(best, cost)
-            for path in output.glob("*.nc"):
-                path.unlink()
-        if size is None or not np.isfinite(best[0]) or len(counted) < 3:
-            continue  # refused
+        counted = launched(program.with_name("bench_cost"), scene).said.split()
+        try:
+            checked = launched(program, "check", scene)
+            words = [program, "run", scene, "--output", directory, "--quiet", "--overwrite", "--max-seconds", PATIENCE]
+            best = min(launched(*words, accepted=(0, 4)) for _ in range(2))
+        except RuntimeError:
+            continue  # refused, or not done in time
+        size = re.search(r"memory +([\d.]+) (.B)", checked.said)
+        if size is None or len(counted) < 3:
+            continue
         seconds, *counts = map(float, counted[1:])
-        found.append(Run(name, *best, seconds, float(size[1]) * SIZES[size[2]], check_seconds, np.array(counts)))
+        memory = float(size[1]) * SIZES[size[2]]
+        found.append(Run(name, best.seconds, best.memory, seconds, memory, checked.seconds, np.array(counts)))
     return found
 
 
@@ -87,7 +76,7 @@ def fitted(found: list[Run]) -> np.ndarray:
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m cost", description=__doc__.splitlines()[0])
-    parser.add_argument("--beamwave", type=Path, default=PROJECT / "build/bin/beamwave", help="the program, bench_cost beside it")
+    parser.add_argument("--beamwave", type=Path, default=PROGRAM, help="the program, bench_cost beside it")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--draws", type=int, default=12, help="scenes of each kind")
     parser.add_argument("--check", action="store_true", help="judge the built program's own coefficients")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Iterator
+from typing import Any, Iterator
 
+import common  # noqa: F401 (finds tests/scenes)
 import numpy as np
+from workplace import PAPER_BEAM, group_text
 
 Groups = list[tuple[str, dict[str, Any]]]
-BEAM = {"length": 1.0, "diameter": 0.037, "density": 7870.0, "youngs_modulus": 2e11}
 
 
 class Dice:
@@ -25,8 +26,8 @@ class Dice:
 
     def beam(self, pieces: int = 1) -> dict[str, Any]:
         if pieces == 1:
-            return dict(BEAM)
-        return {**BEAM, "length": [1.0 / pieces] * pieces, "diameter": self.rng.uniform(0.02, 0.04, pieces).tolist()}
+            return dict(PAPER_BEAM)
+        return {**PAPER_BEAM, "length": [1.0 / pieces] * pieces, "diameter": self.rng.uniform(0.02, 0.04, pieces).tolist()}
 
     def response(self, most: float = 1e6) -> Groups:
         points = 2 if self.chance() else self.size(1, 12)
@@ -137,38 +138,14 @@ def swept(dice: Dice) -> Groups:
     return [*few, ("sweep", {"parameter": name, "first": first, "last": last, "count": dice.size(10, 3000)})]
 
 
-KINDS: dict[str, Callable[[Dice], Groups]] = {
-    draw.__name__: draw
-    for draw in (
-        frequencies,
-        counted,
-        tolerated,
-        damped,
-        with_shear,
-        of_pieces,
-        under_tension,
-        released,
-        struck_again,
-        rebound,
-        waves,
-        spectra,
-        swept,
-    )
-}
-
-
-def text_of(value: Any) -> str:
-    if isinstance(value, bool):
-        return f".{str(value).lower()}."
-    if isinstance(value, list):
-        return ", ".join(map(repr, value))
-    return repr(value)
+KINDS = (
+    frequencies, counted, tolerated, damped, with_shear, of_pieces, under_tension,
+    released, struck_again, rebound, waves, spectra, swept,
+)
 
 
 def drawn(seed: int, draws: int) -> Iterator[tuple[str, str]]:
     """Names and namelists of so many scenes of each kind."""
-    for k, (kind, draw) in enumerate(KINDS.items()):
+    for k, draw in enumerate(KINDS):
         for n in range(draws):
-            groups = draw(Dice(seed, k, n))
-            inputs = {name: ", ".join(f"{key}={text_of(value)}" for key, value in names.items()) for name, names in groups}
-            yield f"{kind}_{n}", "".join(f"&{name} {words} /\n" for name, words in inputs.items())
+            yield f"{draw.__name__}_{n}", "".join(group_text(*group) for group in dict(draw(Dice(seed, k, n))).items())

@@ -1,6 +1,6 @@
 """Random scenes of every class: are tolerances kept, errors below their bounds and estimates, and how many modes and seconds do they take?
 
-`PYTHONPATH=bench:tests/scenes python -m errors [--draws 2] [--beside PROGRAM]` draws scenes of the paper's beam, which are held against
+`PYTHONPATH=bench python -m errors [--draws 2] [--beside PROGRAM]` draws scenes of the paper's beam, which are held against
 an independent sum of many more modes (`tests/scenes/tails.py`), and of beams of pieces, which are held against a far finer tolerance
 (`tests/scenes/piece_tails.py`). Another build of the program beside it shows what a change costs. BEAMWAVE_SEED sets the seed.
 """
@@ -8,7 +8,6 @@ an independent sum of many more modes (`tests/scenes/tails.py`), and of beams of
 from __future__ import annotations
 
 import argparse
-import os
 import resource
 import subprocess
 import sys
@@ -21,8 +20,8 @@ import piece_tails
 import tails
 from workplace import Workplace, group_text
 
-PROGRAM = Path(__file__).parents[2] / "build/bin/beamwave"
-SEED = int(os.environ.get("BEAMWAVE_SEED", "1"))
+from . import PROGRAM, SEED
+
 PATIENCE = 120  # seconds for a run; a scene that takes longer is left out
 LEAST, MOST = 1e-5, 1000  # tolerance and samples of the paper's beam: the independent sum takes a second
 PIECES_ROUNDING = 2e-13  # of a comparison with the program itself, over the peak

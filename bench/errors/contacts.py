@@ -1,6 +1,6 @@
 """Random scenes of contacts of a finite duration beside an integration of their own, and their estimates of errors beside far more modes.
 
-`PYTHONPATH=bench:tests/scenes python -m errors.contacts [--scenes 200] [--estimates 300] [--kind plain|initial|captures|loads|changes]`
+`PYTHONPATH=bench python -m errors.contacts [--scenes 200] [--estimates 300] [--kind plain|initial|captures|loads|changes]`
 takes half an hour. The integration (`tests/scenes/contact_reference.py`) has as many modes as the scene, so that only rounding and steps differ; it
 knows no captures and no changes of bodies. BEAMWAVE_SEED sets the seed, BEAMWAVE another program.
 """
@@ -18,7 +18,8 @@ import contact_scenes
 import numpy as np
 from workplace import SECONDS, Workplace
 
-from .loads import PROGRAM, SEED, run_in
+from . import PROGRAM, SEED, spread
+from .loads import run_in
 
 NAMES = ("contacts", *contact_scenes.TIMES, "event_force", "event_impulse", *contact_scenes.HISTORIES)
 
@@ -42,9 +43,7 @@ def main() -> None:
         print(f"| {name} | {' | '.join(f'{max(parts):.1e}' if parts else '–' for parts in kinds)} | {least:.3g} |")
     estimates = judged(contact_scenes.judge_estimates, options.estimates, options.kind)
     for name in contact_scenes.HISTORIES if options.estimates else ():
-        ratios = np.array([j.estimate for _, j in estimates if j.quantity == name])
-        print(f"{name:15} {len(ratios):5} histories, estimate over error: least {ratios.min():.2g}, median {np.median(ratios):.2g}, "
-              f"nine tenths {np.quantile(ratios, 0.9):.2g}; below 1: {(ratios < 1).sum()}")  # fmt: skip
+        print(f"{name:15} {spread([j.estimate for _, j in estimates if j.quantity == name])}")
 
 
 def judged(judge, scenes: int, kind: str) -> list[tuple[bool, contact_scenes.Judged]]:

@@ -1,13 +1,12 @@
 """Random scenes of forces and motions of the base: estimates and bounds of errors beside the errors, against far more modes.
 
-`PYTHONPATH=bench:tests/scenes python -m errors.loads [--scenes 300]` takes five minutes. BEAMWAVE_SEED sets the seed, BEAMWAVE
+`PYTHONPATH=bench python -m errors.loads [--scenes 300]` takes five minutes. BEAMWAVE_SEED sets the seed, BEAMWAVE
 another program.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import tempfile
 from pathlib import Path
 
@@ -16,8 +15,7 @@ import numpy as np
 import xarray as xr
 from workplace import Workplace
 
-PROGRAM = Path(os.environ.get("BEAMWAVE", Path(__file__).parents[2] / "build/bin/beamwave"))
-SEED = int(os.environ.get("BEAMWAVE_SEED", "1"))
+from . import PROGRAM, SEED, spread
 
 
 def run_in(here: Workplace):
@@ -45,9 +43,7 @@ def main() -> None:
             judged = [j for _ in range(scenes) for j in load_scenes.judge(run, load_scenes.draw(rng, kind), int(rng.choice(load_scenes.COUNTS)))]
         print(f"{kind}: {scenes} scenes")
         for quantity in load_scenes.QUANTITIES:
-            ratios = np.array([j.estimate for j in judged if j.quantity == quantity])
-            print(f"  {quantity:15} {len(ratios):5} histories, estimate over error: least {ratios.min():.2g}, median {np.median(ratios):.2g}, "
-                  f"nine tenths {np.quantile(ratios, 0.9):.2g}; below 1: {(ratios < 1).sum()}")  # fmt: skip
+            print(f"  {quantity:15} {spread([j.estimate for j in judged if j.quantity == quantity])}")
         bounds = np.array([j.bound for j in judged if j.quantity == "displacement"])
         print(f"  bound over error: least {bounds.min():.2g}, median {np.median(bounds):.2g}")
         for j in sorted((j for j in judged if j.estimate < 1), key=lambda j: j.estimate)[:10]:

@@ -1,1 +1,0 @@
-"""One idea per file; bench/README.md says what the commands measure."""

@@ -6,14 +6,12 @@ twice: half as many modes give the same, and at a few times so do 50 digits of m
 
 from __future__ import annotations
 
-import sys
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 
-from .modes import amplitudes, roots
-from .problem import Problem
+from .beam import Problem, amplitudes, roots
+from .comparison import error
 
 MODES = 400_000
 BLOCK = 4096
@@ -67,16 +65,10 @@ def turned(beta: np.ndarray, times: np.ndarray) -> np.ndarray:
     return ((turns - np.rint(turns)) * (2 * np.pi)).astype(float)
 
 
-def error(displacement: np.ndarray, exact: np.ndarray) -> float:
-    """The largest error of any point's history, over that history's peak; not a number where the history has one."""
-    return float(np.max(np.max(np.abs(displacement - exact), axis=1) / np.max(np.abs(exact), axis=1)))
-
-
 def check_digits(problem: Problem) -> float | None:
     """Error of a sum of few modes against 50 digits at three times; None without mpmath."""
     if find_spec("mpmath") is None:
         return None
-    sys.path.insert(0, str(Path(__file__).parents[2] / "tests/reference"))
     import beam
     from mpmath import mpf
 

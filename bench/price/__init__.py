@@ -1,1 +1,0 @@
-"""What accuracy costs on scenes with a long record and a short one."""

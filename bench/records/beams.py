@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from peers.hermite import MASS, STIFFNESS, assemble
 from scipy.linalg import eigh
 
 ELEMENTS = 24
@@ -31,24 +32,15 @@ class Beam:
         return np.array([np.interp(position, np.linspace(0, 1, len(self.shapes)), shape) for shape in self.shapes.T])
 
 
-def element() -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness and mass of an element of a beam of unit length, stiffness and mass."""
-    h = 1 / ELEMENTS
-    stiffness = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h], [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h * h, -6 * h, 4 * h * h]])
-    mass = np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h * h, 13 * h, -3 * h * h], [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h * h, -22 * h, 4 * h * h]])
-    return stiffness / h**3, mass * h / 420
-
-
 def modes(clamp: float, tip_mass: float) -> tuple[np.ndarray, np.ndarray]:
     """Wave frequencies λ² and shapes of a cantilever whose root turns against a spring of `clamp` EI/l, with a mass at its tip."""
-    size = 2 * ELEMENTS + 2
-    stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
-    for first in range(0, size - 2, 2):
-        for whole, part in zip((stiffness, mass), element()):
-            whole[first : first + 4, first : first + 4] += part
-    stiffness[1, 1] += clamp
+    h = 1 / ELEMENTS
+    scale = np.outer([1, h, 1, h], [1, h, 1, h])
+    stiffness = assemble(STIFFNESS * scale / h**3, ELEMENTS, held=1)
+    mass = assemble(MASS * scale * h, ELEMENTS, held=1)
+    stiffness[0, 0] += clamp
     mass[-2, -2] += tip_mass
-    squares, vectors = eigh(stiffness[1:, 1:], mass[1:, 1:], subset_by_index=(0, MOST_MODES - 1))
+    squares, vectors = eigh(stiffness, mass, subset_by_index=(0, MOST_MODES - 1))
     return np.sqrt(squares), np.vstack([np.zeros(MOST_MODES), vectors[1::2]])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -181,3 +181,12 @@ def whitened(columns: np.ndarray, colour: float) -> np.ndarray:
         return columns
     rest = (columns[1:] - colour * columns[:-1]) / np.sqrt(1 - colour**2)
     return np.vstack([columns[:1], rest])
+
+
+def nearest_pairs(distance: np.ndarray) -> Iterator[tuple[int, int]]:
+    """Places of drawn lines and of found ones that belong together, the nearest first; infinite distances never do."""
+    distance = distance.copy()
+    while np.isfinite(distance).any():
+        line, place = np.unravel_index(np.argmin(distance), distance.shape)
+        yield line, place
+        distance[line], distance[:, place] = np.inf, np.inf

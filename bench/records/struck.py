@@ -2,9 +2,8 @@
 
     python -m records.struck PROGRAM DRAWS [CLASS …]
 
-from `bench/`. PROGRAM is `beamwave`, or a driver that reads names of binary records (`driver` in its name) and prints lines. A line has
-to be found where its gain exceeds three times what noise alone reaches; a line that drifts is held by an interval that holds it from its
-beginning to its end.
+from `bench/`. A line has to be found where its gain exceeds three times what noise alone reaches; a line that drifts is held by an
+interval that holds it from its beginning to its end.
 """
 
 from __future__ import annotations
@@ -17,7 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
+from .cells import nearest_pairs
 from .draws import Draw, Shaken, Struck
+from .tools import write_record
 
 CLASSES = {
     kind.words: kind
@@ -34,7 +35,6 @@ CLASSES = {
         Shaken("ambient"),
     )
 }
-INVALID = 1e301  # a sample that is missing or clipped, in a driver's record
 SECONDS = 60  # that a record may take
 RADIUS = 5.0  # bounds of a frequency, within which a line is the one that was drawn
 
@@ -45,9 +45,7 @@ def by_program(program: Path, drawn: Draw, directory: Path) -> Found:
     """The lines that beamwave finds."""
     from netCDF4 import Dataset
 
-    columns = ",".join(f"s{sensor}" for sensor in range(drawn.values.shape[1]))
-    table = np.column_stack([drawn.times, drawn.values])
-    np.savetxt(directory / "record.csv", table, "%.12g", ",", header=f"t,{columns}", comments="")
+    write_record(directory / "record.csv", drawn.times, drawn.values)
     (directory / "scene.nml").write_text("&record\n  file = 'record.csv'\n/\n&spectrum\n  max_peaks = 40\n/\n")
     words = [program, "run", directory / "scene.nml", "--output", directory, "--quiet"]
     subprocess.run(words, capture_output=True, timeout=SECONDS, check=False)
@@ -59,36 +57,6 @@ def by_program(program: Path, drawn: Draw, directory: Path) -> Found:
     return np.array([rows[0] / (2 * np.pi), rows[1] / (2 * np.pi), rows[2], rows[3], drifts])
 
 
-def by_driver(program: Path, drawn: Draw, directory: Path) -> Found:
-    """The lines that a driver of the search alone prints, which are known by steps of the record."""
-    step = float(np.median(np.diff(drawn.times)))
-    rows = np.round((drawn.times - drawn.times[0]) / step).astype(int)
-    values = np.full((rows[-1] + 1, drawn.values.shape[1]), INVALID)
-    values[rows] = drawn.values
-    for sensor in values.T:
-        clip(sensor)
-    with open(directory / "record", "wb") as file:
-        np.array(values.shape, dtype="i4").tofile(file)
-        values.T.tofile(file)
-    ended = subprocess.run([program], input=f"{directory}/record\n", capture_output=True, text=True, timeout=SECONDS, check=True)
-    head, *lines = ended.stdout.splitlines()
-    if not head.startswith("#"):
-        raise ValueError(ended.stdout[-200:])
-    table = np.array([[float(word) for word in line.split()[:5]] for line in lines]).reshape(-1, 5)
-    step = (drawn.times[-1] - drawn.times[0]) / rows[-1]
-    turns = 2 * np.pi * step
-    return np.array([table[:, 1] / turns, table[:, 3] / turns, -table[:, 0] / step, table[:, 2] / step, table[:, 4] > 0])
-
-
-def clip(sensor: np.ndarray) -> None:
-    """Mark samples at either end of a sensor's range, if there are three or more."""
-    there = sensor < INVALID
-    for end in (sensor[there].max(), sensor[there].min()):
-        at_end = there & (np.abs(sensor - end) <= 1e-9 * abs(end))
-        if at_end.sum() > 2:
-            sensor[at_end] = INVALID
-
-
 def pairs_of(drawn: Draw, found: Found) -> np.ndarray:
     """The place among the found lines of each that was drawn, −1 for none; the nearest first."""
     low, high = np.minimum(drawn.frequencies, drawn.ends), np.maximum(drawn.frequencies, drawn.ends)
@@ -98,10 +66,8 @@ def pairs_of(drawn: Draw, found: Found) -> np.ndarray:
     radius = np.maximum(radius, np.where(found[1] < 50 * radius, found[1], 0))
     away[away > radius] = np.inf
     pairs = -np.ones(len(low), int)
-    while np.isfinite(away).any():
-        line, place = np.unravel_index(np.argmin(away), away.shape)
+    for line, place in nearest_pairs(away):
         pairs[line] = place
-        away[line], away[:, place] = np.inf, np.inf
     return pairs
 
 
@@ -143,7 +109,6 @@ class Tally:
 def main(program: str, draws: str, *names: str) -> int:
     """Print a line for each class."""
     path = Path(program).resolve()
-    estimate = by_driver if "driver" in path.name else by_program
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for name in names or CLASSES:
         tally = Tally()
@@ -151,7 +116,7 @@ def main(program: str, draws: str, *names: str) -> int:
             drawn = CLASSES[name].draw(number)
             with tempfile.TemporaryDirectory() as directory:
                 try:
-                    found = estimate(path, drawn, Path(directory))
+                    found = by_program(path, drawn, Path(directory))
                 except (subprocess.SubprocessError, OSError, ValueError):
                     found = None
             tally.add(drawn, found)

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
-from common.command import PROJECT
+from common.bench import PROGRAM
 
-from .compare import Call, seconds
+from .bench import Call, seconds
 from .library import Beamwave
 
 VECTOR = 8  # grid points whose weights are made together
@@ -129,7 +129,7 @@ def worst(rows: list[dict[str, Any]]) -> str:
 
 def main() -> None:
     words = argparse.ArgumentParser(prog="python -m sum.constants", description=__doc__.splitlines()[0])
-    words.add_argument("--beamwave", type=Path, default=PROJECT / "build/bin/beamwave", help="the program")
+    words.add_argument("--beamwave", type=Path, default=PROGRAM, help="the program")
     words.add_argument("--check", action="store_true", help="only say how the built program chooses")
     given = words.parse_args()
     beamwave = Beamwave(given.beamwave.resolve().parents[1])

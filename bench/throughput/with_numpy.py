@@ -1,6 +1,6 @@
 """A case in numpy, every step over all modes at once: roots by Newton's method from asymptotic starts, shapes in exponentials
-that do not overflow, integrals by Gauss's rule with nodes that are made once, histories by one matrix product, or by products
-of short tables of sines (the addition theorem)."""
+that do not overflow (`peers/beam.py`), integrals by Gauss's rule with nodes that are made once, histories by one matrix product,
+or by products of short tables of sines (the addition theorem)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from typing import Any
 import netCDF4
 import numpy as np
 
-from peers.numpy_products import sum_of_sines
+from peers.beam import shapes
+from peers.sums import sum_of_sines
 
 from .jobs import DENSITY, DIAMETER, LENGTH, MODULUS, POINTS, Job
 
@@ -32,7 +33,7 @@ def gauss() -> tuple[np.ndarray, np.ndarray]:
 def free_beam(modes: int) -> tuple[np.ndarray, np.ndarray]:
     """Shapes before the capture at the nodes and at the tip, which all cases share."""
     alpha = roots(modes, 0.0)
-    return shapes(alpha, gauss()[0]), shapes(alpha, np.array([1.0]))[:, 0]
+    return shapes(alpha, gauss()[0]).T, shapes(alpha, 1.0)
 
 
 def roots(modes: int, gamma: float) -> np.ndarray:
@@ -55,17 +56,6 @@ def roots(modes: int, gamma: float) -> np.ndarray:
     return alpha
 
 
-def shapes(alpha: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """cos αξ − cosh αξ − σ(sin αξ − sinh αξ), (modes, places)."""
-    a = alpha[:, np.newaxis]
-    decay = np.exp(-a)
-    sigma = (np.cos(a) + np.cosh(a)) / (np.sin(a) + np.sinh(a))
-    # 1 − σ over e^−α: what is left of cosh and sinh where they cancel
-    rest = (np.sin(a) - np.cos(a) - decay) / (np.sin(a) + np.sinh(a)) / decay
-    x = a * places
-    return np.cos(x) - sigma * np.sin(x) - 0.5 * (1.0 + sigma) * np.exp(-x) - 0.5 * rest * np.exp(x - a)
-
-
 def case(job: Job, speed: float, gamma: float, by_products: bool = False) -> Case:
     """Everything that the job asks for."""
     alpha = roots(job.modes, gamma)
@@ -74,7 +64,7 @@ def case(job: Job, speed: float, gamma: float, by_products: bool = False) -> Cas
     squared = natural**2 - speed**2
     beta = np.sqrt(squared)
     places, weights = gauss()
-    at_nodes, at_tip = shapes(alpha, places), shapes(alpha, np.array([1.0]))[:, 0]
+    at_nodes, at_tip = shapes(alpha, places).T, shapes(alpha, 1.0)
     mass = at_nodes**2 @ weights + gamma * at_tip**2
     free_nodes, free_tip = free_beam(job.modes)
     jump = free_tip / (1.0 / gamma + free_tip @ free_tip)  # per approach velocity; ∫φ² = 1
@@ -82,7 +72,7 @@ def case(job: Job, speed: float, gamma: float, by_products: bool = False) -> Cas
     result = {"angular_frequency": beta, "phase_velocity": beta / p, "group_velocity": 2.0 * H * natural * p / beta}
     if job.samples:
         step = job.duration / job.samples
-        weights = shapes(alpha, np.array(POINTS)).T * (velocity / beta)
+        weights = shapes(alpha, np.array(POINTS)) * (velocity / beta)
         if by_products:
             result["displacement"] = sum_of_sines(weights, beta, job.samples, step)
         else:

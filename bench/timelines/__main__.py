@@ -1,7 +1,7 @@
 """Random scenes in which bodies and springs come and leave: how good are the estimates of their errors, and do histories, energies and momenta
 agree with modal sums in 40 digits?
 
-`PYTHONPATH=bench:tests/scenes:tests/reference python -m timelines [--scenes 100] [--sums 100]` holds runs of 32, 64 and 128 modes
+`PYTHONPATH=bench python -m timelines [--scenes 100] [--sums 100]` holds runs of 32, 64 and 128 modes
 against those of 640, and runs of five modes against `tests/reference/make_timelines.py`, and prints what it found.
 """
 
@@ -14,10 +14,10 @@ from typing import Any
 
 import make_timelines
 import numpy as np
+from common.bench import PROGRAM
 from test_timelines import QUANTITIES, estimates_over_errors, random_groups, text_of, unit_scene
 from workplace import Workplace
 
-PROGRAM = Path(__file__).parents[2] / "build/bin/beamwave"
 COUNTS, FINEST = (32, 64, 128), 640
 
 

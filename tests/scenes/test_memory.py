@@ -36,7 +36,7 @@ RECORD = (2**16, 32)  # samples and sensors: of a few lines in noise
 @pytest.fixture
 def large_record(tmp_path):
     """A scene of a record that takes more memory than the program, and than what does not grow with it."""
-    from large_records.records import write
+    from large_records.bench import write
 
     write(tmp_path / "record.nc", *RECORD)
     return "&record\n  file = 'record.nc'\n/\n&spectrum /\n"
@@ -44,7 +44,7 @@ def large_record(tmp_path):
 
 def peak_memory(program, directory, scene, *words):
     """Bytes that `beamwave run` took."""
-    from growth.measure import LAUNCH
+    from common.measuring import LAUNCH
 
     (directory / "large.nml").write_text(scene)
     words = [sys.executable, "-I", "-S", LAUNCH, program, "run", "large.nml", "--quiet", *words]
@@ -55,7 +55,7 @@ def peak_memory(program, directory, scene, *words):
 
 @pytest.mark.parametrize("groups", CASES.values(), ids=CASES.keys())
 def test_memory_stays_below_twice_the_result_and_200_mb(program, tmp_path, groups):
-    from growth.slope import bound
+    from growth.bench import bound
 
     memory = peak_memory(program, tmp_path, namelist(captured_beam(**groups)))
     assert memory <= bound({"result_bytes": (tmp_path / "output/large.nc").stat().st_size})

@@ -1,13 +1,17 @@
-"""The section of docs/numbers.md."""
+"""Cases per second of sweeps over the angular velocity and the mass ratio, beside what else one could write."""
 
 from __future__ import annotations
 
-from typing import Any
+import argparse
+import tempfile
+from pathlib import Path
 
+from common.bench import Bench, Measured, Rows, read
 from common.document import measured_with, table
 
-FIRST = "<!-- throughput: bench/throughput.sh writes from here -->"
-WAYS = ["beamwave", "numpy loop", "by products", "pool of 2"]
+from .parts import PARTS, WAYS
+
+MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None  # no disk is measured
 
 HEAD = """## Throughput of sweeps
 
@@ -16,18 +20,34 @@ start-up and writing the result; numpy writes by netCDF4. The rate of the pool i
 every case to the disk within two seconds."""
 
 
-def section(measured: dict[str, Any]) -> str:
-    """All that was measured, each part with where."""
-    drawn = [(draw(measured[name]["rows"]), measured_with(measured[name]["about"]))
-             for name, draw in DRAWN.items() if measured.get(name, {}).get("rows")]  # fmt: skip
+def measured(options: argparse.Namespace) -> Measured:
+    """All parts, or one of them beside those that were measured before, each with its machine."""
+    known = read(BENCH.data()) if options.only else {"machine": {}, "rows": []}
+    rows = [row for row in known["rows"] if row["part"] != options.only]
+    for part in [options.only] if options.only else PARTS:
+        with tempfile.TemporaryDirectory(dir=MEMORY) as name:
+            found = PARTS[part](options.beamwave, Path(name), options.small)
+        rows += [{"part": part, **row} for row in found]
+        known["machine"][part] = options.machine
+    return {"machine": known["machine"], "rows": rows}
+
+
+def section(measured: Measured) -> list[str]:
+    """All that was measured, each part with where, or once for parts that were measured together."""
+    drawn = []
+    for part, draw in TABLES.items():
+        rows = [row for row in measured["rows"] if row["part"] == part]
+        if rows:
+            drawn.append((draw(rows), measured_with(measured["machine"][part])))
     parts = [HEAD]
-    for i, (rows, about) in enumerate(drawn):
-        last = i + 1 == len(drawn) or drawn[i + 1][1] != about  # of those that were measured together
-        parts += [rows, about] if last else [rows]
-    return "\n\n".join(parts)
+    for i, (text, machine) in enumerate(drawn):
+        last = i + 1 == len(drawn) or drawn[i + 1][1] != machine
+        parts += [text, machine] if last else [text]
+    return parts
 
 
-def rates(rows: list[dict[str, Any]]) -> str:
+def rates(rows: Rows) -> str:
+    """Cases per second of each way."""
     heads = ["beamwave, cases/s", "numpy loop", "numpy by products", "multiprocessing pool", "beamwave is faster by"]
     lines = [["sweep over ω and γ", *heads]]
     for row in rows:
@@ -40,7 +60,8 @@ def rates(rows: list[dict[str, Any]]) -> str:
     )
 
 
-def ranks(rows: list[dict[str, Any]]) -> str:
+def ranks(rows: Rows) -> str:
+    """Two processes beside one."""
     lines = [["sweep", "shared by", "cases", "start-up, s", "wall, s", "CPU, s", "wall over that of one process"]]
     for i, row in enumerate(rows):
         numbers = [row[name] for name in ("what", "by", "cases", "start_wall", "wall", "cpu")]
@@ -51,18 +72,22 @@ def ranks(rows: list[dict[str, Any]]) -> str:
     )
 
 
-def designs(rows: list[dict[str, Any]]) -> str:
+def designs(rows: Rows) -> str:
+    """A table of cases beside a sweep."""
     lines = [["cases of a sweep", "cases", "as a sweep, CPU s", "as rows of a table, CPU s", "more"]]
-    lines += [[row["what"], str(row["cases"]), f"{row['sweep']:g}", f"{row['design']:g}", f"{row['ratio']:.2f}"] for row in rows]
+    for row in rows:
+        lines.append([row["what"], str(row["cases"]), f"{row['sweep']:g}", f"{row['design']:g}", f"{row['ratio']:.2f}"])
     return "A `&design` also reads its table and computes quantiles; the cases are those of a sweep.\n\n" + table(lines)
 
 
-def memory(rows: list[dict[str, Any]]) -> str:
+def memory(rows: Rows) -> str:
+    """The peak against the number of cases."""
     lines = [["cases", "CPU, s", "peak, MB"], *([str(row["cases"]), f"{row['cpu']:g}", f"{row['peak_mb']:g}"] for row in rows)]
     return "Memory of a sweep of very small cases (one mode) against their number.\n\n" + table(lines)
 
 
-def predictions(rows: list[dict[str, Any]]) -> str:
+def predictions(rows: Rows) -> str:
+    """What `check` says beside what a run takes."""
     lines = [["scene", "estimate, s", "wall, s", "CPU, s", "estimate over CPU", "memory", "file"]]
     for row in rows:
         numbers = [row["expected"], row["wall"], row["cpu"], float(f"{row['expected'] / row['cpu']:.2g}")]
@@ -70,14 +95,16 @@ def predictions(rows: list[dict[str, Any]]) -> str:
         lines.append([row["scene"], *(f"{number:g}" for number in numbers), *(f"{ratio:.2g}" for ratio in ratios)])
     return (
         "Estimates of `beamwave check` over the actual run: time (on an idle core, with start-up), memory and size of the "
-        "file. On busy cores only the CPU seconds are meaningful.\n\n"
-        + table(lines)
+        "file. On busy cores only the CPU seconds are meaningful.\n\n" + table(lines)
     )
 
 
-def small_scenes(rows: list[dict[str, Any]]) -> str:
+def scenes(rows: Rows) -> str:
+    """Many small scenes in one call."""
     lines = [["a small scene (20 modes, no history)", "CPU, ms"], *([row["what"], f"{row['ms']:g}"] for row in rows)]
     return "Cost of one of 200 small scenes, and of starting the program alone.\n\n" + table(lines)
 
 
-DRAWN = {"rows": rates, "designs": designs, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": small_scenes}
+TABLES = {"rates": rates, "designs": designs, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": scenes}
+BENCH = Bench("throughput", "cases per second of sweeps", measured, section, packages=("numpy",),
+              options={"--only": {"choices": list(PARTS), "help": "measure one part; keep the others"}})  # fmt: skip

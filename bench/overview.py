@@ -1,23 +1,55 @@
-"""The numbers that matter, in half a page: each is read off the data of a bench, or off the table of hard cases."""
+"""What opens and closes docs/numbers.md: the numbers that matter, each read off the data of a bench or the table of hard cases,
+and where all were measured. `PYTHONPATH=bench:postproc python -m overview` writes both."""
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
-from growth.slope import slope
-from peers.summary import seconds_to_reach
+from common.bench import BENCH, PROJECT
+from common.document import put_section, table
+from common.growing import slope
+from peers.comparison import seconds_to_reach
 
-HEAD = """\
+DOCUMENT = PROJECT / "docs/numbers.md"
+NAMES = ("peers", "contact", "growth", "throughput", "price", "effects", "sum", "records", "large_records")
+FIRST = "<!-- what matters: every bench writes from here -->"
+LAST = "<!-- machines: every bench writes from here -->"
+
+WHAT_MATTERS = """\
 ## What matters
 
 All times are for one core of the machine [below](#where-it-was-measured). The sections say how each number was measured."""
 
+MACHINES = """\
+## Where it was measured
+
+Compiler and flags are those of the preset `default`."""
+
+IN_SECTIONS = ("Python", "date")  # and the program's commit
+
+
+def put_overview() -> None:
+    """Write both sections anew."""
+    for mark, text in sections().items():
+        put_section(DOCUMENT, mark, text)
+
+
+def sections() -> dict[str, str]:
+    """Both, by their marks, from the committed data of all benches and from the document itself."""
+    files = {name: BENCH / name / "measured.json" for name in NAMES}
+    measured = {name: json.loads(path.read_text(encoding="utf-8")) for name, path in files.items() if path.is_file()}
+    return {FIRST: what_matters(measured, DOCUMENT.read_text(encoding="utf-8")), LAST: machines(measured)}
+
 
 def what_matters(measured: dict[str, Any], document: str) -> str:
     """A list with a line for each section that has data."""
-    writers = {"peers": speed, "contact": contact, "price": digits, "growth": sizes, "throughput": sweeps, "effects": effects, "records": lines, "large_records": large}
+    writers = {
+        "peers": speed, "contact": contact, "price": digits, "growth": sizes, "throughput": sweeps,
+        "effects": effects, "records": lines, "large_records": large,
+    }
     points = [hard_cases(document), *(write(measured[name]) for name, write in writers.items() if name in measured)]
-    return "\n".join([HEAD, "", *(point for point in points if point)])
+    return "\n".join([WHAT_MATTERS, "", *(point for point in points if point)])
 
 
 def hard_cases(document: str) -> str:
@@ -50,7 +82,7 @@ def speed(data: dict[str, Any]) -> str:
         seconds = seconds_to_reach(curve(name), level)
         return "–" if seconds is None else f"{1e3 * seconds:.3g} ms"
 
-    elements = min((row for name in peers(data) if "Hermite" in name for row in curve(name)), key=lambda row: row["error"])
+    elements = min((row for name in {row["peer"] for row in data["rows"]} if "Hermite" in name for row in curve(name)), key=lambda row: row["error"])
     ours, best = "beamwave", "numpy + FINUFFT"
     return (
         f"- **Time to an answer.** [The paper's beam after the capture](#comparison-with-other-methods), two points, "
@@ -83,11 +115,6 @@ def short(value: float) -> str:
     return f"{value:.0e}".replace("e-0", "e-")
 
 
-def peers(data: dict[str, Any]) -> list[str]:
-    """Names, each once."""
-    return list(dict.fromkeys(row["peer"] for row in data["rows"]))
-
-
 def digits(data: dict[str, Any]) -> str:
     """What a further digit costs on average."""
     means = []
@@ -114,9 +141,9 @@ def sizes(data: dict[str, Any]) -> str:
 
 def sweeps(data: dict[str, Any]) -> str:
     """Cases per second beside a loop in numpy, and what a second process brings."""
+    rates, ranks = ([row for row in data["rows"] if row["part"] == part] for part in ("rates", "ranks"))
     said = [f"{grouped(round(1 / row['beamwave']))} with {kind} ({row['numpy loop'] / row['beamwave']:.0f})"
-            for row, kind in zip(data["rows"]["rows"], ("frequencies", "histories", "spectra"))]  # fmt: skip
-    ranks = data["ranks"]["rows"]
+            for row, kind in zip(rates, ("frequencies", "histories", "spectra"))]  # fmt: skip
     shares = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
     return (
         "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), in brackets over those of a loop in numpy: "
@@ -156,3 +183,34 @@ def large(data: dict[str, Any]) -> str:
     last = data["rows"][-1]
     took = f"{last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB"
     return f"- **Large records.** 1 048 576 samples of 64 sensors with 20 lines [take](#large-records) {took}."
+
+
+def machines(measured: dict[str, Any]) -> str:
+    """A table of one line for each thing that is known, or for each of its values."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for bench, data in measured.items():
+        machine = data["machine"]
+        for about in [machine] if "program" in machine else machine.values():
+            for name, value in parts(about):
+                benches = found.setdefault(name, {}).setdefault(value, [])
+                if bench not in benches:
+                    benches.append(bench)
+    rows = [["what", "value", "benches"]]
+    for name, values in found.items():
+        rows += [[name, value, "all" if len(benches) == len(measured) else ", ".join(benches)] for value, benches in values.items()]
+    return f"{MACHINES}\n\n{table(rows)}"
+
+
+def parts(about: dict[str, str]) -> list[tuple[str, str]]:
+    """Names and values; of what the program says of itself, `; ` between its lines, those below the first."""
+    found = []
+    for name, value in about.items():
+        if name == "program":
+            found += [tuple(line.split(" ", 1)) for line in value.split("; ")[1:] if not line.startswith("compiler ")]
+        elif name not in IN_SECTIONS:
+            found.append((name, value))
+    return found
+
+
+if __name__ == "__main__":
+    put_overview()
