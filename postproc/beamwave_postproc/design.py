@@ -111,7 +111,7 @@ def write_design(table: pd.DataFrame, path: str | Path, comments: Sequence[str] 
     """Write a design as the CSV that `&design file` reads: every number to its last digit, and no index.
 
     Raises `Refusal` for a table that no scene can take: one without rows or with too many, a column that is not called `group%name`
-    or comes twice, a value that is no finite number. Whether the scene has an input of that name is checked by `beamwave run`.
+    or comes twice, a value that is not a finite number. Whether the scene has an input of that name is checked by `beamwave run`.
     """
     rows = zip(*_columns(table))
     with Path(path).open("w", encoding="utf-8", newline="\n") as file:
@@ -133,13 +133,13 @@ def _columns(table: pd.DataFrame) -> list[list[float]]:
 
 
 def _finite(name: str, column: pd.Series) -> list[float]:
-    """The values of a column; raises `Refusal` where one is no finite number."""
+    """The values of a column; raises `Refusal` where one is not a finite number."""
     numbers = pd.to_numeric(column.astype(object), errors="coerce")
     wrong = ~np.isfinite(numbers.to_numpy(float)) | column.map(lambda value: isinstance(value, (bool, np.bool_))).to_numpy(bool)
     if wrong.any():
         row = int(np.flatnonzero(wrong)[0])
         value = str(column.iloc[row])
-        raise Refusal(f"row {row + 1}: {name}: {value!r} is no finite number; accepted: a finite number as 2.5 or -1e-3")
+        raise Refusal(f"row {row + 1}: {name}: {value!r} is not a finite number; accepted: a finite number as 2.5 or -1e-3")
     return numbers.tolist()
 
 

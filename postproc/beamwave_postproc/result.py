@@ -88,7 +88,7 @@ def _with_contact_unit(ds: xr.Dataset) -> xr.Dataset:
 def netcdf_path(path: Path) -> str:
     """A path that NetCDF takes for what it is, and not for a place in the net; raises `Refusal` where it cannot."""
     if "\\" in str(path.absolute()):
-        raise Refusal("NetCDF takes a backslash for a slash; accepted: a path without")
+        raise Refusal("NetCDF reads a backslash as a slash; accepted: a path without backslashes")
     return str(path.absolute())
 
 

@@ -39,7 +39,7 @@ def reason(failure: BaseException) -> str:
     if isinstance(failure, OSError) and failure.strerror:
         return str(failure.strerror)
     if isinstance(failure, MemoryError):
-        return "memory was refused: it takes far more than a file of this size should"
+        return "not enough memory: it takes far more than a file of this size should"
     said = " ".join(str(failure).split())
     said = said if len(said) <= LONGEST else f"{said[:LONGEST]}…"
     return f"{type(failure).__name__}: {said}" if said else type(failure).__name__

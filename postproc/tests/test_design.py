@@ -80,11 +80,11 @@ def test_a_table_reads_back_to_the_bit(tmp_path):
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ({"beam%length": [1.0, np.nan]}, "row 2: beam%length: 'nan' is no finite number"),
-        ({"beam%length": [1.0, np.inf]}, "row 2: beam%length: 'inf' is no finite number"),
-        ({"beam%length": [None, 1.0]}, "row 1: beam%length: 'nan' is no finite number"),
-        ({"beam%length": ["long"]}, "row 1: beam%length: 'long' is no finite number"),
-        ({"beam%length": [True]}, "row 1: beam%length: 'True' is no finite number"),
+        ({"beam%length": [1.0, np.nan]}, "row 2: beam%length: 'nan' is not a finite number"),
+        ({"beam%length": [1.0, np.inf]}, "row 2: beam%length: 'inf' is not a finite number"),
+        ({"beam%length": [None, 1.0]}, "row 1: beam%length: 'nan' is not a finite number"),
+        ({"beam%length": ["long"]}, "row 1: beam%length: 'long' is not a finite number"),
+        ({"beam%length": [True]}, "row 1: beam%length: 'True' is not a finite number"),
         ({"beam%length": []}, "holds 0 rows of 1 names"),
         ({}, "holds 0 rows of 0 names"),
         ({"x": [1.0]}, "'x' names no input; accepted: 'group%name'"),

@@ -67,7 +67,7 @@ HARM = {
     "end": (lambda: os._exit(0), ""),
     "endless": (never_ends, "takes far longer"),
     "blocked": (lambda: time.sleep(1000), "takes far longer"),
-    "memory": (lambda: np.ones(10**10), "memory was refused"),
+    "memory": (lambda: np.ones(10**10), "not enough memory"),
     "noise": (lambda: [os.write(number, b"\x1b[31m") for number in (1, 2)] and 1 / 0, "ZeroDivisionError"),
     "words": (lambda: int("\x1b[31m\u202e" * 1000), r"\x1b[31m"),
 }

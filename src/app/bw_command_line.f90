@@ -122,7 +122,7 @@ contains
 
   subroutine read_seconds(value, seconds, error)
     !! Read a number of seconds.
-    !! **Errors**: the value is no finite number ≥ 0.
+    !! **Errors**: the value is not a finite number ≥ 0.
     character(*), intent(in) :: value
     real(dp), intent(inout) :: seconds
     type(error_type), allocatable, intent(inout) :: error

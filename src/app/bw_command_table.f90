@@ -145,7 +145,7 @@ contains
       text = text//column('    '//trim(options(i)%name)//' '//options(i)%value, 23)//trim(options(i)%help)//nl
     end do
     text = text//nl// &
-      '  exit status: 0 done, 2 bad command line or scene, 3 a file or memory was refused, 4 some numbers'//nl// &
+      '  exit status: 0 done, 2 bad command line or scene, 3 a file failed or memory ran out, 4 some numbers'//nl// &
       '  cannot be trusted, 5 stopped with finished work saved, 70 a fault in the program'
   end function help_text
 

@@ -72,7 +72,7 @@ contains
     call group%share(counts)
     if (count /= counts(1)) call fail(error, status_bad_file, 'beamwave: process '//text_of(group%number)//' of '// &
       text_of(group%processes)//' reads '//text_of(count)//' good scenes, the first one '//text_of(counts(1))// &
-      ': a file could not be read, or memory was refused')
+      ': a file could not be read, or memory ran out')
     call group%collect(nothing, error)
   end subroutine agree_on_scenes
 

@@ -6,7 +6,7 @@ module bw_error
 
   integer, parameter, public :: status_done = 0        !! success
   integer, parameter, public :: status_bad_input = 2   !! the command line or a scene is wrong
-  integer, parameter, public :: status_bad_file = 3    !! a file could not be read or written, or memory was refused
+  integer, parameter, public :: status_bad_file = 3    !! a file could not be read or written, or memory ran out
   integer, parameter, public :: status_not_trusted = 4 !! some numbers cannot be trusted
   integer, parameter, public :: status_stopped = 5     !! stopped in order, finished work is saved
   integer, parameter, public :: status_fault = 70      !! a fault in the program itself

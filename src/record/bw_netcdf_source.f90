@@ -42,7 +42,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     self%path = path
     if (has_backslash(path)) then
-      call fail(error, status_bad_input, path//': NetCDF takes a backslash for a slash; accepted: a path without')
+      call fail(error, status_bad_input, path//': NetCDF reads a backslash as a slash; accepted: a path without backslashes')
       return
     end if
     call survey(path, self, self%where, error)
@@ -59,7 +59,7 @@ contains
     integer :: refused
     rows = self%rows
     allocate (times(merge(rows, 0_i8, column > 0)), steps(merge(rows, 0_i8, column > 0)), stat=refused)
-    if (refused /= 0) call fail(error, status_bad_file, self%path//': memory for '//text_of(rows)//' times was refused')
+    if (refused /= 0) call fail(error, status_bad_file, self%path//': not enough memory for '//text_of(rows)//' times')
     if (column == 0 .or. allocated(error)) return
     call self%take_rows([column], 1_i8, rows, times, error)
     steps = 0.0_dp

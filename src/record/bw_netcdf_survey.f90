@@ -51,7 +51,7 @@ contains
     end do
     call check(status, error)
     samples = dimension_of_samples(dimensions)
-    if (samples == 0) call refuse('has no samples; what lies in groups is not read', error)
+    if (samples == 0) call refuse('has no samples; variables in groups are not read', error)
     allocate (widths(size(variables)), source=0_i8)
     do v = 1, size(variables)
       if (allocated(error)) exit
@@ -121,7 +121,7 @@ contains
     ignored = look_at(path, state)
     needed = sum([(bytes_of(variables(v), dimensions), v=1, size(variables))])
     if (real(state%bytes, dp) < needed) call fail(error, status_bad_file, 'is cut off: it has '//text_of(state%bytes)// &
-                                                  ' bytes, and says that it has '//text_of(needed)//' at least')
+                                                  ' bytes, and its header requires '//text_of(needed)//' at least')
   end subroutine check_length
 
   subroutine check(status, error)
@@ -176,7 +176,7 @@ contains
     call take_number('add_offset', facts%offset)
     where (.not. ieee_is_finite(facts%fills)) facts%fills = missing     ! numbers that are not finite are missing in any case
     if (.not. (ieee_is_finite(facts%factor) .and. ieee_is_finite(facts%offset))) &
-      call refuse(variable%name//': its scale_factor or add_offset is no finite number', error)
+      call refuse(variable%name//': its scale_factor or add_offset is not a finite number', error)
     if (allocated(error)) return
     call describe(column, source%is_labelled)
     call find_places(file, facts, column%name, places, source%notes, status)
@@ -194,7 +194,7 @@ contains
       real(dp), intent(inout) :: value
       integer(i8) :: there
       call read_number(file, number, name, value, there, status)
-      if (there /= 0 .and. there /= 1) call refuse(variable%name//': its attribute '//name//' is not one number', error)
+      if (there /= 0 .and. there /= 1) call refuse(variable%name//': its attribute '//name//' is not a single number', error)
     end subroutine take_number
   end subroutine look_at_variable
 
@@ -224,8 +224,8 @@ contains
     if (there == 1) there = merge(1, -1, all(ieee_is_finite(places)))
     if (there == 1) there = merge(1, -1, all(places >= 0.0_dp .and. places <= 1.0_dp))
     if (there /= 1) places = missing
-    if (there /= 0 .and. there /= 1) call append(notes, 'position: what the file says of '//name// &
-                                                 ' is no number from 0 to 1, and is not used')
+    if (there /= 0 .and. there /= 1) call append(notes, 'position: the value that the file gives for '//name// &
+                                                 ' is not a number from 0 to 1, and is ignored')
   end subroutine find_places
 
   pure subroutine describe(column, is_labelled)

@@ -98,7 +98,7 @@ contains
     integer(i8) :: free                                ! bytes; negative: not known
     free = free_memory()
     if (free < 0 .or. 8.0_dp*real(samples, dp)*numbers <= real(free, dp)) return
-    call fail(error, status_bad_file, path//': memory was refused, for '//text_of(samples)//' samples of '//text_of(numbers)// &
+    call fail(error, status_bad_file, path//': not enough memory for '//text_of(samples)//' samples of '//text_of(numbers)// &
               ' numbers each')
   end subroutine check_memory
 
@@ -195,12 +195,11 @@ contains
     row = first_fall(times)
     if (row > 0) then
       call fail(error, status_bad_file, source%place_of_row(row_of(row, told))//': the time '//text_of(times(row))// &
-                ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
+                ' is not later than '//text_of(times(row - 1))//' before it; accepted: increasing times, or sample_rate')
     else if (any(abs(times) > latest)) then
       row = findloc(abs(times) > latest, .true., dim=1, kind=i8)
       call fail(error, status_bad_file, source%place_of_row(row_of(row, told))//': the time '//text_of(times(row))// &
-                ' is far from that of any clock; accepted: up to '//text_of(latest)//' s; or time_scale, where they are in '// &
-                'ms or the like')
+                ' is beyond that of any clock; accepted: up to '//text_of(latest)//' s, or time_scale if the unit is not s')
     end if
   end subroutine check_times
 
@@ -223,7 +222,8 @@ contains
           text_of(size(times))//' samples of '//record%path
       end if
     end associate
-    if (size(times) > 0) place = place//', whose times are '//shortest(times(1), 6)//' to '//shortest(times(size(times)), 6)//' s'
+    if (size(times) > 0) place = place//', whose times run from '//shortest(times(1), 6)//' to '// &
+      shortest(times(size(times)), 6)//' s'
     call fail(error, status, place//'; accepted: '//text_of(least_samples)//' or more')
   end subroutine refuse_short
 
@@ -246,7 +246,7 @@ contains
     real(dp) :: values(size(record%values, 1), 1)
     call source%read_values([column], part(1), values, error)
     if (.not. allocated(error) .and. any(is_missing(values))) call fail(error, status_bad_file, source%place_of_row(part(1) - 1 + &
-      findloc(is_missing(values(:, 1)), .true., dim=1))//': the force is missing; accepted: a force without gaps')
+      findloc(is_missing(values(:, 1)), .true., dim=1))//': a value of the force is missing; accepted: a force without gaps')
     if (.not. allocated(error)) record%force = force_factor(source%columns(column)%unit)*values(:, 1)
   end subroutine read_force
 
@@ -263,7 +263,7 @@ contains
     call check_memory(record%path, part(2) - part(1) + 1, size(columns), error)
     if (allocated(error)) return
     allocate (record%values(part(2) - part(1) + 1, size(columns)), stat=status)
-    if (status /= 0) call fail(error, status_bad_file, record%path//': memory was refused')
+    if (status /= 0) call fail(error, status_bad_file, record%path//': not enough memory')
     if (.not. allocated(error)) call source%read_values(columns, part(1), record%values, error)
   end subroutine read_sensors
 
@@ -286,8 +286,8 @@ contains
     if (record%left_out == 0) return
     s = maxloc(lacking, dim=1)
     if (count(whole) < least_samples) call fail(error, status_bad_file, record%path//': has '//text_of(count(whole))// &
-      ' samples without a gap, and column '//record%sensors(s)%name//' lacks '//text_of(lacking(s))//' of '// &
-      text_of(size(told))//' numbers; accepted: '//text_of(least_samples)//' or more')
+      ' complete rows, and column '//record%sensors(s)%name//' lacks '//text_of(lacking(s))//' of '// &
+      text_of(size(told))//' values; accepted: '//text_of(least_samples)//' rows or more')
     if (allocated(error)) return
     allocate (values(count(whole), size(lacking)))
     do s = 1, size(lacking)

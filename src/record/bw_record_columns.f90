@@ -68,12 +68,12 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
     if (time == 0) then
-      problem = 'no column of '//source%path//' is named time or t, or as loggers call it'
-      if (count(source%columns%is_time) > 1) problem = 'several columns of '//source%path//' are named as times are'
+      problem = 'no column of '//source%path//' has a name of times, such as time or t'
+      if (count(source%columns%is_time) > 1) problem = 'several columns of '//source%path//' have names of times'
       call refuse(scene, 'time', 'is missing, and '//problem//'; accepted: '//listed(source)//'; or sample_rate', error)
     else if (.not. source%columns(time)%is_numeric) then
-      call refuse(scene, 'time', shown(source, time)//' of '//source%path//' holds no numbers, but dates, clocks or words; '// &
-                  'accepted: a column of seconds (beamwave-record makes it of dates and clocks), or sample_rate', error)
+      call refuse(scene, 'time', shown(source, time)//' of '//source%path//' holds dates, clock times or words, not numbers; '// &
+                  'accepted: a column of seconds (beamwave-record converts dates and clock times), or sample_rate', error)
     end if
   end subroutine check_time
 
@@ -102,14 +102,14 @@ contains
     integer, intent(in) :: time, columns(:)
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
-    if (size(columns) == 0) call refuse(scene, 'columns', source%path//' has no column of numbers beside the time; accepted: '// &
-                                        'one sensor at least', error)
+    if (size(columns) == 0) call refuse(scene, 'columns', source%path//' has no column of numbers besides the time; accepted: '// &
+                                        'at least one sensor', error)
     if (size(columns) > most_columns) call refuse(scene, 'columns', source%path//' has '//text_of(size(columns))// &
-      ' columns of numbers beside the time; accepted: '//text_of(most_columns)//' of them by their names or numbers', error)
+      ' columns of numbers besides the time; accepted: up to '//text_of(most_columns)//', by name or number', error)
     if (allocated(error)) return
     do i = 1, size(columns)
-      if (columns(i) == time) call refuse(scene, 'columns', 'holds the column of the times, '//shown(source, time)// &
-                                          '; accepted: those of sensors', error)
+      if (columns(i) == time) call refuse(scene, 'columns', 'includes the column of times, '//shown(source, time)// &
+                                          '; accepted: columns of sensors', error)
       if (any(columns(:i - 1) == columns(i))) call refuse(scene, 'columns', 'names '//shown(source, columns(i))// &
                                                           ' twice; accepted: each once', error)
       if (.not. source%columns(columns(i))%is_numeric) call refuse(scene, 'columns', shown(source, columns(i))//' of '// &
@@ -133,7 +133,7 @@ contains
     integer, intent(in) :: time, columns(:), force
     type(error_type), allocatable, intent(inout) :: error
     if (force == time .or. any(columns == force)) then
-      call refuse(scene, 'force', shown(source, force)//' is the time or a sensor, too; accepted: a column of its own', error)
+      call refuse(scene, 'force', shown(source, force)//' is also the time or a sensor; accepted: a column of its own', error)
     else if (.not. source%columns(force)%is_numeric) then
       call refuse(scene, 'force', shown(source, force)//' of '//source%path//' holds no numbers; accepted: '//listed(source), error)
     else if (.not. force_factor(source%columns(force)%unit) > 0) then
@@ -159,7 +159,7 @@ contains
     if (size(columns) > most_listed) text = text//', ...'
     call refuse(scene, name, 'has '//text_of(values)//trim(merge(' value ', ' values', values == 1))//', and '// &
                 source%path//' has '//text_of(size(columns))//trim(merge(' sensor ', ' sensors', size(columns) == 1))// &
-                ' ('//text(3:)//'); accepted: one for each', error)
+                ' ('//text(3:)//'); accepted: one for each sensor', error)
   end subroutine check_count
 
   subroutine choose(scene, source, bare, name, choice, column, error)

@@ -32,8 +32,8 @@ contains
     end do
     if (time > 0) call note_time_unit(source%columns(time)%unit, scene%record%time_scale, record%notes)
     call note_uneven(record)
-    if (record%left_out > 0) call append(record%notes, 'rows: left out '//text_of(record%left_out)//' of '// &
-      text_of(record%samples_there)//': a number is missing, or the time, or it is that of the row before')
+    if (record%left_out > 0) call append(record%notes, 'rows: '//text_of(record%left_out)//' of '// &
+      text_of(record%samples_there)//' are left out: a value or the time is missing, or the time is that of the row before')
     do s = 1, size(columns)
       call note_unit(scene, source, columns, s, record)
       call note_flaws(find_flaws(record%values(:, s)), s, record)
@@ -52,13 +52,12 @@ contains
     if (unit == '') return
     factor = factor_of(unit, 'time')
     if (is_missing(scale) .and. factor == 0.0_dp) then
-      call append(notes, "times: the file gives them in '"//unit//"', which is not known, and they are taken for seconds; "// &
-                  'time_scale says how many seconds it is')
+      call append(notes, "times: their unit '"//unit//"' is not known, and seconds are assumed; "// &
+                  'time_scale gives the unit in seconds')
     else if (is_missing(scale)) then
-      if (abs(factor - 1.0_dp) > 0) call remark(notes, "times: the file gives them in '"//unit//"', and they are brought to s")
+      if (abs(factor - 1.0_dp) > 0) call remark(notes, "times: converted from '"//unit//"' to s")
     else if (factor > 0.0_dp .and. abs(scale - factor) > 1e-6_dp*factor) then
-      call append(notes, "times: the file gives them in '"//unit//"', and time_scale is "//shortest(scale, 6)//', not '// &
-                  shortest(factor, 6))
+      call append(notes, "times: their unit '"//unit//"' is "//shortest(factor, 6)//' s, but time_scale is '//shortest(scale, 6))
     end if
   end subroutine note_time_unit
 
@@ -80,8 +79,8 @@ contains
     end do
     if (unknown == 0) return
     if (unknown > most_named) names = names//' and '//text_of(unknown - most_named)//' more'
-    call append(record%notes, 'quantity: the file does not say it of '//names(3:)//', and displacement is taken; '// &
-                "quantity = 'acceleration', or the like, names another one")
+    call append(record%notes, 'quantity: not given in the file for '//names(3:)//'; displacement is assumed, unless '// &
+                "quantity = 'acceleration' or another is set")
   end subroutine note_quantity
 
   subroutine note_uneven(record)
@@ -92,8 +91,8 @@ contains
     if (record%interval > 0.0_dp) return
     call nearest_even(record%times, interval, off)
     if (off > little*interval) return
-    call append(record%notes, 'times: they are uneven, and off even ones by '//shortest(100*off/interval, 2)// &
-                ' % of the interval at most; if the recorder is even, give sample_rate = '//shortest(1.0_dp/interval, 12)// &
+    call append(record%notes, 'times: uneven, by at most '//shortest(100*off/interval, 2)// &
+                ' % of the interval; if the recorder samples evenly, use sample_rate = '//shortest(1.0_dp/interval, 12)// &
                 ' instead')
   end subroutine note_uneven
 
@@ -106,7 +105,7 @@ contains
     allocate (none(size(record%times)), source=0.0_dp)
     if (.not. even_interval(record%values(:, s), none) > 0.0_dp) return
     call append(record%notes, 'counter: '//record%sensors(s)%name// &
-                ' rises by the same step all the time, as a time or a counter does; columns names those of sensors')
+                ' rises by the same step at every sample, like a time or a counter; columns selects the sensors')
   end subroutine note_counter
 
   subroutine note_unit(scene, source, columns, s, record)
@@ -136,16 +135,16 @@ contains
       what = who//trim(merge(' are', ' is ', more > 0))//" in '"//unit//"'"
       if (factor > 0.0_dp .and. .not. given) then
         if (si == '1') si = sensor%quantity
-        if (abs(factor - 1.0_dp) > 0) call remark(record%notes, what//', and brought to '//si)
+        if (abs(factor - 1.0_dp) > 0) call remark(record%notes, what//', and is converted to '//si)
       else if (factor > 0.0_dp) then
-        if (abs(sensor%scale/factor - 1.0_dp) > 0.01_dp) call append(record%notes, what//', and scale is '// &
+        if (abs(sensor%scale/factor - 1.0_dp) > 0.01_dp) call append(record%notes, what//', but scale is '// &
           shortest(sensor%scale, 6)//', not '//shortest(factor, 6))
       else if (quantity_of(unit) /= '') then
-        call append(record%notes, what//', a unit of '//quantity_of(unit)//', and taken for '//sensor%quantity// &
+        call append(record%notes, what//', a unit of '//quantity_of(unit)//', but is treated as '//sensor%quantity// &
                     ' in '//sensor%unit)
       else if (sensor%unit /= si) then
-        call append(record%notes, what//', which is not known as a unit of motion; the numbers are kept in '//sensor%unit// &
-                    ' and treated as '//sensor%quantity//'; quantity and scale bring them to SI')
+        call append(record%notes, what//', which is not a known unit of motion; the values stay in '//sensor%unit// &
+                    ' and are treated as '//sensor%quantity//'; quantity and scale convert them to SI')
       end if
     end associate
   end subroutine note_unit
@@ -158,7 +157,7 @@ contains
     associate (name => record%sensors(s)%name)
       if (flaws%is_constant) then
         call append(record%notes, 'constant: '//name//' is '//shortest(flaws%highest, 6)//' in all samples, and '// &
-          'tells nothing of lines')
+          'contains no lines')
         return
       end if
       if (flaws%clipped_high > 0) call note_clipped(flaws%clipped_high, 'above ', flaws%highest)
@@ -208,7 +207,7 @@ contains
       if (others <= most_listed) text = text//', '//text_of(i)
     end do
     if (others > most_listed) text = text//' and '//text_of(others - most_listed)//' more'
-    if (text /= '') call remark(notes, 'columns: without numbers, and left out: '//text(3:))
+    if (text /= '') call remark(notes, 'columns: left out, since they hold no numbers: '//text(3:))
   end subroutine note_left_out
 
 end module bw_record_notes

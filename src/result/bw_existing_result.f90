@@ -33,8 +33,8 @@ contains
     !! **Errors**: NetCDF would look for it elsewhere.
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
-    if (has_backslash(path)) call fail(error, status_bad_input, path//': the NetCDF library takes a backslash for a slash, and '// &
-                                       'would not find it; accepted: a path without')
+    if (has_backslash(path)) call fail(error, status_bad_input, path//': the NetCDF library reads a backslash as a slash, and '// &
+                                       'would not find it; accepted: a path without backslashes')
   end subroutine check_result_path
 
   subroutine look_at_existing(path, scene, overwrite, existing, error, study, checksums)

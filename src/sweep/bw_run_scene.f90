@@ -143,7 +143,7 @@ contains
     integer :: stat
     bytes = working_bytes(work%scene, work%layout)
     allocate (room(bytes), stat=stat)
-    if (stat /= 0) call fail(error, status_bad_file, work%scene%file//': memory was refused: a case takes about '// &
+    if (stat /= 0) call fail(error, status_bad_file, work%scene%file//': not enough memory: a case takes about '// &
                              bytes_text(bytes))
   end subroutine ask_for_memory
 

@@ -4,7 +4,7 @@ module bw_process
   !! A run-time error of the Fortran library ends a program with status 1 or 2, which would look like bad input. So an
   !! exit handler turns every ending except `leave` into `status_fault`, or into `status_bad_file` if memory was
   !! refused. `leave` ends the process at once: all files are written and closed, and exit handlers of libraries can
-  !! crash (HDF5 on a refused file) or hang (OpenBLAS on threads whose memory was refused).
+  !! crash (HDF5 on a refused file) or hang (OpenBLAS without memory for its threads).
   use, intrinsic :: iso_c_binding, only: c_null_char
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
@@ -28,7 +28,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call bw_set_environment('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char)
     if (bw_prepare_openblas(openblas_bytes) /= 0) then
-      call fail(error, status_bad_file, scene//': memory was refused: the linear algebra (OpenBLAS) claims '// &
+      call fail(error, status_bad_file, scene//': not enough memory: the linear algebra (OpenBLAS) claims '// &
                 text_of(openblas_bytes/1000000)//' MB')
     end if
   end subroutine prepare_libraries

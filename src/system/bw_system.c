@@ -385,10 +385,10 @@ enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, OF_FILE };
 /* Messages of abnormal endings, and their statuses, which are those of bw_error.f90. */
 static const struct { const char *message; int status; } endings[] = {
   {"a fault in the program: please report it\n", 70},
-  {"memory was refused\n", 3},
+  {"not enough memory\n", 3},
   {"the stack is exhausted; accepted: a larger one (ulimit -s)\n", 3},
   {"stopped within a step that could not be left in order; finished cases are saved\n", 5},
-  {": cannot be read: the library that reads it crashed or found no end: the file is damaged, or memory was refused\n", 3}};
+  {": cannot be read: the library that reads it crashed or found no end: the file is damaged, or memory ran out\n", 3}};
 
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1, SIGXCPU, SIGHUP};
 static volatile sig_atomic_t received, time_is_up, is_unseen;

@@ -22,7 +22,7 @@ def end_of(request, directory, kind):
 def test_an_allocation_that_is_refused_ends_with_3_and_says_so(request, tmp_path):
     ended = end_of(request, tmp_path, "bad-allocation")
     assert ended.returncode == 3, ended.stderr
-    assert "memory was refused" in ended.stderr
+    assert "not enough memory" in ended.stderr
 
 
 def test_a_stack_that_is_exhausted_ends_with_3_and_says_so(request, tmp_path):

@@ -113,17 +113,17 @@ def npy(path):
 
 
 HOSTILE = {  # what makes the file, status, what is said of it
-    "two factors": (lambda path: netcdf(path, scale_factor=np.array([1.0, 2.0])), 3, "scale_factor is not one number"),
-    "a thousand offsets": (lambda path: netcdf(path, add_offset=np.zeros(1000)), 3, "add_offset is not one number"),
-    "a factor in letters": (lambda path: netcdf(path, scale_factor="2"), 3, "scale_factor is not one number"),
-    "a factor in strings": (lambda path: netcdf(path, scale_factor=["2", "3"]), 3, "scale_factor is not one number"),
-    "a factor that is none": (lambda path: netcdf(path, scale_factor=np.nan), 3, "no finite number"),
-    "many missing values": (lambda path: netcdf(path, missing_value=np.arange(50.0)), 3, "missing_value is not one number"),
+    "two factors": (lambda path: netcdf(path, scale_factor=np.array([1.0, 2.0])), 3, "scale_factor is not a single number"),
+    "a thousand offsets": (lambda path: netcdf(path, add_offset=np.zeros(1000)), 3, "add_offset is not a single number"),
+    "a factor in letters": (lambda path: netcdf(path, scale_factor="2"), 3, "scale_factor is not a single number"),
+    "a factor in strings": (lambda path: netcdf(path, scale_factor=["2", "3"]), 3, "scale_factor is not a single number"),
+    "a factor that is none": (lambda path: netcdf(path, scale_factor=np.nan), 3, "not a finite number"),
+    "many missing values": (lambda path: netcdf(path, missing_value=np.arange(50.0)), 3, "missing_value is not a single number"),
     "numbers too large": (lambda path: netcdf(path, scale_factor=1e307), 3, "numbers that are too large"),
-    "2^33 samples": (lambda path: unwritten(path, {"time": 2**33}), 3, "memory was refused"),
-    "2^62 samples": (lambda path: unwritten(path, {"time": 2**62}), 3, "memory was refused"),
+    "2^33 samples": (lambda path: unwritten(path, {"time": 2**33}), 3, "not enough memory"),
+    "2^62 samples": (lambda path: unwritten(path, {"time": 2**62}), 3, "not enough memory"),
     "2^40 columns": (lambda path: unwritten(path, {"time": N, "point": 2**40}), 3, "columns and more; accepted"),
-    "a million columns": (lambda path: unwritten(path, {"time": N, "point": 10**6 - 1}), 2, "columns of numbers beside the time"),
+    "a million columns": (lambda path: unwritten(path, {"time": N, "point": 10**6 - 1}), 2, "columns of numbers besides the time"),
     "samples that are not there": (lambda path: unwritten(path, {"time": 10**7}), 3, "has 0 samples"),
     "a classic file that says too much": (lambda path: changed(path, longer), 3, "cannot be read: "),
     "a classic file cut off": (lambda path: changed(path, lambda content: content[:-500]), 3, "is cut off: it has"),
@@ -134,7 +134,7 @@ HOSTILE = {  # what makes the file, status, what is said of it
     "three dimensions": (lambda path: unwritten(path, {"time": N, "point": 2, "case": 2}), 3, "3 dimensions, as in a sweep"),
     "no samples": (lambda path: hdf5(path, time=np.zeros(0)), 3, "has no samples"),
     "no numbers": (lambda path: hdf5(path, time=np.array([b"a", b"b"])), 3, "no variable along the dimension"),
-    "pairs": (compound, 2, "has no column of numbers beside the time"),
+    "pairs": (compound, 2, "has no column of numbers besides the time"),
     "a line of 10 MB": (lambda path: csv(path, "1," * 5_000_000), 3, "the line is longer than"),
     "200 000 columns": (lambda path: csv(path, ("1," * 200_000 + "1\n") * 20), 2, "record%time: is missing"),
     "quotes without end": (lambda path: csv(path, 'time,"a\n' + '"' * 100_000), 3, "has no rows of numbers"),
@@ -186,7 +186,7 @@ def test_a_missing_value_is_left_out(here):
     (here.directory / "data").mkdir()
     netcdf(here.directory / "data/ring", missing_value=RING[7])
     ended, text = check(here)
-    assert ended == 0 and f"rows: left out 1 of {N}: a number is missing" in text
+    assert ended == 0 and f"rows: 1 of {N} are left out: a value or the time is missing" in text
 
 
 def test_damaged_bytes_are_read_or_told_in_one_line(here):
@@ -226,8 +226,8 @@ def test_attributes_that_say_little_are_told_and_left(here):
     for odd in [{"position": [0.5, 1.0]}, {"position": "left"}, {"position": 1.5}, {"position": np.nan}]:
         netcdf(path, **odd)
         ended, text = check(here)
-        assert (ended, text) == (0, "ring.nml: warning: position: what the file says of acceleration is no number from 0 to 1, and is "
-                                    "not used\n")
+        assert (ended, text) == (0, "ring.nml: warning: position: the value that the file gives for acceleration is "
+                                    "not a number from 0 to 1, and is ignored\n")
     for odd in [{"units": 3}, {"units": ["m", "s"]}, {"quantity": np.zeros(9)}, {"position": 0.5}, {"scale_factor": []}]:
         netcdf(path, **odd)
         assert check(here) == (0, "")

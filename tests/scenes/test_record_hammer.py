@@ -170,7 +170,7 @@ def test_a_force_that_is_none_is_refused_with_its_place(here):
     for name, force, words in (
         ("one", "force", "is in 'V', which is no unit of force; accepted: N, mN, kN, lbf"),
         ("two", "hammer", "'hammer' is no column"),
-        ("two", "s1", "is the time or a sensor, too"),
+        ("two", "s1", "is also the time or a sensor"),
     ):
         here.scene("bad", {"record": {"file": f"{name}.csv", "columns": ["s0", "s1"], "force": force}, "spectrum": {}})
         ended = here.beamwave("check", "bad.nml")

@@ -361,7 +361,7 @@ def test_a_simulated_result_is_a_record(here):
 
 
 BAD = {  # what is wrong with the second file, status, what standard error begins with
-    "a word": (text_of(2) + "9.0,off,1.0\n", 3, "b.csv:1026: column 2 (mid [m/s2]): 'off' is no finite number"),
+    "a word": (text_of(2) + "9.0,off,1.0\n", 3, "b.csv:1026: column 2 (mid [m/s2]): 'off' is not a finite number"),
     "other sensors": ("time,tip\n" + "".join(f"{j / 100},{j % 7}\n" for j in range(60)), 2, "b.csv: its sensors (displacement"),
     "nothing there": (None, 3, "b.csv: cannot be read: "),
 }

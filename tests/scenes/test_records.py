@@ -51,15 +51,15 @@ def test_rows_without_a_number_or_a_time_of_their_own_are_left_out(here, word):
     assert "196 samples of 200" in ended.stdout, ended.stderr
     said, whole = (text.stdout.split("warning")[0] for text in (ended, whole))
     assert said.replace("196 samples of 200", "196 samples") == whole
-    assert "rows: left out 4 of 200: a number is missing, or the time, or it is that of the row before" in ended.stderr
+    assert "rows: 4 of 200 are left out: a value or the time is missing, or the time is that of the row before" in ended.stderr
 
 
 BAD = {  # text, names, status, what standard error begins with
     "too many gaps": (table(ROWS[:110]) + table(ROWS[110:], form="{:.3f},{:.6f},nan").split("\n", 1)[1], {"start": 0.1}, 3,
-                      "data/ring.csv: has 10 samples without a gap, and column acc2 lacks 90 of 100 numbers; accepted: 16 or more"),
+                      "data/ring.csv: has 10 complete rows, and column acc2 lacks 90 of 100 values; accepted: 16 rows or more"),
     "a short row": (table() + "9.0,1.0\n", {}, 3, "data/ring.csv:202: has 2 of 3 columns"),
-    "a word": (table() + "9.0,1.0,off\n", {}, 3, "data/ring.csv:202: column 3 (acc2): 'off' is no finite number"),
-    "a time that falls": (table() + "0.1,1.0,2.0\n", {}, 3, "data/ring.csv:202: the time 0.1 does not rise"),
+    "a word": (table() + "9.0,1.0,off\n", {}, 3, "data/ring.csv:202: column 3 (acc2): 'off' is not a finite number"),
+    "a time that falls": (table() + "0.1,1.0,2.0\n", {}, 3, "data/ring.csv:202: the time 0.1 is not later than 0.199"),
     "no such column": (table(), {"columns": "acc7"}, 2, "data/ring.nml:3: record%columns: 'acc7' is no column of data/ring.csv"),
     "no time": (table(head="x,y,z"), {}, 2, "data/ring.nml: record%time: is missing"),
     "places": (table(), {"points": [0.1, 0.2, 0.3]}, 2, "data/ring.nml:3: record%points: has 3 values"),
@@ -86,9 +86,9 @@ def test_samples_that_say_nothing_and_unknown_units_are_warned_of(here):
     for kind in ["clipped: acc [g] is cut off above 3.92266", "clipped: acc [g] is cut off below -3.92266",
                  "constant: strain [um/m] stays at 1e-7 from 0.051 to 0.089 s"]:
         assert f"data/ring.nml: warning: {kind}" in ended.stderr
-    assert "note: units: acc [g] is in 'g', and brought to m s-2" in ended.stdout
+    assert "note: units: acc [g] is in 'g', and is converted to m s-2" in ended.stdout
     unknown = check(here, table(head="time,acc [V],strain [um/m]"))
-    assert "warning: units: acc [V] is in 'V', which is not known as a unit of motion; the numbers are kept in V" in unknown.stderr
+    assert "warning: units: acc [V] is in 'V', which is not a known unit of motion; the values stay in V" in unknown.stderr
 
 
 def test_a_clock_that_counts_from_long_ago_is_told_by_its_start_and_the_duration(here):
@@ -100,7 +100,7 @@ def test_a_clock_that_counts_from_long_ago_is_told_by_its_start_and_the_duration
 
 
 def test_a_quantity_that_nobody_says_is_warned_of(here):
-    taken = "data/ring.nml: warning: quantity: the file does not say it of acc1, and displacement is taken; quantity = 'acceleration'"
+    taken = "data/ring.nml: warning: quantity: not given in the file for acc1; displacement is assumed, unless quantity = 'acceleration'"
     assert taken in check(here, table(head="time,acc1,acc2 [m/s2]")).stderr
     assert check(here, table(head="time,acc1 [m/s2],acc2 [m/s2]")).stderr == ""
     assert check(here, table(), quantity="displacement").stderr == ""

@@ -172,7 +172,7 @@ def test_memory_that_is_refused_is_named_before_any_work(here, megabytes):
     limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes * 2**20,) * 2)}
     if here.beamwave("--version", **limited).returncode != 0:
         pytest.skip(f"the program does not start in {megabytes} MB, as under a sanitizer")
-    assert_refused(here.beamwave("run", "a.nml", **limited), "a.nml", "memory was refused")
+    assert_refused(here.beamwave("run", "a.nml", **limited), "a.nml", "not enough memory")
     assert not (here.directory / "output").exists()
 
 

@@ -231,7 +231,7 @@ def _channels(table: Table, wanted: Wanted, record: str) -> list[Channel]:
             continue
         found.append(Channel(name, values, times, unit=table.units[column], record=record, line=table.line))
     if not found:
-        raise NotARecord(f"no column of numbers beside the times among {_listed(table)}")
+        raise NotARecord(f"no column of numbers besides the times among {_listed(table)}")
     return found
 
 

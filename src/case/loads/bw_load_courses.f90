@@ -207,7 +207,7 @@ contains
       problem = 'no such column of numbers in '//source%path//'; accepted: '//listed(source)
     else if (column == 0) then
       name = 'column'
-      problem = 'is missing, and '//source%path//' has '//text_of(size(others))//' columns of numbers beside the time; '// &
+      problem = 'is missing, and '//source%path//' has '//text_of(size(others))//' columns of numbers besides the time; '// &
         'accepted: '//listed(source)
     end if
     if (.not. is_missing(load%sample_rate)) time = 0

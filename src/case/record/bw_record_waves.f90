@@ -6,7 +6,7 @@ module bw_record_waves
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_monitor, only: monitor_type
-  use bw_note, only: remark
+  use bw_note, only: is_remark, remark, unmarked
   use bw_result_layout, only: has, result_layout
   use bw_model_shapes, only: mean_wavenumber
   use bw_scene, only: scene_type
@@ -114,17 +114,15 @@ contains
     !! a sweep shows only the first note of a kind.
     type(string), intent(in) :: notes(:)
     type(case_result), intent(inout) :: result
-    character(:), allocatable :: text, warnings, remarks
+    character(:), allocatable :: warnings, remarks
     integer :: i
     warnings = ''
     remarks = ''
     do i = 1, size(notes)
-      text = notes(i)%text
-      if (index(text, kind) == 1) text = text(len(kind) + 1:)
-      if (index(text, 'by more than') == 1) then
-        warnings = warnings//'; '//text
+      if (is_remark(notes(i)%text)) then
+        remarks = remarks//'; '//unmarked(notes(i)%text)
       else
-        remarks = remarks//'; '//text
+        warnings = warnings//'; '//notes(i)%text
       end if
     end do
     if (warnings /= '') call append(result%notes, kind//warnings(3:))

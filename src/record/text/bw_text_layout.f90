@@ -56,7 +56,7 @@ contains
       if (size(lines) > 0) where_text = ' in its first '//text_of(size(lines))//' lines'
       call fail(error, status_bad_file, path//': has no rows of numbers'//where_text// &
                 '; accepted: columns of numbers separated by commas, semicolons, tabs or blanks, or NetCDF '// &
-                '(beamwave-record makes it of texts of loggers, UFF 58, .mat, .npy and .wav files)')
+                '(beamwave-record converts the texts of loggers and UFF 58, .mat, .npy and .wav files)')
       return
     end if
     call probe_all(lines, layout%separator, probed)
@@ -181,15 +181,14 @@ contains
       end do
     end do
     if (layout%separator == ',' .and. decimals .and. .not. (points .or. commas)) call fail(error, status_bad_file, path// &
-      ': its commas are decimal marks, or part columns of whole numbers that begin with 0; accepted: decimal points, or '// &
-      'semicolons between columns')
+      ': its commas are decimal marks, or separate integers with leading zeros; accepted: decimal points, or semicolons '// &
+      'between columns')
     if (.not. commas) return
     layout%mark = ','
     if (points) then
-      call fail(error, status_bad_file, path//': has numbers with decimal points and others with commas; '// &
-                'accepted: one decimal mark')
+      call fail(error, status_bad_file, path//': mixes decimal points and decimal commas; accepted: one decimal mark')
     else if (.not. certain) then
-      call fail(error, status_bad_file, path//': its commas may be decimal marks or part thousands; '// &
+      call fail(error, status_bad_file, path//': its commas may be decimal marks or separate thousands; '// &
                 'accepted: decimal points')
     end if
   end subroutine find_mark

@@ -51,11 +51,12 @@ contains
       associate (field => fields(columns(c))%text)
         lacks(c) = is_missing_word(field)
         if (is_number_here(field, layout%mark) .or. lacks(c)) cycle
-        problem = named(layout, columns(c))//": '"//shortened(field)//"' is no finite number; accepted: as in 2.5, -1e-3, 1.0D+03"
+        problem = named(layout, columns(c))// &
+          ": '"//shortened(field)//"' is not a finite number; accepted: as in 2.5, -1e-3, 1.0D+03"
         return
       end associate
     end do
-    problem = 'is no row of numbers; accepted: finite numbers'
+    problem = 'is not a row of numbers; accepted: finite numbers'
     if (any(lacks)) problem = ''
   end subroutine judge_row
 

@@ -57,7 +57,7 @@ contains
       if (.not. is_comment(line)) rows = rows + 1
       bytes = bytes + len(line)
       if (index(line, achar(13)) > 0) call fail(error, status_bad_file, path//':'//text_of(size(lines))// &
-        ': a carriage return stands inside the line; accepted: lines that end with LF or CR LF')
+        ': the line contains a carriage return; accepted: lines that end with LF or CR LF')
       if (allocated(error)) return
     end do
     call find_layout(path, lines, self%layout, error)
@@ -69,8 +69,8 @@ contains
     integer(i1), intent(in) :: bytes(:)                    !! from the beginning of the file
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
-    character(*), parameter :: makes = '; accepted: text or NetCDF, which beamwave-record makes of UFF 58, MATLAB, NumPy, WAV '// &
-                               'and other files'
+    character(*), parameter :: makes = '; accepted: text or NetCDF, to which beamwave-record converts UFF 58, MATLAB, NumPy, '// &
+                               'WAV and other files'
     character(:), allocatable :: head, problem
     integer :: line
     head = text_between(bytes, 1, min(size(bytes), 40))
@@ -155,7 +155,7 @@ contains
     real(dp), allocatable :: more(:)
     integer :: status
     allocate (more(2*size(numbers)), stat=status)
-    if (status /= 0) call fail(error, status_bad_file, path//': memory was refused')
+    if (status /= 0) call fail(error, status_bad_file, path//': not enough memory')
     if (allocated(error)) return
     more(:size(numbers)) = numbers
     call move_alloc(more, numbers)

@@ -23,8 +23,8 @@ module bw_record_lines
   character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'noise_colour']
     !! by number, from 1
   character(*), parameter, public :: reason_texts(*) = [character(64) :: &
-    'as much is explained without it, but for noise', &
-    'a driven motion, or the colour of noise, explains it as well']
+    'not significant: the lines and noise explain it', &
+    'a driven motion or coloured noise explains it equally well']
 
   type, public :: rejected_candidate
     !! A place in the spectrum that was examined and is no line.

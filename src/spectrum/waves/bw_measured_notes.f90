@@ -46,7 +46,7 @@ contains
       & text_of(size(listed))//' strongest are listed')
     if (allocated(facts%known)) return          ! known modes include aliasing, growth and decay
     if (any(shown .and. verdict%kind == not_known) .and. .not. any(is_wave)) call remark(notes, &
-      & 'aliasing: nothing tells which lines are aliased from above half the sampling rate')
+      & 'aliasing: it is not known which lines are aliased from above half the sampling rate')
     if (any(shown .and. abs(peaks%growth) > worth_a_note)) call remark(notes, &
       & 'lines that grow or decay: '//frequencies(shown .and. abs(peaks%growth) > worth_a_note))
 
@@ -58,7 +58,7 @@ contains
       words = ''
       if (any(aliased)) words = '; '//ranges(pack(verdict%number, aliased))//', aliased from above half the sampling rate ('// &
         & shortest(samples/(2*facts%duration), 6)//' Hz)'
-      if (.not. all(peaks%located)) words = words//'; lines that could not be told apart: '// &
+      if (.not. all(peaks%located)) words = words//'; unresolved lines: '// &
         & text_of(count(.not. peaks%located))
       if (any(stray)) words = words//'; lines that fit no mode: '//frequencies(stray)
       if (words /= '') words = words(3:)

@@ -4,6 +4,7 @@ module bw_sensor_waves
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
+  use bw_note, only: remark
   use bw_quantile, only: normal, squares_deviation, student_quantile
   use bw_sensor_lines, only: hertz, measured_lines, sensor_facts, sensor_waves, square_of
   use bw_separation, only: separation_of
@@ -47,16 +48,16 @@ contains
     sensors%ends = facts%ends
     sensors%model = facts%model
     reason = reason_against(sensors)
-    if (.not. facts%length > 0) reason = 'the length of the beam is not known (&beam), and places are in units of it'
+    if (.not. facts%length > 0) reason = 'the length of the beam, the unit of the positions, is not given (&beam)'
     if (reason /= '') then
-      call append(waves%notes, 'measured waves: wave numbers and velocities are missing, since '//reason)
+      call remark(waves%notes, 'wave numbers and velocities are missing, since '//reason)
       return
     end if
     call find_motions(facts, lines, motions)
     call find_choices(sensors, motions, square_of(lines), facts, choices, monitor)
     do k = 1, size(choices)
       call find_wave(facts, sensors, motions(k), choices(k), found(k), reason)
-      if (reason /= '') call append(waves%notes, 'measured waves: the line at '//hertz(lines, k)//' has no wave number: '//reason)
+      if (reason /= '') call remark(waves%notes, 'the line at '//hertz(lines, k)//' has no wave number: '//reason)
     end do
     call note_misfits(facts, lines, choices%misfits .and. found%exists, waves%notes)
     call fill_waves(facts, lines, found, waves)
@@ -206,14 +207,14 @@ contains
     real(dp) :: interval(2), sides(2), quantile
     reason = ''
     if (.not. exceeds_noise(motion)) then
-      reason = 'no sensor shows it, all are near its nodes'
+      reason = 'all sensors are near its nodes'
     else if (size(choice%candidates) == 0) then
       reason = 'no mass at the tip gives such a shape'
     else if (choice%chosen == 0 .and. choice%rival == 0) then
-      reason = 'it lies on no dispersion with the others, and so few sensors need that'
+      reason = 'it is not on the dispersion curve of the other lines, which so few sensors require'
     else if (choice%chosen == 0) then
       associate (pair => choice%candidates([choice%best, choice%rival])%alpha/facts%length)
-        reason = shortest(pair(1), 4)//' and '//shortest(pair(2), 4)//' 1/m fit alike'
+        reason = shortest(pair(1), 4)//' and '//shortest(pair(2), 4)//' 1/m fit equally well'
       end associate
     end if
     if (reason /= '') return
@@ -224,8 +225,8 @@ contains
     wave%error = merge(maxval(sides), sum(sides/2), maxval(sides) > lopsided*minval(sides)) + rounding*wave%alpha
     wave%deviation = wave%error/student_quantile(facts%confidence, normal)
     wave%exists = wave%error <= vague*wave%alpha
-    if (.not. wave%exists) reason = 'the sensors do not fix it; '//shortest(wave%alpha/facts%length, 2)// &
-      & ' 1/m fits best, and others half as large or twice as large as well'
+    if (.not. wave%exists) reason = 'the sensors do not determine it: '//shortest(wave%alpha/facts%length, 2)// &
+      & ' 1/m fits best, but half and twice as much are not excluded'
   end subroutine find_wave
 
   pure subroutine compare_with_beam(facts, lines, doubtful, waves)
@@ -240,10 +241,10 @@ contains
     if (is_missing(waves%stiffness_root) .or. .not. facts%stiffness_root > 0) return
     if (abs(waves%stiffness_root - facts%stiffness_root) <= waves%stiffness_root_error*unlikely/ &
       & student_quantile(facts%confidence, normal)) return
-    words = 'measured waves: by more than its error, sqrt(EI/(rho A)) of the waves, '//shortest(waves%stiffness_root, 5)// &
-      & ' m2/s, is not the '//shortest(facts%stiffness_root, 5)//' of the scene: its material, section or length is another, '// &
-      & 'or its ends are'
-    if (doubtful) words = words//'; intervals reach from the one to the other'
+    words = 'sqrt(EI/(rho A)) of the waves, '//shortest(waves%stiffness_root, 5)//' m2/s, differs from '// &
+      & 'that of the scene, '//shortest(facts%stiffness_root, 5)//', by more than its error: the material, section, length or '// &
+      & 'ends are not those of the scene'
+    if (doubtful) words = words//'; intervals are widened to hold both'
     call append(waves%notes, words)
     if (.not. doubtful) return
     apart = abs(sqrt(sqrt(square_of(lines) + facts%angular_velocity**2)/facts%stiffness_root)/waves%wavenumber - 1)
@@ -278,8 +279,8 @@ contains
     do k = 1, size(refused)
       if (refused(k)) words = words//', '//hertz(lines, k)
     end do
-    call append(waves%notes, 'measured waves: no interval is claimed, since so few sensors fit any beam and no lines '// &
-      & 'confirm each other; one sensor more would show whether the ends are as assumed: '//words(3:))
+    call remark(waves%notes, 'no intervals, since so few sensors fit any beam and no other line confirms '// &
+      & 'the dispersion; one more sensor would test the assumed ends: '//words(3:))
   end subroutine remove_intervals
 
   pure subroutine note_misfits(facts, lines, misfits, notes)
@@ -294,8 +295,8 @@ contains
     do k = 1, size(misfits)
       if (misfits(k)) words = words//', '//hertz(lines, k)
     end do
-    if (words /= '') call append(notes, 'measured waves: by more than the noise, these shapes are none of a uniform beam with '// &
-      & 'ends = '''//facts%ends//''', and their intervals are wider for it: '//words(3:))
+    if (words /= '') call append(notes, 'these shapes differ by more than the noise from those of a uniform '// &
+      & 'beam with ends = '''//facts%ends//''', and their intervals are widened: '//words(3:))
   end subroutine note_misfits
 
 end module bw_sensor_waves

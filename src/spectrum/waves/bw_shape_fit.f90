@@ -81,8 +81,8 @@ contains
     reason = ''
     if (max(places_of(sensors, .false.), places_of(sensors, .true.)) >= needed) return
     reason = 'ends = '''//sensors%ends//''' needs '//text_of(needed)//' sensors of motion or '//text_of(needed)// &
-      & ' of strain, each at another place where it does not have to be 0; there are '//text_of(places_of(sensors, .false.))// &
-      & ' and '//text_of(places_of(sensors, .true.))
+      & ' of strain, at different places where the shape is not forced to be 0; there are '// &
+      & text_of(places_of(sensors, .false.))//' and '//text_of(places_of(sensors, .true.))
   end function reason_against
 
   pure logical function fits_anything(sensors)

@@ -3,6 +3,7 @@ module bw_wave_velocities
   !! from the dispersion of all lines.
   use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
   use bw_kinds, only: dp
+  use bw_note, only: remark
   use bw_quantile, only: normal, squares_deviation, student_quantile
   use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves, square_of
   use bw_shape_fit, only: rounding
@@ -57,18 +58,18 @@ contains
     variance = found%deviation**2 + (found%alpha*lines%frequency_deviation/(2*lines%angular_frequency))**2
     curve = fit_dispersion(pack(square, on_curve), pack(found%alpha, on_curve), pack(variance, on_curve), facts%rotates)
     if (.not. curve%exists) then
-      call append(waves%notes, 'measured waves: group velocities are missing, since '// &
-        & 'the wave numbers fix no dispersion; where the beam rotates that takes two')
+      call remark(waves%notes, 'group velocities are missing, since '// &
+        & 'the wave numbers do not determine the dispersion; a rotating beam needs two')
       return
     end if
-    if (any(found%exists .and. .not. on_curve)) call append(waves%notes, 'measured waves: lines that do not lie on the '// &
-      & 'dispersion of the others have no group velocity')
+    if (any(found%exists .and. .not. on_curve)) call remark(waves%notes, 'lines off the dispersion '// &
+      & 'curve of the others have no group velocity')
     quantile = student_quantile(facts%confidence, normal)
     if (curve%freedom > 0) then
       agree = on_curve
       if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
-        call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
-          & 'a uniform beam; intervals of group velocities are wider for it')
+        call append(waves%notes, 'the wave numbers differ by more than their errors from the dispersion of '// &
+          & 'a uniform beam; intervals of group velocities are widened')
         agree = .false.
         quantile = student_quantile(facts%confidence, curve%freedom)
         curve%covariance = curve%covariance*curve%misfit/curve%freedom

@@ -250,7 +250,7 @@ contains
     tally%held(3) = tally%held(3) + held(waves%group_velocity, waves%group_velocity_error, truth%group_velocity)
     tally%aliases = tally%aliases + count(.not. is_missing(waves%wavenumber)) &
       & - held(waves%wavenumber, 3*waves%wavenumber_error, truth%wavenumber)
-    tally%noted = tally%noted + count([(index(waves%notes(i)%text, 'shapes are none') > 0, i=1, size(waves%notes))])
+    tally%noted = tally%noted + count([(index(waves%notes(i)%text, 'these shapes differ') > 0, i=1, size(waves%notes))])
     if (is_missing(waves%stiffness_root)) return
     tally%dispersions(1) = tally%dispersions(1) + 1
     tally%dispersions_held(1) = tally%dispersions_held(1) &
