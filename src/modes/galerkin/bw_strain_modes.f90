@@ -8,10 +8,9 @@ module bw_strain_modes
   !! from p, and the agreement of the two is checked.
   !!
   !! **Errors**: β² + σ within 1e-13 relatively for 200 modes, Ω from 0 to 1000 and every slenderness (tests).
-  use bw_constants, only: pi
-  use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-), operator(/)
+  use bw_double_double, only: dd, to_dd, operator(+)
   use bw_kinds, only: dp
-  use bw_lapack, only: dpotrf, dsygv, dtrsm
+  use bw_lapack, only: dpotrf, dtrsm
   use bw_local_waves, only: local_wave, mean_rule, wave_section
   use bw_missing, only: missing
   use bw_mode_demand, only: mode_demand
@@ -19,14 +18,15 @@ module bw_strain_modes
   use bw_piece_beam, only: holds_tip, side_of_tip
   use bw_piece_strains, only: ends_of, motions_of, piece_motions, strains_inside
   use bw_singular_values, only: singular_values
-  use bw_strain_basis, only: basis_values, times_polynomial
+  use bw_strain_basis, only: basis_values
+  use bw_strain_critical, only: critical_speed_of, first_guess
   use bw_strain_set, only: strain_set
-  use bw_strain_system, only: build_system, forms_of_spin, strain_system, turn_of_piece, unfactored
-  use bw_tension_layers, only: most_layers
+  use bw_strain_squares, only: find_squares
+  use bw_strain_system, only: build_system, strain_system, turn_of_piece, unfactored
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
-  public :: strain_modes, modes_with, critical_speed_of
+  public :: strain_modes, modes_with
 
   integer, parameter :: most_functions = 2000      !! most functions in all pieces together
   integer, parameter :: watched = 2                !! last coefficients that are checked: one of two neighbours may vanish by parity
@@ -61,30 +61,6 @@ contains
     if (set%resolved) call find_waves(given, set)
     set%critical_speed = critical_speed_of(given)
   end subroutine strain_modes
-
-  pure function first_guess(given, count, wanted) result(functions)
-    !! Estimate the functions for the shortest wave, which pieces share as in a beam without tension, and for boundary
-    !! layers of thickness δ = √(B(1 + sT)/T) due to tension, unless these are separate pieces (bw_tension_layers).
-    type(varying_beam), intent(in) :: given
-    integer, intent(in) :: count
-    type(mode_demand), intent(in) :: wanted
-    integer :: functions(size(given%beam%piece))
-    real(dp), dimension(size(functions)) :: waves, layers, pull
-    associate (piece => given%beam%piece)
-      waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
-      pull = given%beam%spin_squared%hi*pulls(given)
-      layers = piece%length%hi*sqrt(pull/piece%stiffness%hi/(1.0_dp + piece%compliance%hi*pull))
-      functions = wanted%functions(pi*count*waves/sum(waves), merge(layers, 0.0_dp, layers <= most_layers))
-    end associate
-  end function first_guess
-
-  pure function pulls(given) result(pull)
-    !! Return T/Ω² at the inner ends of the pieces.
-    type(varying_beam), intent(in) :: given
-    real(dp) :: pull(size(given%law))
-    integer :: i
-    pull = [(given%law(i)%tension(1) + given%law(i)%pull, i=1, size(pull))]
-  end function pulls
 
   subroutine modes_with(given, count, functions, struck, set, last, monitor)
     !! Find modes with given numbers of functions, without their waves.
@@ -202,107 +178,6 @@ contains
       end associate
     end function ends_and_inside
   end subroutine find_motions
-
-  ! β²
-
-  pure subroutine find_squares(given, period, shift, set)
-    !! Find β² of modes of mass 1. Terms of rotation are about Ω², and what rounding leaves of their cancellation is set
-    !! to 0, as for a beam that rotates freely about the axis of rotation.
-    type(varying_beam), intent(in) :: given
-    real(dp), intent(in) :: period(:)
-    type(dd), intent(in) :: shift                  !! σ
-    type(strain_set), intent(inout) :: set
-    real(dp), parameter :: rest = 16.0_dp*epsilon(1.0_dp)
-    real(dp) :: quotient(set%count)
-    type(dd) :: p
-    integer :: k
-    allocate (set%beta_squared(set%count), set%rotation(set%count), set%modal_mass(set%count))
-    set%modal_mass = 1.0_dp
-    do k = 1, set%count
-      p = to_dd(period(k))
-      set%beta_squared(k) = to_dd(1.0_dp)/(p*p) - shift
-      set%rotation(k) = rotation_term(given, set, k)
-      quotient(k) = set%work(k, k) + set%rotation(k)
-    end do
-    call choose_squares(quotient, shift%hi, set)
-    if (given%beam%root%on_hub) set%beta_squared(1) = dd()       ! rigid rotation
-    where (abs(set%beta_squared%hi) <= rest*given%beam%spin_squared%hi) set%beta_squared = dd()
-  end subroutine find_squares
-
-  pure subroutine choose_squares(quotient, shift, set)
-    !! Choose β² between that of the singular values, in the set, and Rayleigh's quotient. The former is a small
-    !! difference if the shift or the terms of rotation are larger. In a badly conditioned system, as with very
-    !! different springs, its error is the difference of the two, as that of the quotient is the square of a shape's
-    !! error. If the two disagree the modes are not resolved.
-    real(dp), intent(in) :: quotient(:)            !! (modes)
-    real(dp), intent(in) :: shift                  !! σ ≥ 0
-    type(strain_set), intent(inout) :: set
-    real(dp), parameter :: agreement = 1.0e-8_dp
-    real(dp), parameter :: conditioned = 2.0e-14_dp       ! tuned: largest difference in a well-conditioned system
-    real(dp), parameter :: rounding = 16.0_dp*epsilon(1.0_dp)   ! of all terms otherwise, by comparison with power series
-    real(dp), dimension(size(quotient)) :: scale, difference
-    scale = shift + (quotient - set%rotation) + abs(set%rotation)
-    difference = abs(quotient - set%beta_squared%hi)
-    set%resolved = all(difference <= agreement*scale)
-    set%square_rounding = max(rounding*scale, min(difference, conditioned*scale))
-    where (abs(set%beta_squared%hi) < 0.5_dp*scale .or. difference > conditioned*scale) set%beta_squared = to_dd(quotient)
-  end subroutine choose_squares
-
-  pure real(dp) function rotation_term(given, set, k) result(term)
-    !! Return the work against tension, less Ω² times the mass or inertia on which the centrifugal force acts.
-    type(varying_beam), intent(in) :: given
-    type(strain_set), intent(in) :: set
-    integer, intent(in) :: k
-    integer :: i
-    term = 0.0_dp
-    do i = 1, size(set%piece)
-      associate (piece => given%beam%piece(i), law => given%law(i), motion => set%piece(i))
-        term = term + piece%length%hi*weighed(law%tension, motion%slope(:, k))
-        if (given%beam%in_plane) then
-          term = term - piece%mass%hi*piece%length%hi*weighed(law%mass, motion%deflection(:, k))
-        else
-          term = term - piece%rotary%hi*piece%length%hi*weighed(law%rotary, motion%turning(:, k))
-        end if
-        term = term + given%beam%joint(i)%mass%hi*body_term(given, set, k, i)
-      end associate
-    end do
-    term = given%beam%spin_squared%hi*term
-  end function rotation_term
-
-  pure real(dp) function weighed(law, f) result(integral)
-    !! Return ∫w f² over a piece, per length.
-    real(dp), intent(in) :: law(:)                 !! of w
-    real(dp), intent(in) :: f(:)                   !! coefficients
-    integral = dot_product(f, times_polynomial(law, f))
-  end function weighed
-
-  pure real(dp) function body_term(given, set, k, joint) result(term)
-    !! Return the term of a body's mass at ξ_b: with tension (R + ξ_b)∫v'² dξ up to there, in plane less v(ξ_b)². With
-    !! the mean slope s, v(ξ_b) = v(0) + sξ_b, both are (R + ξ_b)∫(v' − s)² + Rs²ξ_b − v(0)(v(0) + 2sξ_b), without
-    !! cancellation at a fixed root, for any mass.
-    type(varying_beam), intent(in) :: given
-    type(strain_set), intent(in) :: set
-    integer, intent(in) :: k, joint
-    real(dp) :: mean, place
-    integer :: i
-    term = 0.0_dp
-    associate (v => set%deflection(:, k), in_plane => given%beam%in_plane, hub => given%hub_radius)
-      if (.not. given%is_pulled) then
-        if (in_plane) term = -v(joint + 1)**2
-        return
-      end if
-      place = sum(given%beam%piece(:joint)%length%hi)
-      mean = 0.0_dp
-      if (in_plane) mean = (v(joint + 1) - v(1))/place
-      do i = 1, joint
-        associate (slope => set%piece(i)%slope(:, k))
-          term = term + given%beam%piece(i)%length%hi*((slope(1) - mean)**2 + sum(slope(2:)**2))
-        end associate
-      end do
-      term = (hub + place)*term
-      if (in_plane) term = term + hub*mean**2*place - v(1)*(v(1) + 2.0_dp*mean*place)
-    end associate
-  end function body_term
 
   pure function last_coefficients(set) result(largest)
     !! Return the largest of the last coefficients of √(mL) v and √(ρIL) ψ in any piece, (modes).
@@ -438,73 +313,5 @@ contains
       end associate
     end do
   end subroutine leave_empty
-
-  type(dd) function critical_speed_of(given) result(omega)
-    !! Return the lowest Ω at which a mode is unstable, 0 if none: there Ω²R balances K + Ω²T, elastic stiffness and
-    !! that due to tension. Free rigid motions do not count. At speeds far beyond those that a beam would survive,
-    !! tension confines rotation to boundary layers that these functions do not resolve; the error is then up to 1e-3.
-    type(varying_beam), intent(in) :: given
-    real(dp), parameter :: agreement = 1.0e-11_dp
-    integer, parameter :: most_times = 4           ! functions over the first guess
-    real(dp) :: square, before, rounding
-    integer, dimension(size(given%beam%piece)) :: functions, first
-    first = first_guess(given, 1, mode_demand())
-    functions = first
-    call find_critical_square(given, functions, square, rounding)
-    do
-      before = square
-      functions = functions + functions/2
-      call find_critical_square(given, functions, square, rounding)
-      if (abs(square - before) <= max(agreement*square, 2.0_dp*rounding) .or. sum(functions) > most_times*sum(first)) exit
-    end do
-    omega = to_dd(sqrt(square))
-  end function critical_speed_of
-
-  subroutine find_critical_square(given, functions, s, rounding)
-    !! Find Ω² of that speed for given numbers of functions. 1/Ω² is the largest ratio of x·(R − T)x to x·Kx, with rounding
-    !! errors from a strong tension. With h(s), the smallest ratio of x·(K + sT)x to x·Rx, it is the root of h(s) = s, without
-    !! cancellation; as h is concave, Newton's steps s = x·Kx/x·(R − T)x decrease to it until rounding dominates.
-    type(varying_beam), intent(in) :: given
-    integer, intent(in) :: functions(:)
-    real(dp), intent(out) :: s, rounding           !! 0 if there is none
-    real(dp), parameter :: of_the_largest = 1.0e-13_dp     ! rounding error of eigenvalues
-    real(dp), allocatable, dimension(:, :) :: elastic, tension, push
-    real(dp), allocatable :: value(:), x(:)
-    real(dp) :: before, gain
-    integer :: info
-    s = 0.0_dp
-    rounding = 0.0_dp
-    call forms_of_spin(given, functions, elastic, tension, push)
-    call ratios(push - tension, elastic, value, x, info)
-    if (info /= 0) return
-    if (value(size(value)) <= of_the_largest*maxval(abs(value))) return   ! tension stabilises every mode
-    s = 1.0_dp/value(size(value))
-    if (.not. given%is_pulled) return
-    rounding = s
-    do
-      call ratios(push, elastic + s*tension, value, x, info)
-      gain = dot_product(x, matmul(push, x)) - dot_product(x, matmul(tension, x))
-      if (info /= 0 .or. gain <= 0.0_dp) return
-      before = s
-      s = dot_product(x, matmul(elastic, x))/gain
-      if (.not. abs(s - before) < 0.5_dp*rounding) return
-      rounding = abs(s - before)
-    end do
-  end subroutine find_critical_square
-
-  subroutine ratios(a, b, value, x, info)
-    !! Find the eigenvalues of a x = λ b x, ascending, and the vector of the last.
-    real(dp), intent(in) :: a(:, :), b(:, :)
-    real(dp), allocatable, intent(out) :: value(:), x(:)
-    integer, intent(out) :: info                   !! 0 if b is positive definite
-    real(dp), allocatable :: vectors(:, :), factor(:, :), work(:)
-    integer :: n
-    n = size(a, 1)
-    vectors = a
-    factor = b
-    allocate (value(n), work(64*n))
-    call dsygv(1, 'V', 'L', n, vectors, n, factor, n, value, work, size(work), info)
-    x = vectors(:, n)
-  end subroutine ratios
 
 end module bw_strain_modes
