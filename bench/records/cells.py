@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import lfilter
 
 SPACED = (0.0531, 0.1237, 0.2106)  # periods per step; a draw adds less than one bin. harminv finds nothing above 0.25
 GAP = 40  # steps
@@ -118,9 +119,13 @@ def noise(cell: Cell, random: np.random.Generator) -> np.ndarray:
     white = random.standard_normal((cell.samples, cell.sensors))
     if cell.share:
         white = np.sqrt(1 - cell.share) * white + np.sqrt(cell.share) * random.standard_normal((cell.samples, 1))
-    for row in range(1, cell.samples) if cell.colour else ():
-        white[row] = cell.colour * white[row - 1] + np.sqrt(1 - cell.colour**2) * white[row]
-    return white
+    return coloured(white, cell.colour)
+
+
+def coloured(white: np.ndarray, phi: float) -> np.ndarray:
+    """AR(1) noise of deviation 1 from white noise."""
+    scale = np.sqrt(1 - phi**2)
+    return lfilter([scale], [1, -phi], np.vstack([white[:1] / scale, white[1:]]), axis=0)
 
 
 def shaped(cell: Cell, random: np.random.Generator) -> np.ndarray:

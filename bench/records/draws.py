@@ -9,11 +9,11 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from .beams import Beam, log_uniform, random_beam
+from .cells import coloured, whitened
 
 FALSE_ALARM = 0.01
 SURE = 3.0  # times the gain that noise alone reaches: such a line has to be found
 LIFE = 3.0  # decay times, for which a line's drift is told
-ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass
@@ -64,7 +64,7 @@ class Struck:
         sigma = log_uniform(random, 0.7, 1.4, lines.sensors) * 10 ** (-random.uniform(*self.decibels) / 20) / np.sqrt(2)
         sigma *= np.sqrt((np.abs(lines.amplitudes[0]) ** 2).mean(axis=1)).max()
         phi = random.uniform(0, self.colour)
-        values = lines.samples() + sigma * coloured(random, (len(lines.times), lines.sensors), phi)
+        values = lines.samples() + sigma * coloured(random.standard_normal((len(lines.times), lines.sensors)), phi)
         valid = np.ones(values.shape, bool)
         if self.clipped:
             limit = np.quantile(np.abs(values), 1 - self.clipped, axis=0)
@@ -206,20 +206,6 @@ def present(random: np.random.Generator, samples: int, part: float) -> np.ndarra
         kept[first : first + 20] = False
     kept[[0, -1]] = True
     return kept
-
-
-def coloured(random: np.random.Generator, shape: tuple[int, ...], phi: float) -> np.ndarray:
-    """AR(1) noise of deviation 1."""
-    white = random.standard_normal(shape)
-    white[0] /= np.sqrt(1 - phi**2)
-    return lfilter([np.sqrt(1 - phi**2)], [1, -phi], white, axis=0)
-
-
-def whitened(columns: np.ndarray, phi: float) -> np.ndarray:
-    """What makes AR(1) noise white, done to columns."""
-    if not phi:
-        return columns
-    return np.vstack([columns[:1], (columns[1:] - phi * columns[:-1]) / np.sqrt(1 - phi**2)])
 
 
 def judge(drawn: Draw, lines: Lines, sigma: np.ndarray, phi: float, valid: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""Writes critical_speeds.txt, frequencies.txt and wave_velocities.txt: the paper's beam."""
+"""Writes frequencies.txt and wave_velocities.txt: the paper's beam around the critical angular velocity of each mode."""
 
 from math import inf, nextafter
 
@@ -43,9 +43,6 @@ def wave_velocities(beam):
 
 use_digits(100)
 paper_beam = PaperBeam()
-write_table("critical_speeds.txt", """
-Angular velocity (rad/s) at which mode k of the paper's beam has no frequency
-""", ["gamma", "k", "omega"], ((g, k, paper_beam.critical_speed(g, k)) for g in MASS_RATIOS for k in MODES))
 write_table("frequencies.txt", """
 Eq. 30 around the critical angular velocity of mode k: beta squared (rad2/s2), negative for an unstable mode,
 and the root of its size (rad/s), the angular frequency or the growth rate

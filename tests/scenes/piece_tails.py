@@ -1,21 +1,17 @@
 """Random beams by pieces, struck anywhere, compared with far more modes: are tolerances kept, and errors within estimates?
 
-By hand: `python tests/scenes/piece_tails.py --draws 40` prints the runs that break their promise, and a table of estimates over
-errors. That the modes themselves are right is shown elsewhere; this asks how many there must be.
+That the modes themselves are right is shown elsewhere; this asks how many there must be. `python -m errors` in bench/ draws many beams
+and prints a table.
 """
 
 from __future__ import annotations
 
-import argparse
-import os
 import subprocess
-import sys
-import tempfile
-from pathlib import Path
+from itertools import product
 
 import numpy as np
 from tails import RECORDS, draw_record, log_between, shown
-from workplace import Workplace, group_text
+from workplace import group_text
 
 KINDS = ["body inertia", "shear", "soft root", "inboard", "pieces", "pieces with bodies", "parts apart"]
 LOCAL = ["heavy near the end", "stiff near the end", "short and soft", "sprung"]  # a short part has modes of its own, far above others
@@ -128,48 +124,12 @@ def compare(here, groups, modes, finer):
     return int(result["mode_count"]), missed, *ratios
 
 
-def rows(here, draws, kinds, records, most, seed):
-    for number in range(draws):
-        for kind in kinds:
-            for record in records:
-                rng = np.random.default_rng([seed, KINDS.index(kind), RECORDS.index(record), number])
-                groups = draw(rng, kind, record, most)
-                tolerance = log_between(rng, 1e-6 if kind == "shear" else 1e-7, 1e-2)
-                counts = {"before": int(log_between(rng, 2, 100)), "after": int(log_between(rng, 2, 100))}
-                for modes in ({"tolerance": tolerance}, counts):
-                    finer = max(tolerance / FINER, 1e-7 if kind == "shear" else 1e-9) if "tolerance" in modes else 1e-6
-                    found = compare(here, groups, modes, finer)
-                    if found is not None:
-                        yield kind, record, number, modes, *found
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--draws", type=int, default=10)
-    parser.add_argument("--kinds", nargs="*", default=KINDS)
-    parser.add_argument("--records", nargs="*", default=RECORDS)
-    parser.add_argument("--most", type=int, default=2**12, help="samples")
-    parser.add_argument("--beamwave", type=Path, default=Path(__file__).parents[2] / "build/bin/beamwave")
-    options = parser.parse_args()
-    found, broken = [], 0
-    with tempfile.TemporaryDirectory() as directory:
-        here = Workplace(options.beamwave.resolve(), Path(directory))
-        for row in rows(here, options.draws, options.kinds, options.records, options.most, int(os.environ.get("BEAMWAVE_SEED", "1"))):
-            found.append(row)
-            kind, record, number, modes, used, missed, displacement, velocity = row
-            if missed > 1 or displacement.min() < 1 or velocity.min() < 1:
-                broken += 1
-                print(kind, record, number, modes, used, f"{missed:.3g}", displacement, velocity, file=sys.stderr, flush=True)
-    print("| class | runs | largest error over the tolerance | estimate over error: displacement | velocity |\n|---|---|---|---|---|")
-    for name in [*KINDS, *RECORDS]:
-        some = [row for row in found if name in row[:2]]
-        if some:
-            values = [np.concatenate([row[i] for row in some]) for i in (6, 7)]
-            finite = [v[np.isfinite(v)] for v in values]
-            print(f"| {name} | {len(some)} | {max(row[5] for row in some):.2f} | "
-                  + " | ".join(f"{v.min():.2f}, median {np.median(v):.1f}" if len(v) else "–" for v in finite) + " |")
-    sys.exit(bool(broken))
-
-
-if __name__ == "__main__":
-    main()
+def runs(draws, kinds, records, most, seed):
+    """Kind, record and number of random beams, their groups, each with a tolerance and with counts, and the finer tolerance."""
+    for number, kind, record in product(range(draws), kinds, records):
+        rng = np.random.default_rng([seed, KINDS.index(kind), RECORDS.index(record), number])
+        groups = draw(rng, kind, record, most)
+        tolerance = log_between(rng, 1e-6 if kind == "shear" else 1e-7, 1e-2)
+        counts = {"before": int(log_between(rng, 2, 100)), "after": int(log_between(rng, 2, 100))}
+        yield kind, record, number, groups, {"tolerance": tolerance}, max(tolerance / FINER, 1e-7 if kind == "shear" else 1e-9)
+        yield kind, record, number, groups, counts, 1e-6

@@ -1,24 +1,16 @@
 """Random scenes of every class, run and compared with 30 times the modes: are tolerances kept, and errors within bounds and estimates?
 
-By hand: `python tests/scenes/tails.py --draws 60 --output rows.txt` makes the rows, of 60 scenes of each kind of motion with each
-kind of record, each once by a tolerance and once with counts, and prints a table. `--table rows.txt …`
-prints that of rows that are there. BEAMWAVE_SEED sets the seed.
+`python -m errors` in bench/ draws many of them and prints a table.
 """
 
 from __future__ import annotations
 
-import argparse
-import os
-import sys
-import tempfile
 from decimal import Decimal
-from itertools import product
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from continuum import Modes, Motion, continuum
-from workplace import PAPER_BEAM, Workplace
+from workplace import PAPER_BEAM
 
 KINDS = ["undamped", "damped", "near critical", "growing", "released", "damped and released"]
 RECORDS = ["ordinary", "short", "dense", "commensurable", "long"]
@@ -41,29 +33,6 @@ class Scene(NamedTuple):
     @property
     def response(self):
         return self.groups["response"]
-
-
-class Row(NamedTuple):
-    """Of one run: estimates over errors, and the largest error over what the tolerance allows; 0 without one."""
-
-    kind: str
-    record: str
-    number: int
-    modes: int
-    missed: float
-    displacement: list  # of each point; infinite where the error is not above rounding
-    velocity: list
-
-    def text(self):
-        ratios = " ".join(f"{ratio:.4g}" for ratio in self.displacement + self.velocity)
-        return f"{self.kind}|{self.record}|{self.number}|{self.modes}|{self.missed:.4g}|{ratios}"
-
-    @classmethod
-    def read(cls, line):
-        kind, record, number, modes, missed, ratios = line.split("|")
-        ratios = [float(ratio) for ratio in ratios.split()]
-        half = len(ratios) // 2
-        return cls(kind, record, int(number), int(modes), float(missed), ratios[:half], ratios[half:])
 
 
 def log_between(rng, low, high):
@@ -211,63 +180,3 @@ def shown(result, name, error, peak):
 def holds(missed, displacement, velocity):
     """Whether the tolerance was kept and no error is above its estimate."""
     return missed <= 1 and min(displacement + velocity) >= 1
-
-
-def rows_of(here, options):
-    """Class by class, so that a run that is stopped has tried all of them alike."""
-    seed = int(os.environ.get("BEAMWAVE_SEED", "1"))
-    for draw_number, kind, record in product(range(options.draws), options.kinds, options.records):
-        for number, scene, *ways in scenes(seed, kind, record, [draw_number], options.least, options.most):
-            for modes in ways:
-                found = compare(here, scene, modes)
-                if found is not None:
-                    yield Row(kind, record, number, *found)
-
-
-def table(rows):
-    """Of each class: runs, the largest error over its tolerance, and estimates over errors."""
-    yield "| class | runs | largest error over the tolerance | estimate over error: displacement | velocity |"
-    yield "|---|---|---|---|---|"
-    for name in KINDS + RECORDS:
-        some = [row for row in rows if name in (row.kind, row.record)]
-        if not some:
-            continue
-        ratios = []
-        for quantity in ("displacement", "velocity"):
-            values = np.array([ratio for row in some for ratio in getattr(row, quantity) if np.isfinite(ratio)])
-            ratios.append(f"{values.min():.2f}, median {np.median(values):.1f}")
-        yield f"| {name} | {len(some)} | {max(row.missed for row in some):.2f} | {ratios[0]} | {ratios[1]} |"
-
-
-def broken(row):
-    return not holds(row.missed, row.displacement, row.velocity)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--draws", type=int, default=60)
-    parser.add_argument("--kinds", nargs="*", default=KINDS)
-    parser.add_argument("--records", nargs="*", default=RECORDS)
-    parser.add_argument("--least", type=float, default=1e-8, help="tolerance, of which all are above")
-    parser.add_argument("--most", type=int, default=2**14, help="samples; with 1e-5 and 1000 a scene takes a tenth of the time")
-    parser.add_argument("--beamwave", type=Path, default=Path(__file__).parents[2] / "build/bin/beamwave")
-    parser.add_argument("--output", type=Path, default=Path(os.devnull))
-    parser.add_argument("--table", nargs="*", type=Path)
-    options = parser.parse_args()
-    if options.table:
-        rows = [Row.read(line) for path in options.table for line in path.read_text().splitlines()]
-    else:
-        rows = []
-        with tempfile.TemporaryDirectory() as directory, options.output.open("w", encoding="utf-8") as file:
-            here = Workplace(options.beamwave.resolve(), Path(directory))
-            for row in rows_of(here, options):
-                rows.append(row)
-                print(row.text(), file=file, flush=True)
-    print("\n".join(table(rows)))
-    failures = [row.text() for row in rows if broken(row)]
-    print("\n".join(failures), file=sys.stderr)
-    sys.exit(bool(failures))
-
-
-if __name__ == "__main__":
-    main()

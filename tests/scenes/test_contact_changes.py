@@ -4,6 +4,7 @@ import contact_reference
 import numpy as np
 import pytest
 from contact_changes_reference import Body, Change, follow
+from contact_scenes import load_of
 from workplace import group_text
 
 UNIT_BEAM = {"length": 1.0, "mass_per_length": 1.0, "bending_stiffness": 1.0}
@@ -26,58 +27,59 @@ def of_body(position, **values):
     return "body", {"position": position, **values}
 
 
-SPRINGS = {"stiffness": 300.0, "rotational_stiffness": 50.0}
-CHANGES = {
+LOCK = {"stiffness": 300.0, "rotational_stiffness": 50.0}
+COMES = of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4)
+LOCKS = of_body(1.0, mass=0.0, **{"from": 0.0041}, **LOCK)
+LATE = of_body(0.6, mass=0.1, **{"from": 0.0201}, **LOCK)
+CHANGES = {  # place, group, the body before and after, when
     "a body leaves between two contacts": (0.6, of_body(0.6, mass=0.3, until=0.0201), Body(0.6, 0.3), None, 0.0201),
-    "a body comes with a velocity in a contact": (
-        0.6,
-        of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4),
-        None,
-        Body(0.6, 0.3, velocity=-0.4),
-        0.0041,
-    ),
-    "a joint locks at the tip in a contact": (
-        1.0,
-        of_body(1.0, mass=0.0, **{"from": 0.0041}, **SPRINGS),
-        None,
-        Body(1.0, 0.0, 300.0, 50.0),
-        0.0041,
-    ),
-    "a joint locks between two contacts": (
-        0.6,
-        of_body(0.6, mass=0.1, **{"from": 0.0201}, **SPRINGS),
-        None,
-        Body(0.6, 0.1, 300.0, 50.0),
-        0.0201,
-    ),
+    "a body comes with a velocity in a contact": (0.6, COMES, None, Body(0.6, 0.3, velocity=-0.4), 0.0041),
+    "a joint locks at the tip in a contact": (1.0, LOCKS, None, Body(1.0, 0.0, 300.0, 50.0), 0.0041),
+    "a joint locks between two contacts": (0.6, LATE, None, Body(0.6, 0.1, 300.0, 50.0), 0.0201),
     "a body comes at the struck place": (1.0, of_body(1.0, mass=0.1, **{"from": 0.0031}), None, Body(1.0, 0.1), 0.0031),
 }
+
+
+def blow_under(*loads):
+    """What strikes in the scenes of `run`, for the integration."""
+    times = np.arange(200) * 0.05 / 200
+    blow = contact_reference.Blow(1, 1, 1, COUNT, MASS, 1.0, 1.0, STIFFNESS, 1.5, 0, 0, 0, False, [0.4, 1.0], times, 0.05, 100)
+    blow.loads = [load_of(values, 1.0, 1.0 if kind == "base" else None) for kind, values in loads]
+    return blow
+
+
+def compare(result, motion):
+    """Contacts and histories are those of the integration."""
+    contacts = result["event_kind"] == CONTACT
+    assert contacts.sum() == len(motion.start)
+    for quantity, expected, limit in (("displacement", motion.displacement, 1e-9), ("velocity", motion.velocity, 2e-6)):
+        expected = np.array(expected).T  # F' after 0.3 us
+        np.testing.assert_allclose(result[quantity], expected, rtol=0, atol=limit * np.abs(expected).max())
+    for quantity, expected in (("event_time", motion.start), ("event_end", motion.end), ("event_impulse", motion.impulse)):
+        np.testing.assert_allclose(result[quantity][contacts], expected, rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(result["event_force"][contacts], motion.largest, rtol=1e-8)
+
+
+def goes_to_the_capture_at_once(here, kinds, *groups):
+    """Whether a stiff contact does as modes are added, as count^(-3/2), until the mass leaves."""
+    history = HISTORY | {"velocity": False}
+    at_once = run(here, "once", *groups, blow=BLOW[:1], count=400, history=history)["displacement"]
+    stiff = (BLOW[0], ("contact", {"stiffness": 1e13, "exponent": 1.0}))
+    apart = []
+    for count in (16, 64):
+        result = run(here, f"n{count}", *groups, blow=stiff, count=count, history=history)
+        assert list(result["event_kind"][: len(kinds)]) == kinds
+        apart.append(np.abs(result["displacement"] - at_once)[:, :160].max() / np.abs(at_once).max())
+    return apart[1] < 2e-4 and apart[1] < 0.15 * apart[0]
 
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_contacts_and_changes_are_those_of_an_integration(here, name):
     place, group, before, after, time = CHANGES[name]
     result = run(here, "a", group)
-    times = np.arange(200) * 0.05 / 200
-    blow = contact_reference.Blow(
-        1, 1, 1, COUNT, MASS, 1.0, 1.0, STIFFNESS, 1.5, 0, 0, 0, False, [0.4, 1.0], times, 0.05, 100
-    )
-    motion = follow(blow, place, [Change(0.0, before, False), Change(time, after, after is not None)], COUNT)
-    contacts = result["event_kind"] == CONTACT
-    assert contacts.sum() == len(motion.start) and (result["event_kind"] > 0).sum() == len(motion.start) + 1
-    for quantity, expected, limit in (
-        ("displacement", motion.displacement, 1e-9),
-        ("velocity", motion.velocity, 2e-6),
-    ):  # F' after 0.3 us
-        expected = np.array(expected).T
-        np.testing.assert_allclose(result[quantity], expected, rtol=0, atol=limit * np.abs(expected).max())
-    for quantity, expected in (
-        ("event_time", motion.start),
-        ("event_end", motion.end),
-        ("event_impulse", motion.impulse),
-    ):
-        np.testing.assert_allclose(result[quantity][contacts], expected, rtol=1e-9, atol=1e-11)
-    np.testing.assert_allclose(result["event_force"][contacts], motion.largest, rtol=1e-8)
+    motion = follow(blow_under(), place, [Change(0.0, before, False), Change(time, after, after is not None)], COUNT)
+    assert (result["event_kind"] > 0).sum() == len(motion.start) + 1
+    compare(result, motion)
 
 
 @pytest.mark.parametrize("time", [0.0, 0.0041, 0.0201])
@@ -96,7 +98,7 @@ def test_a_body_of_no_mass_changes_nothing(here, time):
 
 def test_a_change_in_a_contact_takes_no_part_in_its_balance(here):
     """Nothing damps: the contact loses nothing, and what the body brings is that of the change."""
-    result = run(here, "a", of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4), count=60)
+    result = run(here, "a", COMES, count=60)
     assert list(result["event_kind"][:2]) == [CONTACT, ARRIVAL]
     np.testing.assert_allclose(
         result["energy_after"][0], result["energy_before"][0], rtol=1e-4
@@ -139,15 +141,7 @@ def test_a_tolerance_is_kept_where_a_body_comes_in_a_contact(here):
 def test_a_stiff_contact_that_captures_is_the_capture_at_once(here):
     """Also when a further body comes; how the modes share what is left when the mass leaves differs for long."""
     groups = (("capture", {}), of_body(0.5, mass=0.2, **{"from": 0.0201}, velocity=0.3), ("release", {"time": 0.04}))
-    blow = (BLOW[0], ("contact", {"stiffness": 1e13, "exponent": 1.0}))
-    history = HISTORY | {"velocity": False}
-    at_once = run(here, "once", *groups, blow=BLOW[:1], count=400, history=history)["displacement"]
-    apart = []
-    for count in (16, 64):
-        result = run(here, f"n{count}", *groups, blow=blow, count=count, history=history)
-        assert list(result["event_kind"][:4]) == [CONTACT, CAPTURE, ARRIVAL, 3]
-        apart.append(np.abs(result["displacement"] - at_once)[:, :160].max() / np.abs(at_once).max())
-    assert apart[1] < 2e-4 and apart[1] < 0.15 * apart[0]  # as count^(-3/2)
+    assert goes_to_the_capture_at_once(here, [CONTACT, CAPTURE, ARRIVAL, 3], *groups)
 
 
 DIES = ("damping", {"stiffness_proportional": 1e-5})  # high modes do so at once
@@ -155,7 +149,7 @@ ESTIMATED = {
     "captured with its inertia": (("capture", {"rotary_inertia": 2e-3}),),
     "captured where high modes die": (("capture", {}), DIES),
     "captured and let go": (("capture", {}), ("damping", {"ratio": 0.01}), ("release", {"time": 0.03})),
-    "a body comes with a velocity in a contact": (of_body(0.6, mass=0.3, **{"from": 0.0041}, velocity=-0.4), DIES),
+    "a body comes with a velocity in a contact": (COMES, DIES),
     "a body leaves under a force": (
         of_body(0.6, mass=0.3, until=0.0201),
         ("force", {"position": 0.5, "amplitude": 3.0, "shape": "half_sine", "duration": 0.01}),

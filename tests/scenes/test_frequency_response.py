@@ -129,15 +129,6 @@ def test_the_captured_mass_is_on_the_beam(here):
     np.testing.assert_allclose(answer(here.run("captured")), answer(here.run("carried")), rtol=1e-9)
 
 
-def test_a_sweep_moves_the_force(here):
-    name = here.scene("a", scene(), {"parameter": "frequency_response%position", "values": [0.5, 1.0]})
-    assert here.beamwave("run", name).returncode == 0
-    swept = here.result("a")
-    assert answer(swept).shape == (2, 1, 400)
-    here.scene("b", scene({"position": 0.5}))
-    np.testing.assert_array_equal(answer(swept)[0], answer(here.run("b")))
-
-
 def test_histories_and_answers_have_the_same_points(here):
     response = {"duration": 0.1, "samples": 64, "points": [0.3, 0.8]}
     both = scene(impact={"mass_ratio": 0.2}, capture={}, modes={"after": 10}, response=response)

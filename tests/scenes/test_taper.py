@@ -12,8 +12,6 @@ STEEL = {"density": 7870.0, "youngs_modulus": 2e11}
 WIDTH, HEIGHT = 0.03, 0.02
 UNIT = float(np.sqrt(2e11 * HEIGHT**2 / 12 / 7870))  # sqrt(EI/(rho A)) of the root over l^2, l = 1
 MASS = 7870 * WIDTH * HEIGHT  # rho A l of the root's section
-PUBLISHED = {(0.0, 0.2): [3.60827, 20.6210, 56.1923], (0.4, 0.4): [4.318778559, 20.04998385, 51.33463262],
-             (0.8, 0.8): [6.196391007, 18.38546739, 39.83362986]}
 SLENDER = {"length": 1.0, **STEEL, "taper": "linear", "width": [0.03, 0.012], "height": [0.02, 0.012]}
 
 
@@ -35,14 +33,6 @@ def table():
         numbers.pop("k")
         cases.setdefault(tuple((name, float(number)) for name, number in numbers.items()), []).append(square)
     return [(dict(case), np.array(squares)) for case, squares in cases.items()]
-
-
-@pytest.mark.parametrize("sides", PUBLISHED)
-def test_published_frequencies(here, sides):
-    here.scene("a", {"beam": tapering(*sides), "modes": {"before": 3}})
-    expected = PUBLISHED[sides]
-    # as many digits as were printed
-    np.testing.assert_allclose(here.run("a")["angular_frequency"] / UNIT, expected, rtol=1e-5 if sides[0] == 0 else 2e-9)
 
 
 def test_modes_are_those_of_ritz_in_many_digits(here):

@@ -98,19 +98,6 @@ def test_a_turn_that_bends_nothing_is_rounding_and_is_told_so(here):
     assert result["displacement_error"].max() <= 1e-13
 
 
-def test_a_turning_beam_meets_a_spring_as_the_published_one(here):
-    """SDNL32 of code_aster, undamped Euler-Bernoulli; the sum of 400 modes in 30 digits."""
-    beam = {"length": 0.783, "density": 2400.0, "youngs_modulus": 6.7e10, "width": 0.014, "height": 0.014}
-    groups = ("beam", beam), ("support", {"rotational_stiffness": 0.0}), ("initial", {"angular_velocity": -3.8})
-    spring = {"position": 1.0, "mass": 0.0, "stiffness": 18000.0, "from": 0.0}
-    response = {"duration": 0.006, "samples": 6, "points": [1.0]}
-    result = run(here, "a", *groups, ("body", spring), ("modes", {"before": 10, "after": 200}), ("response", response))
-    expected = [0, -2.6602806e-3, -4.3276365e-3, -4.9380501e-3, -4.7666053e-3, -3.7859305e-3]
-    np.testing.assert_allclose(result["displacement"][0], expected, rtol=1e-7)
-    inertia = 2400 * 0.014**2 * 0.783**3 / 3
-    np.testing.assert_allclose(result["energy_before"], [0.5 * inertia * 3.8**2], rtol=1e-12)
-
-
 def test_a_capture_and_a_release_are_two_of_its_changes(here):
     """Beside a body that comes after the end of the record, which shows nothing of it."""
     scene = captured_beam(modes={"before": 25, "after": 20}, response=HISTORY, release={"time": 0.1})
@@ -358,12 +345,3 @@ def test_a_static_deflection_needs_a_beam_that_something_holds(here):
     result = run(here, "a", *groups, ("modes", {"before": 5}), ("response", HISTORY), status=4)
     assert "static deflection" in result.attributes["notes"]
     assert (result["displacement"] == results.FILL).all()
-
-
-def test_times_are_swept_and_cases_have_their_own_configurations(here):
-    groups = ("beam", PAPER_BEAM), ("body", {"position": 1.0, "mass": 1.0, "from": 0.01}), ("initial", {"force": 10.0})
-    modes = ("modes", {"before": 6, "after": 6}), ("response", HISTORY)
-    swept = run(here, "a", *groups, *modes, ("sweep", {"parameter": "body%from", "values": [0.05, 0.01]}))
-    single = run(here, "b", *groups, *modes)
-    np.testing.assert_array_equal(swept["displacement"][1], single["displacement"])
-    np.testing.assert_allclose(swept["configuration_start"], [[0, 0.05], [0, 0.01]], rtol=1e-15)
