@@ -54,18 +54,6 @@ contains
     rate = gamma*rate
   end subroutine terms
 
-  subroutine sum_alone(n, samples, beta, rate, shapes, duration, tolerance, displacement) bind(c, name='bench_sum_alone')
-    !! The non-uniform transform of modes that are known.
-    integer(c_int), value :: n, samples
-    real(c_double), intent(in) :: beta(2, n)               !! high and low parts
-    real(c_double), intent(in) :: rate(n), shapes(n, 2)
-    real(c_double), value :: duration, tolerance
-    real(c_double), intent(out) :: displacement(samples, 2)
-    type(sum_choice) :: choice
-    choice = chosen_sum(n, samples, 2, tolerance, must_transform=.true.)
-    call by_transform(n, samples, 2, beta, rate, shapes, duration, choice%width, choice%half, displacement)
-  end subroutine sum_alone
-
   subroutine choose(n, samples, histories, tolerance, transform, width, half) bind(c, name='bench_choice')
     !! What the cost model chooses, and the transform that it would choose in any case.
     integer(c_int), value :: n, samples, histories

@@ -37,14 +37,6 @@ class Beamwave:
         self.library.bench_terms(n, double(GAMMA), double(DURATION), address(beta), address(rate), address(shapes))
         return beta, rate, shapes
 
-    def sum(self, samples: int, tolerance: float, terms: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
-        """Modes that are known, by the transform."""
-        beta, rate, shapes = terms
-        result = np.empty((2, samples))
-        places = [address(array) for array in (beta, rate, shapes)]
-        self.library.bench_sum_alone(len(rate), samples, *places, double(DURATION), double(tolerance), address(result))
-        return result
-
     def choice(self, n: int, samples: int, points: int, tolerance: float) -> tuple[bool, int, int]:
         """Whether the cost model chooses the transform, and the kernel's width and half the grid that it would take."""
         chosen = [ctypes.c_int() for _ in range(3)]
@@ -65,3 +57,7 @@ class Beamwave:
         places = [address(array) for array in (beta, rate, shapes)]
         self.library.bench_by_products(len(rate), samples, len(shapes), *places, double(DURATION), address(result))
         return result
+
+    def sum(self, samples: int, tolerance: float, terms: tuple) -> np.ndarray:
+        """Modes that are known, by the transform."""
+        return self.by_transform(samples, terms, *self.choice(len(terms[1]), samples, len(terms[2]), tolerance)[1:])

@@ -218,14 +218,6 @@ def test_near_the_limit_a_tolerance_is_refused_or_kept_and_the_one_named_is_kept
             assert result["displacement_error"].max() <= tolerance * np.abs(result["displacement"]).max()
 
 
-def test_the_same_tolerance_is_refused_where_it_was_asked_for(here):
-    here.scene("a", {**WEAK_UNDER_TENSION, "modes": {"tolerance": 1e-6}})
-    refused = here.beamwave("run", "a.nml", "--quiet")
-    assert refused.returncode == 2
-    assert re.match(r"a\.nml:\d+: modes%tolerance: 1e-6 cannot be reached .*; accepted: ", refused.stderr)
-    assert "case" not in refused.stderr
-
-
 def test_each_case_of_a_sweep_relaxes_the_default_by_itself(here):
     masses = [0.2, 1e-9]
     here.scene("a", WEAK_UNDER_TENSION, {"parameter": "impact%mass_ratio", "values": masses})

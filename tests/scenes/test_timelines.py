@@ -68,25 +68,20 @@ def test_a_beam_that_is_let_go_swings_as_the_closed_sum(here):
     assert "event" not in result.sizes and "impulse" not in result.variables
 
 
-def test_a_tolerance_is_kept_by_a_beam_that_is_let_go(here):
-    groups = ("beam", PAPER_BEAM), ("initial", {"force": 1000.0}), ("response", HISTORY | {"velocity": False})
-    fine = run(here, "fine", *groups, ("modes", {"before": 2000}))["displacement"]
-    result = run(here, "a", *groups, ("modes", {"tolerance": 1e-9}))
-    assert result["displacement_error"].max() <= 1e-9 * np.abs(fine).max()
-    assert (np.abs(result["displacement"] - fine).max(axis=1) <= result["displacement_error"]).all()
+SWINGS = ("initial", {"force": 1000.0}), ("response", HISTORY | {"velocity": False})
+LOSES = (
+    ("initial", {"force": 10.0}),
+    ("body", {"position": 0.6, "mass": 1.0, "until": 1e-3}),
+    ("response", {"duration": 2e-3, "samples": 64, "points": [0.5, 1.0]}),
+)
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 1e-8])
-def test_a_tolerance_is_kept_where_a_mass_leaves_a_beam_that_swings_fast(here, tolerance):
-    """Phases of high modes are as good as random then: runs with fewer modes may agree, and all be wrong."""
-    groups = (
-        ("beam", PAPER_BEAM),
-        ("initial", {"force": 10.0}),
-        ("body", {"position": 0.6, "mass": 1.0, "until": 1e-3}),
-        ("response", {"duration": 2e-3, "samples": 64, "points": [0.5, 1.0]}),
-    )
-    fine = run(here, "fine", *groups, ("modes", {"before": 2000}))["displacement"]
-    result = run(here, "a", *groups, ("modes", {"tolerance": tolerance}))
+@pytest.mark.parametrize("groups, tolerance", [(SWINGS, 1e-9), (LOSES, 1e-6), (LOSES, 1e-7), (LOSES, 1e-8)])
+def test_a_tolerance_is_kept_by_a_beam_that_is_let_go(here, groups, tolerance):
+    """Also where a mass leaves it that swings fast: phases of high modes are as good as random then, and runs with fewer modes may
+    agree, and all be wrong."""
+    fine = run(here, "fine", ("beam", PAPER_BEAM), *groups, ("modes", {"before": 2000}))["displacement"]
+    result = run(here, "a", ("beam", PAPER_BEAM), *groups, ("modes", {"tolerance": tolerance}))
     assert result["displacement_error"].max() <= tolerance * np.abs(fine).max()
     assert (np.abs(result["displacement"] - fine).max(axis=1) <= result["displacement_error"]).all()
 
