@@ -3,6 +3,7 @@ module paper_motion
   use bw_beam_par, only: beam_par
   use bw_beam_units, only: beam_units, units_of
   use bw_closed_form, only: closed_form_modes, closed_form_set
+  use bw_damping, only: damping_law
   use bw_double_double, only: to_dd, operator(*)
   use bw_impact, only: capture_mass, capture_type, strike
   use bw_kinds, only: dp
@@ -20,6 +21,7 @@ module paper_motion
     real(dp) :: omega = 0.0_dp          !! rad/s
     real(dp) :: velocity = 1.0_dp       !! approach velocity, m/s
     integer :: modes = 5                !! before and after
+    integer :: after = 0                !! modes after; 0: as many as before
     real(dp) :: duration = 1.0_dp       !! s
     integer :: samples = 1
   end type catch_type
@@ -38,13 +40,14 @@ contains
     beam%round = .true.
   end function paper_beam
 
-  subroutine catch_mass(beam, catch, points, with_velocity, response)
+  subroutine catch_mass(beam, catch, points, with_velocity, response, law)
     !! Histories at points ξ, from impact and capture at t = 0 on.
     type(beam_par), intent(in) :: beam
     type(catch_type), intent(in) :: catch
     real(dp), intent(in) :: points(:)
     logical, intent(in) :: with_velocity
     type(response_type), intent(out) :: response
+    type(damping_law), intent(in), optional :: law
     type(closed_form_set) :: free, loaded
     type(beam_units) :: units
     type(capture_type) :: capture
@@ -52,7 +55,9 @@ contains
     type(silent_monitor) :: monitor
     units = units_of(beam)
     free = closed_form_modes(catch%modes, 0.0_dp)
-    loaded = closed_form_modes(catch%modes, catch%gamma, to_dd(catch%omega)*units%time, catch%duration/units%time%hi)
+    loaded = closed_form_modes(merge(catch%after, catch%modes, catch%after > 0), catch%gamma, to_dd(catch%omega)*units%time, &
+                               catch%duration/units%time%hi)
+    call loaded%damp(law)
     capture = capture_mass(free, strike(free, catch%gamma, 0.0_dp), loaded)
     grid = time_grid_of(catch%duration, catch%samples, units%time)
     call free_motion(loaded, capture%modal_velocity*catch%velocity, sampling_type(points, grid, units%time%hi, with_velocity), &

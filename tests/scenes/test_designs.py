@@ -319,14 +319,6 @@ def whole(shared):
     return place.run("a")
 
 
-def test_parts_of_a_design_give_the_same_bits(here, whole):
-    design(here, MANY, NAMES, ROWS)
-    for number in [3, 1, 2]:
-        ended = here.beamwave("run", "a.nml", "--part", f"{number}/3")
-        assert ended.returncode == 0, ended.stderr
-    assert results.differences(here.result("a"), whole) == []
-
-
 def test_a_killed_design_goes_on_and_a_changed_table_begins_anew(here, whole):
     design(here, MANY, NAMES, ROWS)
     running = here.start("run", "a.nml", "--quiet")
@@ -342,13 +334,6 @@ def test_a_killed_design_goes_on_and_a_changed_table_begins_anew(here, whole):
     here.write("table.csv", table(NAMES, ROWS[::-1]))
     result = here.run("a", "--overwrite")
     np.testing.assert_array_equal(result["displacement"], whole["displacement"][::-1])
-
-
-@pytest.mark.parametrize("number", [2])
-def test_processes_share_a_design(processes, whole, number):
-    here = processes(number)
-    design(here, MANY, NAMES, ROWS)
-    assert results.differences(here.run("a"), whole) == []
 
 
 def test_a_hundred_thousand_rows_are_read_and_checked_within_seconds(here):

@@ -30,13 +30,6 @@ def product(shared):
     return place.run("a")
 
 
-def test_the_first_sweep_varies_slowest(product):
-    expected = list(itertools.product(RATIOS, SPEEDS))
-    got = zip(product["impact_mass_ratio"], product["rotation_angular_velocity"])
-    assert [tuple(map(float, values)) for values in got] == expected
-    np.testing.assert_array_equal(product["case"], np.arange(1, 7))
-
-
 def test_case_leads_what_depends_on_it_and_nothing_else(product):
     alone = {"mode", "mode_before", "event", "stage", "stage_seconds", "time", "point_position", "profile_position"}
     swept = {"impact_mass_ratio", "rotation_angular_velocity"}
