@@ -1,5 +1,5 @@
 """What opens and closes docs/numbers.md: the numbers that matter, each read off the data of a bench or the table of hard cases,
-and where all were measured. `PYTHONPATH=bench:postproc python -m overview` writes both."""
+and where all were measured. `PYTHONPATH=bench python -m overview` writes both."""
 
 from __future__ import annotations
 

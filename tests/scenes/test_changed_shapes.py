@@ -96,7 +96,6 @@ def test_without_their_equations_wave_numbers_are_not_measured(here):
 
 
 REFUSED = {
-    "&stiffening /": "scene.nml:2: &stiffening: needs &rotation, which is absent",
     "&rotation angular_velocity=1 /\n&stiffening /\n&modes before=501 /": "scene.nml:4: modes%before: is 501, more than the Galerkin basis",
     "&shear poisson_ratio=0.51 /": "scene.nml:2: shear%poisson_ratio: ",
 }
@@ -124,11 +123,6 @@ def test_the_coefficient_of_a_circle_is_an_input_of_the_resolved_scene(here):
     assert materials["shear_shear_coefficient"].tolist() == [6 * (1 + nu) / (7 + 6 * nu) for nu in (0.25, 0.3)]
     assert "shear_coefficient" not in materials.attributes["scene"]  # each its own, which the ratio tells
     np.testing.assert_array_equal(materials["angular_frequency"][0], first["angular_frequency"])
-
-
-def test_a_section_without_shape_needs_a_shear_coefficient(here):
-    here.write("scene.nml", BEAM.replace("diameter=0.037", "area=1e-3, second_moment=1e-7") + "&shear /\n")
-    assert "shear%shear_coefficient: is missing" in here.beamwave("check", "scene.nml").stderr
 
 
 def test_out_of_plane_the_sections_of_a_beam_with_shear_turn_over(here):
