@@ -1,8 +1,8 @@
 module bw_blows
-  !! Where a record is struck: a decay is predictable from its own past, its beginning is not.
+  !! Detection of blows: a decay is predictable from its own past, its beginning is not.
   !!
-  !! The record's own long linear prediction, with zeros before the first sample, errs by the noise as long as a decay goes on, and by
-  !! the motion where a blow falls. A record that was cut within a decay has its first burst at its first sample.
+  !! The errors of a long linear prediction of the record, with zeros before the first sample, are noise during a decay, and contain
+  !! the motion at a blow. A record that was cut within a decay has its first burst at its first sample.
   use bw_autoregression, only: autoregression, burg
   use bw_kinds, only: dp
   use bw_order, only: ascending, quantile_of
@@ -12,21 +12,21 @@ module bw_blows
   private
   public :: find_blows
 
-  integer, parameter :: order = 64               !! tuned: of the prediction, more than two for each mode
+  integer, parameter :: order = 64               !! tuned: order of the prediction, more than two for each mode
   integer, parameter :: samples_per_order = 10
-  integer, parameter, public :: enough = 2**22   !! numbers that tell where the blows are
-  real(dp), parameter :: clearly = 4             !! tuned: times what noise reaches
-  real(dp), parameter :: chi_median = 0.4549_dp  !! of χ² of one degree of freedom
-  integer, parameter :: fewest = 640             !! sums in which bursts are looked for
-  integer, parameter :: first = 4                !! samples that tell where a sensor is at rest
-  integer, parameter :: interpolations = 8       !! of missing samples
+  integer, parameter, public :: enough = 2**22   !! numbers that are enough to locate blows
+  real(dp), parameter :: clearly = 4             !! tuned: times the level that noise reaches
+  real(dp), parameter :: chi_median = 0.4549_dp  !! median of χ² with one degree of freedom
+  integer, parameter :: fewest = 640             !! fewest sums in which bursts are searched for
+  integer, parameter :: first = 4                !! samples that give a sensor's value at rest
+  integer, parameter :: interpolations = 8       !! iterations for missing samples
 
 contains
 
   subroutine find_blows(samples, false_alarm, blows)
-    !! Find the sample of each burst of prediction errors, the first one 1 if there is none. The record is looked at in sums over 1, 2,
-    !! 4, … samples: a slow motion begins too softly to be seen from one sample to the next. Uneven samples are looked at between even
-    !! ones, which is rough: the first burst is the blow, and there is no other.
+    !! Find the sample of each burst of prediction errors, 1 if there is none. The record is searched in sums over 1, 2, 4, …
+    !! samples, since a slow motion begins too gradually to be seen from one sample to the next. Uneven samples are interpolated at
+    !! even times, which is rough: only the first burst is a blow.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(out) :: blows(:)
@@ -58,12 +58,12 @@ contains
     blows = blows(ascending(real(blows, dp)))
     if (size(blows) == 0) blows = [1]
     if (.not. allocated(samples%place)) return
-    if (blows(1) <= order) blows(1) = 1          ! nothing predicts what is so near the first sample
+    if (blows(1) <= order) blows(1) = 1          ! so close to the first sample there is no prediction
     blows = [1 + count(samples%place < blows(1) - 1)]
   end subroutine find_blows
 
   pure function even_values(samples, count, s) result(x)
-    !! The samples of a sensor, or values between uneven ones, one a step.
+    !! The samples of a sensor, one per step; uneven ones are interpolated.
     type(samples_type), intent(in) :: samples
     integer, intent(in) :: count, s
     real(dp) :: x(count)
@@ -84,11 +84,11 @@ contains
   end function even_values
 
   subroutine add_bursts(x, valid, recorded, scale, false_alarm, blows)
-    !! Add the bursts in sums over so many samples that are no bursts yet. One missing sample is interpolated to within the noise.
-    !! Several beside each other, or crests that are cut off, are not: until they are past, errors tell nothing. But the first sample of
-    !! a crest was no smaller than what was recorded.
+    !! Add new bursts in sums over `scale` samples. One missing sample is interpolated to within the noise. Several adjacent ones,
+    !! or clipped crests, are not: errors are invalid until they are past. But the first sample of a crest was no smaller than the
+    !! recorded one.
     real(dp), intent(inout) :: x(:, :)           !! invalid ones are interpolated
-    logical, intent(inout) :: valid(:)           !! so is one missing sample, from then on
+    logical, intent(inout) :: valid(:)           !! single missing samples become valid
     logical, intent(in) :: recorded(:)
     integer, intent(in) :: scale
     real(dp), intent(in) :: false_alarm
@@ -96,28 +96,28 @@ contains
     type(autoregression) :: noise
     real(dp), dimension(size(x, 1)) :: burst, error, recording
     real(dp) :: least
-    logical, dimension(size(x, 1)) :: is_told, is_bound, is_lone
+    logical, dimension(size(x, 1)) :: is_usable, is_bound, is_single
     integer :: n, s, p, last, i, known
     n = size(x, 1)
     p = min(order, n/samples_per_order)
     burst = 0
-    is_told = valid
-    is_lone = .not. (valid .or. recorded) .and. eoshift(valid, -1, .true.) .and. eoshift(valid, 1, .true.)
+    is_usable = valid
+    is_single = .not. (valid .or. recorded) .and. eoshift(valid, -1, .true.) .and. eoshift(valid, 1, .true.)
     do i = 1, n
       if (valid(i)) cycle
-      if (recorded(i) .or. any(.not. valid(max(1, i - 1):i - 1))) is_told(i:min(n, i + p)) = .false.
+      if (recorded(i) .or. any(.not. valid(max(1, i - 1):i - 1))) is_usable(i:min(n, i + p)) = .false.
     end do
-    is_bound = recorded .and. .not. valid .and. scale == 1   ! sums hold interpolated ones
-    is_bound(2:) = is_bound(2:) .and. is_told(:n - 1)
-    if (count(is_told) < 2) return
+    is_bound = recorded .and. .not. valid .and. scale == 1   ! sums contain interpolated ones
+    is_bound(2:) = is_bound(2:) .and. is_usable(:n - 1)
+    if (count(is_usable) < 2) return
     do s = 1, size(x, 2)
       recording = x(:, s) - sum(x(:first, s))/first
-      call predict(valid, is_lone, p, x(:, s), noise)
+      call predict(valid, is_single, p, x(:, s), noise)
       call find_errors(x(:, s), noise%predictor, error)
       where (is_bound) error = merge(error + recording - x(:, s), 0.0_dp, (error + recording - x(:, s))*recording > 0)
-      where (.not. (is_told .or. is_bound)) error = 0
+      where (.not. (is_usable .or. is_bound)) error = 0
       error = error**2
-      burst = burst + error/(quantile_of(pack(error, is_told), 0.5_dp)/chi_median + tiny(1.0_dp))
+      burst = burst + error/(quantile_of(pack(error, is_usable), 0.5_dp)/chi_median + tiny(1.0_dp))
     end do
     least = clearly*chi_squared(false_alarm/n, 2*((size(x, 2) + 1)/2))
     last = -n
@@ -127,12 +127,12 @@ contains
       if (i - last > p .and. all(abs(blows(:known) - scale*i) > 2*p*scale)) blows = [blows, 1 + scale*(i - 1)]
       last = i
     end do
-    valid = valid .or. is_lone
+    valid = valid .or. is_single
   end subroutine add_bursts
 
-  subroutine predict(valid, is_lone, p, x, noise)
-    !! Find a sensor's prediction, missing samples interpolated by it. When those that stand alone are, longer runs tell it better.
-    logical, intent(in) :: valid(:), is_lone(:)
+  subroutine predict(valid, is_single, p, x, noise)
+    !! Find a sensor's predictor, and interpolate missing samples by it; with single ones filled, longer runs determine it better.
+    logical, intent(in) :: valid(:), is_single(:)
     integer, intent(in) :: p
     real(dp), intent(inout) :: x(:)
     type(autoregression), intent(out) :: noise
@@ -141,13 +141,13 @@ contains
     n = size(x)
     x = x - sum(x(:first))/first                 ! a record that begins before the blow begins at rest
     last = 0
-    do i = 1, n                                  ! straight lines first
+    do i = 1, n                                  ! start with straight lines
       if (.not. valid(i)) cycle
       if (last > 0) x(last + 1:i - 1) = [(x(last) + (x(i) - x(last))*(m - last)/(i - last), m=last + 1, i - 1)]
       last = i
     end do
     do stage = 1, 2
-      call burg(x, valid_runs(samples_type(valid=valid .or. (is_lone .and. stage > 1)), 1, n), p, 0.0_dp, noise)
+      call burg(x, valid_runs(samples_type(valid=valid .or. (is_single .and. stage > 1)), 1, n), p, 0.0_dp, noise)
       if (all(valid)) return
       q = ubound(noise%predictor, 1)
       weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
@@ -156,12 +156,12 @@ contains
           if (.not. valid(i)) x(i) = -dot_product(weight(2:q + 1), x(i + 1:i + q) + x(i - 1:i - q:-1))/weight(1)
         end do
       end do
-      if (.not. any(is_lone)) return
+      if (.not. any(is_single)) return
     end do
   end subroutine predict
 
   pure subroutine find_errors(x, h, error)
-    !! What is not foreseen of each sample by those before it.
+    !! Find the prediction error of each sample from those before it.
     real(dp), intent(in) :: x(:), h(0:)
     real(dp), intent(out) :: error(:)
     integer :: i

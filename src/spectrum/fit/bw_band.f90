@@ -1,10 +1,10 @@
 module bw_band
-  !! A band of frequencies around a few lines: white samples, turned by the frequency in its middle and summed over blocks.
+  !! A band of frequencies around a few lines: white samples, demodulated to the band's centre and summed over blocks.
   !!
-  !! A few hundred sums hold what a stretch says of lines near the middle, to a few thousandths of their information, and the image
-  !! of a line is known in closed form. The rows are real numbers whose noise is white of variance 1. A sum of n samples, turned by
-  !! e^(−iθ), has a noise x + iy of E|x + iy|² = n and E(x + iy)² = p = Σ e^(−2iθ): turned by −½ arg p its parts are independent,
-  !! with variances (n ± |p|)/2. Near 0 and half the sampling rate the rows are the samples themselves, or real sums of them.
+  !! A few hundred sums keep the information of a stretch on lines near the centre to a few thousandths, and the image of a line in
+  !! them is known in closed form. The rows are real numbers with white noise of variance 1. A sum of n samples times e^(−iθ) has
+  !! noise x + iy with E|x + iy|² = n and E(x + iy)² = p = Σ e^(−2iθ): rotated by −½ arg p its parts are independent, with variances
+  !! (n ± |p|)/2. Near 0 and half the sampling rate the rows are the samples themselves, or real sums of them.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
@@ -17,25 +17,25 @@ module bw_band
   public :: band_around, enough_for, fill_rows, holds, line_columns, put_back, trend_columns, tapered_band
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
-  integer, parameter :: ample = 1024         !! tuned: sums that tell enough of a broad line
+  integer, parameter :: ample = 1024         !! tuned: sums that are enough for a broad line
   integer, parameter :: fewest_per_bin = 8   !! tuned: loses 5 % at the edge of so broad a band
-  real(dp), parameter :: seen = 0.5_dp       !! of the frequencies whose sums over blocks differ
-  real(dp), parameter :: folds = 9           !! e-folds after which a line tells nothing more
-  integer, parameter :: series = 8           !! powers of time within a block, in which a drift is expanded
-  real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block
+  real(dp), parameter :: resolved = 0.5_dp   !! of the frequencies that sums over blocks distinguish
+  real(dp), parameter :: folds = 9           !! e-folds after which a line is negligible
+  integer, parameter :: series = 8           !! powers of time within a block in the expansion of a drift
+  real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block; with less a row is noiseless
 
   type, public :: band_part
-    !! The rows of one stretch of samples after a blow: of all sensors, or of one where samples are missing, which colours tell apart.
+    !! The rows of one stretch after a blow: of all sensors, or of one if samples are missing, as they depend on its noise.
     integer :: stretch = 0
-    integer :: first = 1                     !! sample
-    integer :: used = 0                      !! samples, from the first on
-    integer :: sensors(2) = 1                !! the first and the last
-    type(missing_type) :: missing            !! samples that enter the rows
+    integer :: first = 1                     !! first sample
+    integer :: used = 0                      !! number of samples
+    integer :: sensors(2) = 1                !! first and last
+    type(missing_type) :: missing            !! missing samples that enter the rows
     integer, allocatable :: block(:)         !! the last block that each of them enters
-    complex(dp), allocatable :: trace(:, :)  !! sums over blocks of what 1 in its place would leave, from the last one backwards
+    complex(dp), allocatable :: trace(:, :)  !! sums over blocks of the response to 1 in its place, from the last block backwards
     real(dp), allocatable :: place(:)        !! times of uneven samples since the blow, in steps, (used)
-    complex(dp), allocatable :: turn(:)      !! that makes the two rows of a block independent, (blocks)
-    real(dp), allocatable :: root(:, :)      !! what they are divided by, (blocks, 2), or (blocks, 1)
+    complex(dp), allocatable :: turn(:)      !! rotates sums so that the two rows of a block are independent, (blocks)
+    real(dp), allocatable :: root(:, :)      !! standard deviations of rows, by which they are divided, (blocks, 2), or (blocks, 1)
     real(dp), allocatable :: rows(:, :)      !! the record, (rows, S)
   end type band_part
 
@@ -45,23 +45,23 @@ module bw_band
     real(dp) :: longest = 1                  !! samples of the longest stretch
     logical :: is_real = .true.              !! the rows are real sums
     logical :: tapered = .false.             !! the rows are bins of a tapered transform instead, real parts above imaginary ones
-    integer :: bins(2) = 0                   !! the first and the last of these
+    integer :: bins(2) = 0                   !! first and last of these
     type(band_part), allocatable :: part(:)
   end type band_type
 
 contains
 
   pure function band_around(lines, stretches, noise, missing, place) result(band)
-    !! The band that holds these lines, without rows of the record. A stretch in which none of them lives has no part.
+    !! The band that contains these lines, without rows of the record. A stretch in which none of them lives has no part.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: stretches(:, 0:)  !! first and last sample of each, (2, 0:B); the first is before any blow
     type(noise_type), intent(in) :: noise
-    integer, intent(in) :: missing(:)        !! samples, rising
+    integer, intent(in) :: missing(:)        !! samples, ascending
     real(dp), intent(in), optional :: place(:)  !! times of uneven samples, in steps
     type(band_type) :: band
     real(dp) :: lowest, highest, widest, longest, width, lives
     complex(dp) :: ends
-    integer, dimension(0:ubound(stretches, 2)) :: used, shares   !! samples, and parts, of a stretch
+    integer, dimension(0:ubound(stretches, 2)) :: used, shares   !! numbers of samples and of parts of a stretch
     integer :: blocks, b, k, n
     used = max(0, stretches(2, :) - stretches(1, :) + 1)
     if (.not. any(lines%steady) .or. used(0) < enough_for(size(lines))) used(0) = 0
@@ -126,7 +126,7 @@ contains
   end function band_around
 
   pure function tapered_band(count, image, first, noise) result(band)
-    !! The band of these bins of the tapered transform of a record.
+    !! The band of given bins of a record's tapered transform.
     integer, intent(in) :: count             !! samples of the record
     integer, intent(in) :: first
     complex(dp), intent(in) :: image(first:, :) !! (bins, S)
@@ -151,29 +151,29 @@ contains
   end function tapered_band
 
   pure logical function holds(band, line, m)
-    !! Whether the sums of a band see a line where it is m steps after a blow.
+    !! Whether the sums of a band resolve a line, m steps after a blow.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: line
     real(dp), intent(in) :: m
     complex(dp) :: pole
     pole = pole_at(line, m)
-    holds = band%length == 1 .or. abs(pole%im - band%centre) + abs(pole%re) < seen*pi/band%length
+    holds = band%length == 1 .or. abs(pole%im - band%centre) + abs(pole%re) < resolved*pi/band%length
   end function holds
 
   pure integer function enough_for(lines)
-    !! Samples that tell amplitudes of so many lines.
+    !! Number of samples from which amplitudes of so many lines can be estimated.
     integer, intent(in) :: lines
     enough_for = 4*lines + 16
   end function enough_for
 
   pure integer function sums_for(width)
-    !! How many sums a band needs of so many bins to either side of its middle.
+    !! Number of sums for a band of `width` bins on either side of its centre.
     real(dp), intent(in) :: width
     sums_for = ceiling(min(sums_per_bin*width, max(real(ample, dp), fewest_per_bin*width)))
   end function sums_for
 
   pure subroutine find_traces(band, part)
-    !! Find which blocks missing samples enter, and how.
+    !! Find the blocks that missing samples enter, and their contributions.
     type(band_type), intent(in) :: band
     type(band_part), intent(inout) :: part
     complex(dp) :: turned(0:ubound(part%missing%filter, 1)), turn
@@ -195,7 +195,7 @@ contains
   end subroutine find_traces
 
   pure function traces_of(part, fills) result(sums)
-    !! The sums over blocks that values in the place of missing samples would leave, (blocks).
+    !! The sums over blocks that values at missing samples contribute, (blocks).
     type(band_part), intent(in) :: part
     complex(dp), intent(in) :: fills(:)
     complex(dp) :: sums(size(part%turn))
@@ -209,14 +209,14 @@ contains
   end function traces_of
 
   pure subroutine find_weights(band, part)
-    !! Find what makes the noise of a part's rows white: where samples are missing, as a line in the middle of the band sees it. A row
-    !! without noise tells nothing: it is divided by what makes it 0.
+    !! Find the factors that make the noise of a part's rows white; if samples are missing, for a line at the centre of the band. A
+    !! row without noise has no information: it is divided by a huge number.
     type(band_type), intent(in) :: band
     type(band_part), intent(inout) :: part
     complex(dp) :: p
     real(dp) :: n
     integer :: blocks, j
-    complex(dp), allocatable :: fills(:, :)  !! of a wave in the middle of the band
+    complex(dp), allocatable :: fills(:, :)  !! of a wave at the centre of the band
     complex(dp), allocatable :: n_taken(:), p_taken(:)
     blocks = (part%used + band%length - 1)/band%length
     allocate (part%turn(blocks), source=(1.0_dp, 0.0_dp))
@@ -252,7 +252,7 @@ contains
   end function sum_of
 
   pure function rows_of(part, sums) result(rows)
-    !! Complex sums over blocks as real rows of unit weight.
+    !! Convert complex sums over blocks to real rows of unit variance.
     type(band_part), intent(in) :: part
     complex(dp), intent(in) :: sums(:)       !! (blocks)
     real(dp) :: rows(size(part%root))
@@ -266,7 +266,7 @@ contains
   end function rows_of
 
   pure subroutine fill_rows(white, band)
-    !! Give a band the rows of white samples, (N, S).
+    !! Fill a band with the rows of white samples, (N, S).
     real(dp), intent(in) :: white(:, :)
     type(band_type), intent(inout) :: band
     complex(dp) :: turn(0:band%length - 1)
@@ -302,7 +302,7 @@ contains
   end subroutine fill_rows
 
   pure subroutine put_back(lines, band)
-    !! Add lines to the rows of a band, with their amplitudes.
+    !! Add lines, with their amplitudes, to the rows of a band.
     type(line_type), intent(in) :: lines(:)
     type(band_type), intent(inout) :: band
     real(dp), allocatable :: columns(:, :, :)
@@ -322,8 +322,8 @@ contains
   end subroutine put_back
 
   pure function line_columns(band, part, line, slopes) result(columns)
-    !! The rows of a line of amplitude 1 and of one of amplitude i, and their slopes by the pole, and by κ and κ·rate of each course,
-    !! (rows, 2, 0:slopes).
+    !! The rows of a line of amplitude 1 and of one of amplitude i, and their derivatives by the pole, and by κ and κ·rate of each
+    !! course, (rows, 2, 0:slopes).
     type(band_type), intent(in) :: band
     type(band_part), intent(in) :: part
     type(line_type), intent(in) :: line
@@ -359,7 +359,7 @@ contains
   end function line_columns
 
   pure function images(band, part, line, slopes) result(sums)
-    !! Sums over blocks of e^(zm + Σκψ − iω_c m), and of its products with m, and with ψ and its slope by the rate of each course,
+    !! Sums over blocks of e^(zm + Σκψ − iω_c m), and of its products with m, and with ψ and ∂ψ/∂rate of each course,
     !! (blocks, 0:slopes).
     type(band_type), intent(in) :: band
     type(band_part), intent(in) :: part
@@ -425,7 +425,7 @@ contains
   contains
 
     pure function drifting_sums(m) result(own)
-      !! Those of a block that begins m steps after the blow, over the exponential there.
+      !! The same for a block that begins m steps after the blow, over the exponential there.
       real(dp), intent(in) :: m
       complex(dp) :: own(0:slopes), a(0:series), part_of(0:2), y, bent
       real(dp) :: length, by_rate(0:2)
@@ -453,7 +453,7 @@ contains
   end function images
 
   pure function line_fills(part, line, slopes) result(fills)
-    !! What a line's rows would put in the place of missing samples, and their products with m, and with ψ and its slope by the rate of
+    !! The values at missing samples that fit a line's rows best, and those for its products with m, and with ψ and ∂ψ/∂rate of
     !! each course, (missing, 1 + slopes).
     type(band_part), intent(in) :: part
     type(line_type), intent(in) :: line
@@ -478,7 +478,7 @@ contains
   end function line_fills
 
   pure type(line_type) function wave_of(pole) result(line)
-    !! A line of this pole.
+    !! A line with this pole.
     complex(dp), intent(in) :: pole
     line%pole = pole
     allocate (line%courses(0))

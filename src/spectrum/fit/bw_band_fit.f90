@@ -1,6 +1,6 @@
 module bw_band_fit
-  !! Lines that share a band, fitted to all sensors and stretches at once by least squares. Stretches share nothing but the exponents,
-  !! so that the slopes of their projections stand below each other.
+  !! Least-squares fit of the lines in a band to all sensors and stretches at once. Stretches share only the exponents, so that the
+  !! slopes of their projections are stacked.
   use bw_band, only: band_type, enough_for, holds, line_columns, trend_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -10,27 +10,27 @@ module bw_band_fit
   private
   public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
 
-  real(dp), parameter, public :: converged = 1.0e-3_dp   !! tuned: fall of the squares that a step promises, of the noise's variance
-  real(dp), parameter :: most_growth = 2         !! logarithm over a stretch: what decays freely does not grow
+  real(dp), parameter, public :: converged = 1.0e-3_dp   !! tuned: predicted decrease of the squares, in variances of the noise
+  real(dp), parameter :: most_growth = 2         !! logarithm of growth over a stretch: free decays do not grow
   integer, parameter :: most_halvings = 4
-  real(dp), parameter :: longest = 0.7_dp        !! tuned: step of a pole, of its width
+  real(dp), parameter :: longest = 0.7_dp        !! tuned: largest step of a pole, relative to its width
 
   type, extends(projected_type), public :: reduced_type
     !! The fit of one part.
     integer :: stretch = 0
-    integer :: sensors(2) = 1                    !! the first and the last
+    integer :: sensors(2) = 1                    !! first and last
   end type reduced_type
 
 contains
 
   subroutine fit_band(band, with_trend, most_steps, lines, reduced, slowest)
-    !! Refit poles and courses of the lines by Gauss and Newton; a step is shortened until it lowers the squares.
-    type(band_type), intent(in) :: band          !! with rows that hold these lines
-    logical, intent(in) :: with_trend            !! an offset and a slope are fitted too
+    !! Refit poles and courses of the lines by Gauss–Newton steps, which are shortened until the squares fall.
+    type(band_type), intent(in) :: band          !! with rows that contain these lines
+    logical, intent(in) :: with_trend            !! fit an offset and a slope, too
     integer, intent(in) :: most_steps
     type(line_type), intent(inout) :: lines(:)   !! amplitudes are not used
     type(reduced_type), allocatable, intent(out) :: reduced(:)   !! (parts)
-    real(dp), intent(in), optional :: slowest    !! part of the squares: a step that leaves more is the last
+    real(dp), intent(in), optional :: slowest    !! fraction of the squares; the fit ends with a step that leaves more
     type(reduced_type), allocatable :: trial(:)
     type(line_type) :: moved(size(lines))
     real(dp) :: step(unknown_place(lines, size(lines) + 1) - 1), gain, factor, left, before
@@ -60,7 +60,7 @@ contains
   end subroutine fit_band
 
   elemental logical function is_held(band, line)
-    !! Whether a line stays within the band as long as it lives, and decays in the end.
+    !! Whether a line stays within the band as long as it lives, and does not grow at the end.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: line
     real(dp) :: span
@@ -70,15 +70,15 @@ contains
   end function is_held
 
   pure real(dp) function squares_left(reduced)
-    !! What a fit leaves of all stretches and sensors.
+    !! Sum of squared residuals over all stretches and sensors.
     type(reduced_type), intent(in) :: reduced(:)
     integer :: i
     squares_left = sum([(sum(reduced(i)%left), i=1, size(reduced))])
   end function squares_left
 
   pure integer function unknown_place(lines, k) result(place)
-    !! Where the unknowns of line k begin: real and imaginary part of its pole, and those of κ and the rate of each course; behind the
-    !! last where k is one more.
+    !! Index of the first unknown of line k: real and imaginary part of its pole, then those of κ and the rate of each course. For k
+    !! beyond the last line it is one more than the number of unknowns.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: k
     integer :: i
@@ -86,7 +86,7 @@ contains
   end function unknown_place
 
   pure integer function slope_place(lines, k) result(place)
-    !! Where the columns of the slopes of line k begin: two for its pole, two for κ and two for the rate of each course.
+    !! Index of the first slope column of line k: two for its pole, two for κ and two for the rate of each course.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: k
     integer :: i
@@ -94,7 +94,7 @@ contains
   end function slope_place
 
   pure function free_of(lines) result(free)
-    !! Which unknowns are free: the decay of a steady line is 0, and some rates are held.
+    !! The unknowns that are free: the decay of a steady line is 0, and some rates are fixed.
     type(line_type), intent(in) :: lines(:)
     logical, allocatable :: free(:)
     integer :: k, c
@@ -108,7 +108,7 @@ contains
   end function free_of
 
   function reduce(band, lines, with_trend) result(reduced)
-    !! The triangle of the lines' columns in each part of a band, and the record turned by it.
+    !! The triangle of the lines' columns in each part of a band, and the record rotated by it.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: lines(:)
     logical, intent(in) :: with_trend
@@ -141,7 +141,7 @@ contains
   end function reduce
 
   pure function slopes_of(reduced, lines) result(matrix)
-    !! The slopes of all rows by the unknowns that are free, amplitudes, offset and slope eliminated, (rows, unknowns).
+    !! The derivatives of all rows by the free unknowns, with amplitudes, offset and slope eliminated, (rows, unknowns).
     type(reduced_type), intent(in) :: reduced(:)
     type(line_type), intent(in) :: lines(:)
     real(dp), allocatable :: matrix(:, :)
@@ -180,8 +180,8 @@ contains
   end function slopes_of
 
   pure function slope_of(own, c, amplitude, rows) result(slope)
-    !! The rows below those of the amplitudes of two columns of slopes, times an amplitude. What lies below the diagonal of R is not its
-    !! own.
+    !! The rows below those of the amplitudes of two slope columns, times an amplitude. Elements below the diagonal of R hold other
+    !! data.
     type(reduced_type), intent(in) :: own
     integer, intent(in) :: c                     !! the first column
     complex(dp), intent(in) :: amplitude
@@ -196,7 +196,7 @@ contains
   end function slope_of
 
   subroutine step_of(reduced, lines, step, gain)
-    !! The Gauss–Newton step of the unknowns, and what it promises to take off the squares.
+    !! The Gauss–Newton step of the unknowns, and the decrease of the squares that it predicts.
     type(reduced_type), intent(in) :: reduced(:)
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(out) :: step(:), gain
@@ -211,7 +211,7 @@ contains
   end subroutine step_of
 
   pure real(dp) function farthest(band, lines, step)
-    !! The longest step of a pole over what it may move at once: a part of its width, and a part of a period by its courses.
+    !! The longest step of a pole over the largest allowed: a fraction of its width, and a fraction of a period by its courses.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: step(:)
@@ -233,7 +233,7 @@ contains
   end function farthest
 
   pure function moved_lines(band, lines, step) result(moved)
-    !! The lines after a step. No frequency leaves the band from 0 to half the sampling rate, and none grows beyond reason.
+    !! The lines after a step. Frequencies stay between 0 and half the sampling rate, and growth is limited.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: step(:)
@@ -246,7 +246,7 @@ contains
       i = unknown_place(lines, k)
       associate (z => moved(k)%pole)
         z = z + cmplx(step(i), step(i + 1), dp)
-        if (band%tapered) then                   ! whose lines may grow, and meet their mirror images
+        if (band%tapered) then                   ! its lines may grow, and meet their mirror images
           z = cmplx(max(-highest/span, min(highest/span, z%re)), min(abs(z%im), 2*pi - abs(z%im)), dp)
           cycle
         end if
@@ -262,7 +262,7 @@ contains
   end function moved_lines
 
   pure function amplitudes_of(reduced, k, stretches, sensors) result(amplitude)
-    !! The amplitudes of line k in each stretch, (S, stretches from the one before any blow on); 0 in those that tell nothing.
+    !! The amplitudes of line k in each stretch, (S, stretches from the one before any blow on); 0 in stretches without rows.
     type(reduced_type), intent(in) :: reduced(:)
     integer, intent(in) :: k, stretches, sensors
     complex(dp) :: amplitude(sensors, stretches)

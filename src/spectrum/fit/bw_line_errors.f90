@@ -1,6 +1,6 @@
 module bw_line_errors
-  !! What noise does to the lines of a fit: standard deviations of decays, frequencies and amplitudes, all unknowns being free. They
-  !! are the Cramér–Rao bounds of the information that the fit's rows hold.
+  !! The errors of the lines of a fit due to noise: standard deviations of decays, frequencies and amplitudes, with all unknowns
+  !! free. They are the Cramér–Rao bounds for the information in the fit's rows.
   use bw_band_fit, only: free_of, reduced_type, slope_place, slopes_of, unknown_place
   use bw_kinds, only: dp
   use bw_line, only: line_type, psi_by_rate, psi_slope
@@ -11,10 +11,10 @@ module bw_line_errors
   public :: amplitude_deviation, amplitude_noise, drift_deviation, line_errors_of, pole_deviation
 
   type, public :: line_errors
-    !! A fit as its errors follow from it.
+    !! A fit in the form from which its errors follow.
     type(line_type), allocatable :: lines(:)
     type(reduced_type), allocatable :: reduced(:)
-    real(dp), allocatable :: triangle(:, :), length(:)  !! of the slopes by the unknowns that are free
+    real(dp), allocatable :: triangle(:, :), length(:)  !! of the slopes by the free unknowns
   end type line_errors
 
 contains
@@ -30,7 +30,7 @@ contains
   end function line_errors_of
 
   pure function pole_deviation(errors, k, m) result(deviation)
-    !! Of the real and the imaginary part of line k's pole, m steps after a blow; huge where it is not determined, 0 where it is held.
+    !! Standard deviations of real and imaginary part of line k's pole, m steps after a blow; huge if undetermined, 0 if fixed.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: k
     real(dp), intent(in) :: m
@@ -40,7 +40,7 @@ contains
   end function pole_deviation
 
   pure real(dp) function drift_deviation(errors, k, m) result(deviation)
-    !! Of the change of the imaginary part of line k's pole from the blow to m steps after it.
+    !! Standard deviation of the change of the imaginary part of line k's pole from the blow to m steps after it.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: k
     real(dp), intent(in) :: m
@@ -48,7 +48,7 @@ contains
   end function drift_deviation
 
   pure function slope_of_pole(errors, k, m, part, at_blow) result(slope)
-    !! How the unknowns change the real (part 0) or imaginary part (1) of line k's pole, m steps after a blow.
+    !! The derivatives of the real (part 0) or imaginary part (1) of line k's pole, m steps after a blow, by the unknowns.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: k, part
     integer, intent(in) :: at_blow               !! 1: the pole; 0: its change since the blow
@@ -69,7 +69,7 @@ contains
   end function slope_of_pole
 
   pure real(dp) function exponent_deviation(errors, slope) result(deviation)
-    !! Of a sum of the unknowns in the lines' exponents with these factors.
+    !! Standard deviation of a sum of the unknowns in the lines' exponents with these factors.
     type(line_errors), intent(in) :: errors
     real(dp), intent(in) :: slope(:)             !! (unknowns)
     deviation = deviation_of(errors%triangle, errors%length, pack(slope, free_of(errors%lines)))
@@ -77,7 +77,7 @@ contains
 
   pure real(dp) function amplitude_deviation(errors, stretch, k, direction) result(total)
     !! The standard deviation of the sum over components of line k's white amplitudes in a stretch, each times a direction in
-    !! its plane: what noise does to them at known poles, and what the poles' errors add.
+    !! its plane: the effect of noise at known poles, and that of the poles' errors.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: stretch, k
     real(dp), intent(in) :: direction(:, :)      !! (2, S)
@@ -120,7 +120,7 @@ contains
   contains
 
     pure real(dp) function product_of(c, amplitude)
-      !! Of y and the slopes in two columns, of a line of this amplitude.
+      !! The product of y and the slopes in two columns, for a line of this amplitude.
       integer, intent(in) :: c
       complex(dp), intent(in) :: amplitude
       associate (fit => errors%reduced(p))
@@ -132,8 +132,8 @@ contains
   end function amplitude_deviation
 
   pure real(dp) function amplitude_noise(errors, part, k) result(deviation)
-    !! The standard deviation of the real part of line k's white amplitude in a part of the band at known poles; that of the imaginary
-    !! part is the same but for what is within a period of the part's ends.
+    !! The standard deviation of the real part of line k's white amplitude in a part of the band at known poles; that of the
+    !! imaginary part is the same, up to the contribution of a period at the part's ends.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: part, k
     real(dp) :: gradient(errors%reduced(part)%linear)

@@ -1,7 +1,7 @@
 module bw_line_projection
-  !! Variable projection (Golub and Pereyra, 1973): given the exponents of lines, everything else is linear. One triangle R of
-  !! [columns of amplitudes, columns of slopes] and the rotated record hold the fit: what is left, the Gauss–Newton step, and the
-  !! covariance, since all sensors share the columns.
+  !! Variable projection (Golub and Pereyra, 1973): for given exponents of lines all other unknowns are linear. One triangle R of
+  !! [columns of amplitudes, columns of slopes] and the rotated record give the residual, the Gauss–Newton step and the covariance,
+  !! since all sensors share the columns.
   use bw_kinds, only: dp
   use bw_lapack, only: dgelsy
   use bw_triangle, only: dependent, eliminate, length_of, scaled, solved, triangulate
@@ -10,20 +10,20 @@ module bw_line_projection
   public :: deviation_of, find_step, project
 
   type, public :: projected_type
-    !! A record's rows as columns explain them.
-    integer :: linear = 0                        !! columns of amplitudes, offset and slope; those of slopes stand behind
-    real(dp), allocatable :: triangle(:, :)      !! R, of columns of length 1
+    !! The projection of a record's rows onto columns.
+    integer :: linear = 0                        !! columns of amplitudes, offset and slope; those of slopes follow
+    real(dp), allocatable :: triangle(:, :)      !! R, for columns of length 1
     real(dp), allocatable :: length(:)           !! of the columns
     real(dp), allocatable :: rotated(:, :)       !! Qᵀ times the record, (rows of R, S)
-    real(dp), allocatable :: linear_part(:, :)   !! (linear, S)
-    real(dp), allocatable :: left(:)             !! squares, (S)
+    real(dp), allocatable :: linear_part(:, :)   !! amplitudes, offset and slope, (linear, S)
+    real(dp), allocatable :: left(:)             !! squares of the residual, (S)
   end type projected_type
 
 contains
 
   subroutine project(matrix, rows, linear, projected)
-    !! Find amplitudes, offset and slope, and what they leave.
-    real(dp), intent(inout), contiguous :: matrix(:, :)   !! columns; are brought to length 1
+    !! Find amplitudes, offset and slope, and the residual.
+    real(dp), intent(inout), contiguous :: matrix(:, :)   !! columns; scaled to length 1
     real(dp), intent(in) :: rows(:, :)           !! the record, (rows, S)
     integer, intent(in) :: linear
     class(projected_type), intent(inout) :: projected
@@ -41,7 +41,7 @@ contains
       allocate (projected%linear_part(linear, size(rows, 2)), source=0.0_dp)
       projected%linear_part(:held, :) = solved(r(:held, :held), x(:held, :))
       left = left + sum(x(held + 1:, :)**2, dim=1)
-      do k = 1, held                             ! where the triangle does not determine a number, something stays
+      do k = 1, held                             ! a number that the triangle does not determine leaves a residual
         if (abs(r(k, k)) > dependent) cycle
         left = left + (x(k, :) - matmul(r(k, k:held), projected%linear_part(k:held, :)))**2
       end do
@@ -52,9 +52,9 @@ contains
   end subroutine project
 
   subroutine find_step(slopes, right, step, gain)
-    !! Find the Gauss–Newton step of the unknowns, and what it promises to take off the squares.
-    real(dp), intent(in) :: slopes(:, :)         !! of what is left by the unknowns, (rows, unknowns)
-    real(dp), intent(in) :: right(:)             !! what is left
+    !! Find the Gauss–Newton step of the unknowns, and the decrease of the squares that it predicts.
+    real(dp), intent(in) :: slopes(:, :)         !! of the residual by the unknowns, (rows, unknowns)
+    real(dp), intent(in) :: right(:)             !! the residual
     real(dp), intent(out) :: step(:), gain
     real(dp), allocatable :: matrix(:, :), factors(:, :), x(:, :), length(:), work(:)
     integer :: pivot(size(slopes, 2)), rank, info, n
@@ -75,7 +75,7 @@ contains
   end subroutine find_step
 
   pure real(dp) function deviation_of(triangle, length, gradient) result(deviation)
-    !! The standard deviation of gradient·x in noise of variance 1; huge where it is not determined.
+    !! The standard deviation of gradient·x in noise of variance 1; huge if it is not determined.
     real(dp), intent(in) :: triangle(:, :), length(:), gradient(:)
     real(dp) :: y(size(length))
     logical :: determined

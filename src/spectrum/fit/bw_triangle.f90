@@ -1,5 +1,5 @@
 module bw_triangle
-  !! Triangles R of columns QR scaled to length 1: what solves a least-squares problem, and what its covariance follows from.
+  !! Triangles R of QR factorisations of columns scaled to length 1, for solutions of least-squares problems and their covariances.
   use bw_kinds, only: dp
   use bw_lapack, only: dgeqrf, dormqr
   implicit none (type, external)
@@ -7,19 +7,19 @@ module bw_triangle
   public :: dependent, eliminate, length_of, scaled, solved, triangle_of, triangulate
 
   real(dp), parameter :: dependent = 1.0e-12_dp  !! columns this close to the others are left out of a solution
-  integer, parameter :: stretch = 512            !! rows whose reflections a processor's cache holds
+  integer, parameter :: stretch = 512            !! rows at a time, as fit a processor's cache
 
 contains
 
   pure real(dp) function length_of(column) result(length)
-    !! Of a vector. Where squares may have been lost or have overflowed, by the slower way that avoids them.
+    !! The length of a vector. If squares may have underflowed or overflowed, by a slower method that avoids this.
     real(dp), contiguous, intent(in) :: column(:)
     length = sqrt(dot_product(column, column))
     if (.not. (length > 1.0e-140_dp .and. length < 1.0e140_dp)) length = norm2(column)
   end function length_of
 
   function scaled(matrix) result(length)
-    !! The lengths of a matrix's columns, which are brought to length 1; 1 for a column of zeros.
+    !! The lengths of a matrix's columns, which are scaled to length 1; 1 for a column of zeros.
     real(dp), intent(inout) :: matrix(:, :)
     real(dp) :: length(size(matrix, 2))
     integer :: k
@@ -31,7 +31,7 @@ contains
   end function scaled
 
   pure function solved(triangle, right) result(x)
-    !! R⁻¹ of the right sides; what R does not determine is 0.
+    !! R⁻¹ times the right-hand sides; elements that R does not determine are 0.
     real(dp), intent(in) :: triangle(:, :), right(:, :)
     real(dp) :: x(size(right, 1), size(right, 2))
     integer :: i, j
@@ -48,7 +48,7 @@ contains
   end function solved
 
   subroutine triangle_of(matrix, triangle, length)
-    !! The triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit; zeros where there are fewer rows than
+    !! The triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit; zeros if there are fewer rows than
     !! columns.
     real(dp), intent(in) :: matrix(:, :)
     real(dp), allocatable, intent(out) :: triangle(:, :)
@@ -66,11 +66,11 @@ contains
   end subroutine triangle_of
 
   subroutine triangulate(matrix, right, triangle, turned, beyond)
-    !! The triangle R of matrix = QR, with fewer rows than columns where the matrix has fewer, Qᵀ·right in its rows, and the squares
-    !! of the rows of Qᵀ·right below it. Many rows are taken stretch by stretch, each below the triangle of those before.
+    !! Find the triangle R of matrix = QR, with fewer rows than columns if the matrix has fewer, Qᵀ·right in its rows, and the
+    !! squares of the rows of Qᵀ·right below it. Many rows are factored block by block, each below the triangle of those before.
     real(dp), intent(in) :: matrix(:, :), right(:, :)
     real(dp), allocatable, intent(out) :: triangle(:, :), turned(:, :)
-    real(dp), allocatable, intent(out) :: beyond(:)  !! (right sides)
+    real(dp), allocatable, intent(out) :: beyond(:)  !! (right-hand sides)
     real(dp), allocatable :: part(:, :), side(:, :), tau(:), work(:)
     integer :: n, s, rows, most, held, first, last, k, info
     n = size(matrix, 2)
@@ -102,9 +102,9 @@ contains
   end subroutine triangulate
 
   pure subroutine eliminate(triangle, length, gradient, y, determined)
-    !! Find y = R⁻ᵀ (gradient/length), whose length is the standard deviation of gradient·x in noise of variance 1, or that the fit
-    !! does not determine that number.
-    real(dp), intent(in) :: triangle(:, :), length(:)  !! R and the lengths of the columns that it is of
+    !! Find y = R⁻ᵀ (gradient/length), whose length is the standard deviation of gradient·x in noise of variance 1, and whether the
+    !! fit determines gradient·x.
+    real(dp), intent(in) :: triangle(:, :), length(:)  !! R, and the lengths of its columns before scaling
     real(dp), intent(in) :: gradient(:)
     real(dp), intent(out) :: y(:)
     logical, intent(out) :: determined

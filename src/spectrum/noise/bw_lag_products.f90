@@ -1,17 +1,17 @@
 module bw_lag_products
-  !! Squares of prediction errors without the errors: a predictor's squares are its form in G_ij = Σ x_(n+i) x_(n+j), which follows from
-  !! products of samples that are some samples apart, and from the samples at both ends.
+  !! Sums of squared prediction errors without the errors: they are quadratic forms of a predictor in G_ij = Σ x_(n+i) x_(n+j),
+  !! which follows from products of samples at given lags, and from the samples at both ends.
   !!
-  !! So one look at a long record serves all orders. But what a predictor leaves is a difference, and loses as many digits as it is
-  !! smaller than what it is left of. Source: Vos (2013), A Fast Implementation of Burg's Method.
+  !! One pass over a long record thus serves all orders. But a small error is a difference of large sums, and loses digits
+  !! accordingly. Source: Vos (2013), A Fast Implementation of Burg's Method.
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
   implicit none (type, external)
   private
 
-  integer, parameter :: at_once = 1024             !! samples that a processor's cache holds
-  integer, parameter :: group = 32                 !! lags that are found together
-  real(dp), parameter :: least_part = 1.0e-8_dp    !! of its terms, that a sum keeps half its digits of
+  integer, parameter :: at_once = 1024             !! samples that fit a processor's cache
+  integer, parameter :: group = 32                 !! lags found in one pass
+  real(dp), parameter :: least_part = 1.0e-8_dp    !! of its terms; a smaller sum has lost half its digits
 
   type, public :: lag_products
     real(dp), allocatable, private :: lag(:)       !! Σ x_n x_(n+d) at d + 1
@@ -25,7 +25,7 @@ module bw_lag_products
 contains
 
   pure subroutine start(self, x)
-    !! Find G of m = 0.
+    !! Find G for m = 0.
     class(lag_products), intent(inout) :: self
     real(dp), intent(in), contiguous :: x(:)
     allocate (self%lag(0))
@@ -34,7 +34,7 @@ contains
   end subroutine start
 
   pure subroutine grow(self, x)
-    !! Find G of an m that is higher by 1.
+    !! Extend G to the next m.
     class(lag_products), intent(inout) :: self
     real(dp), intent(in), contiguous :: x(:)
     real(dp), allocatable :: larger(:, :)
@@ -53,7 +53,7 @@ contains
   end subroutine grow
 
   pure subroutine add_lags(x, lag)
-    !! Find products of samples that are further apart.
+    !! Add products of samples at larger lags.
     real(dp), intent(in), contiguous :: x(:)
     real(dp), allocatable, intent(inout) :: lag(:)
     real(dp) :: more(group)
@@ -69,18 +69,18 @@ contains
     lag = [lag, more]
   end subroutine add_lags
 
-  pure subroutine find_sums(self, h, sums, are_told)
-    !! Find Σ a², Σ ab and Σ b² of the errors that a predictor of order m − 1 leaves ahead, and behind at the next sample.
+  pure subroutine find_sums(self, h, sums, accurate)
+    !! Find Σ a², Σ ab and Σ b² of the errors ahead of a predictor of order m − 1, and of those behind at the next sample.
     class(lag_products), intent(in) :: self
     real(dp), intent(in) :: h(0:)                  !! (0:m − 1)
     real(dp), intent(out) :: sums(3)
-    logical, intent(out) :: are_told               !! to some digits
+    logical, intent(out) :: accurate               !! to some digits
     real(dp), dimension(0:size(h)) :: ahead, behind
     ahead = [h, 0.0_dp]
     behind = ahead(size(h):0:-1)
     sums = [dot_product(ahead, matmul(self%gram, ahead)), dot_product(ahead, matmul(self%gram, behind)), &
       & dot_product(behind, matmul(self%gram, behind))]
-    are_told = min(sums(1), sums(3)) > least_part*sum(abs(h))**2*self%lag(1)
+    accurate = min(sums(1), sums(3)) > least_part*sum(abs(h))**2*self%lag(1)
   end subroutine find_sums
 
 end module bw_lag_products

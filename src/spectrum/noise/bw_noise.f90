@@ -1,9 +1,9 @@
 module bw_noise
-  !! The noise of a record: what makes it white and independent, and what that does to lines.
+  !! The noise of a record: the filters that make it white and independent, and their effect on lines.
   !!
-  !! Sensors y, mixed into components c = yM where they share noise, pass a prediction-error filter each. The filter looks ahead,
-  !! so that it takes the last samples of a stretch and none behind a blow. An exponential e^(zm) passes it unchanged but for the
-  !! factor H(z) = Σ h_i e^(zi).
+  !! Sensors y, mixed into components c = yM if they share noise, pass a prediction-error filter each. The filter looks ahead,
+  !! so that the last samples of a stretch are lost, but none after a blow. An exponential e^(zm) is multiplied by
+  !! H(z) = Σ h_i e^(zi).
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm
   use bw_line, only: line_type
@@ -12,37 +12,37 @@ module bw_noise
   public :: amplitude_of, gain_of, mix, mixed_amplitude, whiten, white_amplitude
 
   type, public :: noise_type
-    real(dp), allocatable :: filter(:, :)    !! h of each component, over the deviation of its prediction error, (0:p, S)
+    real(dp), allocatable :: filter(:, :)    !! h of each component, over the standard deviation of its prediction error, (0:p, S)
     integer, allocatable :: order(:)         !! (S)
-    integer :: lost = 0                      !! the highest order: samples at the end of each stretch that tell nothing
-    real(dp), allocatable :: mixing(:, :)    !! M, (S, S); not allocated: each sensor is a component
+    integer :: lost = 0                      !! the highest order: number of samples lost at the end of each stretch
+    real(dp), allocatable :: mixing(:, :)    !! M, (S, S); unallocated: each sensor is a component
     real(dp), allocatable :: unmixing(:, :)  !! its inverse
-    real(dp) :: cost = 0                     !! −2 ln L of the residual that it was judged by, and the penalty of its coefficients
+    real(dp) :: cost = 0                     !! −2 ln L of the residual that was used, plus the penalty of its coefficients
   end type noise_type
 
 contains
 
-  pure subroutine mix(noise, values, those, components)
+  pure subroutine mix(noise, values, chosen, components)
     !! Find some components of the sensors' values.
     type(noise_type), intent(in) :: noise
     real(dp), intent(in), contiguous :: values(:, :)      !! (N or more, S)
-    integer, intent(in) :: those(:)
+    integer, intent(in) :: chosen(:)
     real(dp), intent(out), contiguous :: components(:, :) !! (N, those)
     integer :: c
     associate (n => size(components, 1), sensors => size(values, 2))
       if (allocated(noise%mixing)) then
-        call dgemm('N', 'N', n, size(those), sensors, 1.0_dp, values, size(values, 1), noise%mixing(:, those), sensors, &
+        call dgemm('N', 'N', n, size(chosen), sensors, 1.0_dp, values, size(values, 1), noise%mixing(:, chosen), sensors, &
           & 0.0_dp, components, n)
       else
-        do c = 1, size(those)
-          components(:, c) = values(:n, those(c))
+        do c = 1, size(chosen)
+          components(:, c) = values(:n, chosen(c))
         end do
       end if
     end associate
   end subroutine mix
 
   pure function mixed_amplitude(noise, amplitude) result(mixed)
-    !! What a line's amplitudes are in the components, (S, stretches).
+    !! The amplitudes of a line in the components, (S, stretches).
     type(noise_type), intent(in) :: noise
     complex(dp), intent(in) :: amplitude(:, :)
     complex(dp) :: mixed(size(amplitude, 1), size(amplitude, 2))
@@ -51,10 +51,10 @@ contains
   end function mixed_amplitude
 
   pure subroutine whiten(filter, values)
-    !! Turn the values of one component into prediction errors in their memory; the last ones are 0.
+    !! Replace the values of one component by prediction errors, in place; the last ones are 0.
     real(dp), intent(in) :: filter(0:)       !! h
     real(dp), intent(inout) :: values(:)
-    integer, parameter :: at_once = 1024     !! values that a processor's cache holds
+    integer, parameter :: at_once = 1024     !! values that fit a processor's cache
     real(dp) :: part(at_once)
     integer :: first, last, i, n, p
     n = size(values)
@@ -84,7 +84,7 @@ contains
   end function gain_of
 
   pure function white_amplitude(noise, line) result(amplitude)
-    !! What a line's amplitudes are in the white components, (S, stretches).
+    !! The amplitudes of a line in the white components, (S, stretches).
     type(noise_type), intent(in) :: noise
     type(line_type), intent(in) :: line
     complex(dp) :: amplitude(size(line%amplitude, 1), size(line%amplitude, 2))
@@ -96,7 +96,7 @@ contains
   end function white_amplitude
 
   pure function amplitude_of(noise, pole, white) result(amplitude)
-    !! The amplitudes at the sensors of a line that has these in the white components, (S, stretches).
+    !! The amplitudes at the sensors of a line with these amplitudes in the white components, (S, stretches).
     type(noise_type), intent(in) :: noise
     complex(dp), intent(in) :: pole, white(:, :)
     complex(dp) :: amplitude(size(white, 1), size(white, 2))

@@ -1,7 +1,7 @@
 module bw_vector_noise
-  !! What sensors that move together cost as noise alone: a vector autoregression, which is what the motion of a driven beam is.
+  !! The cost of sensors that move together, as noise alone: a vector autoregression, which describes the motion of a driven beam.
   !!
-  !! A lattice predicts all sensors from all, one sample further back at each order; each of its stages is a least-squares fit of the
+  !! A lattice predicts all sensors from all, one sample further back at each order; each stage is a least-squares fit of the
   !! prediction errors before it. Source: Strand (1977), IEEE Trans. Autom. Control 22; Kay, Modern Spectral Estimation (1988).
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dpotrf, dtrsm
@@ -10,19 +10,19 @@ module bw_vector_noise
   public :: vector_noise_cost
 
   integer, parameter :: patience = 8             !! tuned: orders without a gain after which the lattice ends
-  real(dp), parameter :: least_part = 1.0e-13_dp !! of the variances, that an error keeps
-  integer, parameter :: chunk = 2048             !! rows that are handled at once
+  real(dp), parameter :: least_part = 1.0e-13_dp !! of the variances: smallest error
+  integer, parameter :: chunk = 2048             !! rows handled at once
 
 contains
 
   function vector_noise_cost(ahead, highest, penalty) result(least)
-    !! The least −2 ln L + penalty of all coefficients over all orders; huge where there is none.
-    real(dp), allocatable, intent(inout) :: ahead(:, :)  !! (N, S), without mean; is used up
-      !! errors of samples p + 1 … N from the p before each, from row p + 1 on
+    !! The least −2 ln L + penalty of all coefficients over all orders; huge if there is none.
+    real(dp), allocatable, intent(inout) :: ahead(:, :)  !! (N, S), without mean; overwritten
+      !! errors of samples p + 1 … N predicted from the p before each, from row p + 1 on
     integer, intent(in) :: highest               !! order
     real(dp), intent(in) :: penalty              !! of a coefficient
     real(dp) :: least
-    real(dp), allocatable :: behind(:, :)        ! errors of samples 1 … N − p from the p behind each
+    real(dp), allocatable :: behind(:, :)        ! errors of samples 1 … N − p predicted from the p after each
     real(dp), dimension(size(ahead, 2), size(ahead, 2)) :: of_ahead, of_behind, across, forth, back, root
     real(dp) :: logarithms, total, cost
     integer :: n, s, p, best, rows, info
@@ -55,11 +55,11 @@ contains
       if (.not. solved(of_ahead, across, back)) exit
       call add_stage(p + 1, rows, forth, back, ahead, behind)
     end do
-    least = least - n*s                          ! as of single sensors, without the squares of the errors
+    least = least - n*s                          ! as for single sensors, without the squares of the errors
   end function vector_noise_cost
 
   subroutine add_stage(order, rows, forth, back, ahead, behind)
-    !! Predict from one sample more.
+    !! Extend the predictors by one sample.
     integer, intent(in) :: order, rows
     real(dp), intent(in) :: forth(:, :), back(:, :)
     real(dp), allocatable, intent(inout) :: ahead(:, :), behind(:, :)
@@ -76,7 +76,7 @@ contains
   end subroutine add_stage
 
   subroutine squares_of(one, other, first, first_other, rows, products)
-    !! Scalar products of columns over so many rows.
+    !! Scalar products of columns over `rows` rows.
     real(dp), allocatable, intent(in) :: one(:, :), other(:, :)
     integer, intent(in) :: first, first_other, rows
     real(dp), intent(out) :: products(:, :)
@@ -87,7 +87,7 @@ contains
   end subroutine squares_of
 
   logical function solved(matrix, right, x)
-    !! Find matrix⁻¹·right of a positive definite matrix.
+    !! Find matrix⁻¹·right for a positive definite matrix.
     real(dp), intent(in) :: matrix(:, :), right(:, :)
     real(dp), intent(out) :: x(:, :)
     real(dp) :: root(size(matrix, 1), size(matrix, 1))
@@ -106,7 +106,7 @@ contains
   end function solved
 
   pure real(dp) function log_determinant(root)
-    !! Of LLᵀ.
+    !! The logarithm of the determinant of LLᵀ.
     real(dp), intent(in) :: root(:, :)
     integer :: i
     log_determinant = 2*sum([(log(root(i, i)), i=1, size(root, 1))])

@@ -1,6 +1,6 @@
 module bw_cost
-  !! J, which the search makes small: −2 ln L of the prediction errors and the penalty of each unknown, such that noise alone gets a line
-  !! with the probability `false_alarm`.
+  !! J, which the search minimises: −2 ln L of the prediction errors plus the penalty of each unknown, such that noise alone yields
+  !! a line with the probability `false_alarm`.
   use bw_kinds, only: dp
   use bw_model, only: model_type
   use bw_penalty, only: chi_squared, line_penalty
@@ -12,7 +12,7 @@ module bw_cost
 contains
 
   pure real(dp) function cost_of_all(samples, false_alarm, model) result(cost)
-    !! J.
+    !! J of a model.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
@@ -20,13 +20,13 @@ contains
   end function cost_of_all
 
   pure real(dp) function order_price(samples)
-    !! Of a coefficient of the noise's autoregression (Schwarz, 1978).
+    !! The penalty of a coefficient of the noise's autoregression (Schwarz, 1978).
     type(samples_type), intent(in) :: samples
     order_price = log(real(samples%count, dp))
   end function order_price
 
   pure real(dp) function penalty_of_line(samples, false_alarm, model)
-    !! Of a line with its amplitudes at all sensors after all blows.
+    !! The penalty of a line with its amplitudes at all sensors after all blows.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
@@ -34,13 +34,13 @@ contains
   end function penalty_of_line
 
   pure real(dp) function penalty_of_course(false_alarm)
-    !! Of a drift's three unknowns, and which of a few rates it starts from.
+    !! The penalty of a drift's three unknowns, and of the choice among a few initial rates.
     real(dp), intent(in) :: false_alarm
     penalty_of_course = chi_squared(false_alarm, 4)
   end function penalty_of_course
 
   pure real(dp) function penalty_of_tone(samples, false_alarm)
-    !! Of a tone instead of a mode: an amplitude more at each sensor, before the blow, and a decay less.
+    !! The penalty of a tone instead of a mode: one more amplitude at each sensor, before the blow, and no decay.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     penalty_of_tone = chi_squared(false_alarm, 2*size(samples%value, 2)) - chi_squared(false_alarm, 2)

@@ -1,9 +1,9 @@
 module bw_limited_range
-  !! Sensors that clip: of the motion near the end of a sensor's range only those samples are left which noise pushed inwards.
+  !! Sensors that clip: near the end of a sensor's range only those samples remain that noise pushed inwards.
   !!
-  !! A sample of expectation μ that is kept below a limit L is on the average σφ(a)/Φ(a) less than μ, where a = (L − μ)/σ, φ is the
-  !! normal density and Φ its integral. With that added the normal equations of least squares are those of the likelihood of
-  !! truncated samples. Source: Amemiya, Econometrica 41 (1973) 997.
+  !! A sample of expectation μ that is known to be below a limit L is on average σφ(a)/Φ(a) less than μ, where a = (L − μ)/σ, φ is
+  !! the normal density and Φ its integral. With this correction the normal equations of least squares are those of the likelihood
+  !! of truncated samples. Source: Amemiya, Econometrica 41 (1973) 997.
   use bw_constants, only: pi
   use bw_cost, only: order_price
   use bw_kinds, only: dp
@@ -16,25 +16,25 @@ module bw_limited_range
 
   integer, parameter :: rounds = 3
   real(dp), parameter :: far = sqrt(huge(1.0_dp))
-  real(dp), parameter :: reach = 6               !! deviations from a limit, within which it cuts off some noise
+  real(dp), parameter :: reach = 6               !! standard deviations from a limit within which it truncates noise
 
 contains
 
   subroutine allow_for_limits(samples, model)
-    !! Fit the lines to what the samples would be on the average if none were cut off.
-    type(samples_type), intent(inout) :: samples   !! as they were in the end
+    !! Fit the lines to samples corrected for the mean of the noise that limits truncate.
+    type(samples_type), intent(inout) :: samples   !! unchanged on return
     type(model_type), intent(inout) :: model
     real(dp) :: limits(2, size(samples%value, 2))
-    real(dp), allocatable :: recorded(:, :), left(:, :)
+    real(dp), allocatable :: recorded(:, :), residual(:, :)
     integer :: round, s
     if (.not. allocated(samples%valid) .or. size(model%lines) == 0) return
     limits = limits_of(samples)
     if (all(abs(limits) >= far)) return
     allocate (recorded, source=samples%value)
-    allocate (left(samples%count, size(limits, 2)))
+    allocate (residual(samples%count, size(limits, 2)))
     do round = 1, rounds
-      call find_misfit(samples, model, [(s, s=1, size(left, 2))], left)
-      call correct(limits, recorded, left, samples)
+      call find_misfit(samples, model, [(s, s=1, size(residual, 2))], residual)
+      call correct(limits, recorded, residual, samples)
       if (allocated(model%last)) deallocate (model%last)
       call renew(samples, order_price(samples), .false., model)
       call refit_all(all_steps, 0.0_dp, model)
@@ -44,7 +44,7 @@ contains
   end subroutine allow_for_limits
 
   pure function limits_of(samples) result(limits)
-    !! The lowest and the highest value that each sensor can tell; `far` away where it does not clip. All samples at a limit are left out.
+    !! The lowest and highest value that each sensor can record; ±`far` if it does not clip. All samples at a limit are invalid.
     type(samples_type), intent(in) :: samples
     real(dp) :: limits(2, size(samples%value, 2)), ends(2)
     integer :: s, n
@@ -59,29 +59,29 @@ contains
     end do
   end function limits_of
 
-  pure subroutine correct(limits, recorded, left, samples)
-    !! Add to each sample what is cut off from the noise of such a motion.
+  pure subroutine correct(limits, recorded, residual, samples)
+    !! Add to each sample the mean that truncation takes from the noise of such a motion.
     real(dp), intent(in) :: limits(:, :), recorded(:, :)
-    real(dp), intent(in) :: left(:, :)           !! of the samples as they were corrected last
+    real(dp), intent(in) :: residual(:, :)       !! residual of the samples as corrected last
     type(samples_type), intent(inout) :: samples
     real(dp) :: deviation, motion
     integer :: s, n
-    do s = 1, size(left, 2)
-      deviation = sqrt(sum(left(:, s)**2, mask=samples%valid)/max(1, count(samples%valid)))
-      do n = 1, size(left, 1)
+    do s = 1, size(residual, 2)
+      deviation = sqrt(sum(residual(:, s)**2, mask=samples%valid)/max(1, count(samples%valid)))
+      do n = 1, size(residual, 1)
         if (.not. samples%valid(n)) cycle
-        motion = samples%value(n, s) - left(n, s)
-        samples%value(n, s) = recorded(n, s) + deviation*(cut_off((limits(2, s) - motion)/deviation) &
-          & - cut_off((motion - limits(1, s))/deviation))
+        motion = samples%value(n, s) - residual(n, s)
+        samples%value(n, s) = recorded(n, s) + deviation*(truncated_mean((limits(2, s) - motion)/deviation) &
+          & - truncated_mean((motion - limits(1, s))/deviation))
       end do
     end do
   end subroutine correct
 
-  elemental real(dp) function cut_off(a)
-    !! φ(a)/Φ(a).
+  elemental real(dp) function truncated_mean(a)
+    !! The ratio φ(a)/Φ(a).
     real(dp), intent(in) :: a
-    cut_off = 0
-    if (a < reach) cut_off = sqrt(2/pi)/erfc_scaled(-max(a, -reach)/sqrt(2.0_dp))
-  end function cut_off
+    truncated_mean = 0
+    if (a < reach) truncated_mean = sqrt(2/pi)/erfc_scaled(-max(a, -reach)/sqrt(2.0_dp))
+  end function truncated_mean
 
 end module bw_limited_range

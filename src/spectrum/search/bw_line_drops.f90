@@ -1,5 +1,5 @@
 module bw_line_drops
-  !! Lines that do not pay are dropped, the noise renewed on both sides of the comparison.
+  !! Lines that gain less than their penalty are dropped, with the noise renewed on both sides of the comparison.
   use bw_cost, only: cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
   use bw_line, only: life_of, limited, line_type
@@ -12,20 +12,20 @@ module bw_line_drops
   private
   public :: clear_if_cancelling, drop_lines, drop_weakest, energy_of, keep_or_clear
 
-  real(dp), parameter :: sure = 2                !! penalties of a line, below which a bound of its worth has to be looked at closely
+  real(dp), parameter :: sure = 2                !! penalties of a line; if a bound of its gain is lower, the gain is computed
 
   type, public :: line_outcome
     !! How a search ended.
     logical :: converged = .true.                !! no move lowers J any more
-    logical :: driven = .false.                  !! noise alone explains the motion better than all lines that were found
-    complex(dp), allocatable :: poles(:)         !! of lines that were dropped again, or that noise alone explains
-    real(dp), allocatable :: gains(:)            !! squares over the noise's variance, that they took off
+    logical :: driven = .false.                  !! noise alone explains the motion better than all lines found
+    complex(dp), allocatable :: poles(:)         !! of lines that were dropped, or that noise alone explains
+    real(dp), allocatable :: gains(:)            !! their decreases of the squares, over the noise's variance
   end type line_outcome
 
 contains
 
   subroutine keep_or_clear(samples, false_alarm, alone, model, outcome)
-    !! Drop all lines unless they explain the record better than noise alone, be it of any colour: the motion is driven.
+    !! Drop all lines unless they explain the record better than coloured noise alone: otherwise the motion is driven.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone
@@ -36,9 +36,9 @@ contains
   end subroutine keep_or_clear
 
   subroutine clear_if_cancelling(samples, model, outcome)
-    !! Drop all lines where they explain the record only by cancelling each other: a free decay has the energy of its modes, while what
-    !! grows out of small motions, as under a shaker's sweep, takes large lines that add up to little. Lines that drift are not judged,
-    !! nor are those that overlap with no more than one other: two modes may well move against each other at a sensor.
+    !! Drop all lines if they explain the record only by cancelling each other. A free decay has the energy of its modes, while a
+    !! motion that grows from small amplitudes, as under a shaker's sweep, takes large lines with a small sum. Drifting lines are
+    !! not judged, nor are those that overlap with at most one other: two modes may well cancel each other at a sensor.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
@@ -67,7 +67,7 @@ contains
   end subroutine clear_if_cancelling
 
   elemental complex(dp) function sum_of_powers(exponent, steps)
-    !! e^0 + e^x + … of so many steps.
+    !! The sum e^0 + e^x + … of `steps` terms.
     complex(dp), intent(in) :: exponent
     real(dp), intent(in) :: steps
     sum_of_powers = steps
@@ -75,7 +75,7 @@ contains
   end function sum_of_powers
 
   subroutine clear(samples, model, outcome)
-    !! Drop all lines: the motion is driven.
+    !! Drop all lines, and report a driven motion.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
@@ -88,7 +88,7 @@ contains
   end subroutine clear
 
   subroutine drop_lines(samples, false_alarm, model, dropped, outcome)
-    !! Drop lines that do not pay against the best coloured noise, one after the other.
+    !! Drop lines and courses that gain less than their penalty with the best coloured noise, one after the other.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
@@ -109,7 +109,7 @@ contains
       with_all = model%noise%cost
       allocate (without(2*n), cost(2*n))
       do k = 1, n
-        if (toll_of(model, all_of(k)) < sure*penalty_of_line(samples, false_alarm, model)) &
+        if (least_rise(model, all_of(k)) < sure*penalty_of_line(samples, false_alarm, model)) &
           & without(k)%lines = lines_without(model, k, .false.)
         if (size(all_of(k)%courses) > 0) without(n + k)%lines = lines_without(model, k, .true.)
       end do
@@ -136,7 +136,7 @@ contains
   end subroutine drop_lines
 
   subroutine drop_weakest(samples, false_alarm, model, dropped)
-    !! Drop as many of the weakest lines, others as they are, as makes J least.
+    !! Drop as many of the weakest lines as minimises J, with the others unchanged.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
@@ -154,7 +154,7 @@ contains
     do k = 1, n
       model%lines = by_energy(k + 1:)
       call renew(samples, order_price(samples), .false., model)
-      if (model%noise%cost >= least) exit        ! nor do fewer lines make the noise cheaper
+      if (model%noise%cost >= least) exit        ! fewer lines do not make the noise cheaper either
       cost = model%noise%cost + (n - k)*penalty_of_line(samples, false_alarm, model)
       if (cost >= least) cycle
       least = cost
@@ -167,7 +167,7 @@ contains
   end subroutine drop_weakest
 
   pure real(dp) function energy_of(model, line) result(energy)
-    !! About the squares of a line's white samples.
+    !! The approximate sum of squares of a line's white samples.
     type(model_type), intent(in) :: model
     type(line_type), intent(in) :: line
     complex(dp) :: white(size(line%amplitude, 1), size(line%amplitude, 2))
@@ -181,9 +181,9 @@ contains
     end do
   end function energy_of
 
-  pure real(dp) function toll_of(model, line) result(toll)
-    !! The least that J rises by when noise alone has to explain a line: a prediction from p samples errs by 1 + ρ/(1 + ρp/2) of the
-    !! noise's variance where a line has ρ times the power of white noise.
+  pure real(dp) function least_rise(model, line) result(toll)
+    !! A lower bound of the rise of J if noise alone has to explain a line: the error of a prediction from p samples has 1 + ρ/(1 +
+    !! ρp/2) times the noise's variance if a line has ρ times the power of white noise.
     type(model_type), intent(in) :: model
     type(line_type), intent(in) :: line
     complex(dp) :: white(size(line%amplitude, 1), size(line%amplitude, 2))
@@ -197,10 +197,10 @@ contains
         toll = toll + sum(log(1 + power/(1 + power*highest_order/2)))*life_of(line, 1.0_dp, max(n, 0.0_dp))
       end associate
     end do
-  end function toll_of
+  end function least_rise
 
   function lines_without(model, k, course_alone) result(lines)
-    !! All lines without one, or without its last course, those that overlap with it fitted again.
+    !! All lines without line k, or without its last course, with overlapping lines refitted.
     type(model_type), intent(in) :: model
     integer, intent(in) :: k
     logical, intent(in) :: course_alone

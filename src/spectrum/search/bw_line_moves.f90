@@ -1,6 +1,6 @@
 module bw_line_moves
-  !! Moves that describe a record with other lines: a line where a bank of decays shows one, a course of a line, one line instead of two,
-  !! a tone that does not decay.
+  !! Moves that change the lines of a model: a new line where the bank of decays shows one, a course of a line, one line instead of
+  !! two, a tone that does not decay.
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows
   use bw_constants, only: pi
@@ -21,18 +21,18 @@ module bw_line_moves
   public :: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, most_additions, most_lines
 
   integer, parameter :: most_lines = 60
-  integer, parameter :: most_additions = 12       !! rounds in which lines are added, since a blow may come and go
+  integer, parameter :: most_additions = 12       !! rounds in which lines are added; blows may change in between
   integer, parameter :: first_steps = 8           !! of a new line's fit
-  real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of what its drift leaves
-  integer, parameter :: first_window = 64         !! part of the longest stretch in which a drifting line is looked at first
-  real(dp), parameter :: faint = 1.0e-3_dp        !! tuned: part of the strongest candidate's gain; what that line leaves may be more
-  real(dp), parameter :: most_growth = 0.5_dp     !! logarithm over the longest stretch, of a line that drifts
-  real(dp), parameter :: promised = 0.5_dp        !! tuned: part of what a candidate seems to gain, that it gains beside those before
+  real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of the residual of its drift
+  integer, parameter :: first_window = 64         !! a drifting line is fitted first to 1/first_window of the longest stretch
+  real(dp), parameter :: faint = 1.0e-3_dp        !! tuned: of the strongest candidate's gain, which that line's residual may have
+  real(dp), parameter :: most_growth = 0.5_dp     !! logarithm of a drifting line's growth over the longest stretch
+  real(dp), parameter :: promised = 0.5_dp        !! tuned: fraction of a candidate's gain that it must have beside those before
 
 contains
 
   subroutine add_lines(samples, false_alarm, model, added, monitor)
-    !! Add lines and courses while they pay at the present noise, which is renewed after each round.
+    !! Add lines and courses that gain more than their penalty in the present noise, which is renewed after each round.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
@@ -51,7 +51,7 @@ contains
   end subroutine add_lines
 
   subroutine add_round(samples, false_alarm, model, accepted)
-    !! Add lines and courses that do not overlap where the bank of decays shows that some are missing.
+    !! Add lines and courses that do not overlap, at candidates from the bank of decays.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
@@ -66,16 +66,16 @@ contains
     need = penalty_of_line(samples, false_alarm, model)
     call find_candidates(model, need, most_lines, candidates)
     do i = 1, size(candidates)
-      if (any(overlaps(moved, candidates(i)%pole, span_of_model(model)))) cycle  ! first let these come to rest
+      if (any(overlaps(moved, candidates(i)%pole, span_of_model(model)))) cycle  ! wait until these have converged
       if (size(model%lines) >= most_lines) return
       call propose(need, penalty_of_course(false_alarm), candidates(i), model, found, penalty)
       penalty = penalty*colour_at(model, candidates(i)%pole%im)
-      if (i == 1 .and. any(found%old)) then      ! the same residual may come from a blow
+      if (i == 1 .and. any(found%old)) then      ! a blow may cause the same residual
         call add_missing_blows(samples, false_alarm, found%gain, 1, model, accepted)
         if (accepted > 0) return
       end if
       if (accepted > 0 .and. found%gain < promised*candidates(i)%gain) cycle  ! it was the skirt of another
-      if (candidates(i)%gain < faint*candidates(1)%gain .and. has_left(candidates(i), found, span_of_model(model))) cycle
+      if (candidates(i)%gain < faint*candidates(1)%gain .and. has_moved(candidates(i), found, span_of_model(model))) cycle
       gain = 0
       if (found%gain > penalty) call accept(found, penalty, model, gain)
       if (.not. gain > 0) cycle
@@ -85,23 +85,23 @@ contains
     end do
   end subroutine add_round
 
-  pure logical function has_left(candidate, found, span)
-    !! Whether the fit of a new line has left the place where the bank of decays shows it, for what a stronger line has left.
+  pure logical function has_moved(candidate, found, span)
+    !! Whether the fit of a new line has moved from its candidate's pole to the residual of a stronger line.
     type(decay_candidate), intent(in) :: candidate
     type(refit_type), intent(in) :: found
     real(dp), intent(in) :: span                 !! samples
     associate (place => candidate%pole)
-      has_left = abs(found%lines(size(found%lines))%pole - place) > 4*max(-place%re, 2/span)
+      has_moved = abs(found%lines(size(found%lines))%pole - place) > 4*max(-place%re, 2/span)
     end associate
-  end function has_left
+  end function has_moved
 
   subroutine propose(need, need_of_course, candidate, model, found, penalty)
-    !! Fit a line at a candidate's place, or a course of the line beside it, whichever J prefers.
+    !! Fit a line at a candidate's pole, or a course of the line next to it, whichever has the lower J.
     real(dp), intent(in) :: need, need_of_course !! penalties of a line and of a course
     type(decay_candidate), intent(in) :: candidate
     type(model_type), intent(in) :: model
     type(refit_type), intent(out) :: found
-    real(dp), intent(out) :: penalty             !! of what is proposed
+    real(dp), intent(out) :: penalty             !! of the proposal
     type(refit_type) :: bent
     type(line_type) :: line
     logical, allocatable :: own(:)
@@ -113,7 +113,7 @@ contains
     penalty = need
     if (.not. any(own)) return
     host = minloc(abs(model%lines%pole%im - line%pole%im), dim=1, mask=own)
-    if (.not. beside(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
+    if (.not. may_be_residual(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
     call add_course(model, own, pack(model%lines, own), count(own(:host)), bent)
     if (.not. allocated(bent%lines)) return
     if (.not. bent%gain - need_of_course > found%gain - need) return
@@ -121,8 +121,8 @@ contains
     penalty = need_of_course
   end subroutine propose
 
-  pure logical function beside(line, other, span)
-    !! Whether one line may be what the other's drift leaves: it is in its place, and of its shape.
+  pure logical function may_be_residual(line, other, span)
+    !! Whether one line may be the residual of the other's drift: it has about its frequency, and its shape.
     type(line_type), intent(in) :: line, other
     real(dp), intent(in) :: span                 !! samples
     real(dp) :: product, lengths
@@ -133,16 +133,16 @@ contains
       product = product + abs(dot_product(line%amplitude(:, b), other%amplitude(:, b)))
       lengths = lengths + norm2(abs(line%amplitude(:, b)))*norm2(abs(other%amplitude(:, b)))
     end do
-    beside = product > same_shape*lengths .and. &
+    may_be_residual = product > same_shape*lengths .and. &
       & abs(line%pole%im - other%pole%im) < 3*(abs(line%pole%re) + abs(other%pole%re)) + 2*pi*4/span
-  end function beside
+  end function may_be_residual
 
   subroutine add_course(model, own, start, host, best)
-    !! Fit the best further course of a line, over its rates. The line is followed from the blow on, over longer and longer parts of the
-    !! record, so that its phase is never far from that of the fit. In fewer than `edge` periods it is a trend, and its frequency goes
-    !! anywhere: n periods tell a frequency to about its n-th part, and a fit that starts outside its own 1/n does not come back.
+    !! Fit the best further course of a line, from a few rates. The line is followed from the blow over longer and longer parts of
+    !! the record, so that its phase is never far from that of the fit. With fewer than `edge` periods it is a trend of undetermined
+    !! frequency: n periods determine a frequency to about 1/n of it, and a fit that starts outside this range does not converge.
     type(model_type), intent(in) :: model
-    logical, intent(in) :: own(:)                !! lines that are replaced
+    logical, intent(in) :: own(:)                !! lines to be replaced
     type(line_type), intent(in) :: start(:)      !! by these
     integer, intent(in) :: host                  !! which of these gets the course
     type(refit_type), intent(out) :: best
@@ -151,13 +151,13 @@ contains
     span = span_of_model(model)
     c = size(start(host)%courses) + 1
     best%gain = -huge(1.0_dp)
-    call try(2/span)
-    call try(2*abs(start(host)%pole%re) + 1/span)
+    call try_rate(2/span)
+    call try_rate(2*abs(start(host)%pole%re) + 1/span)
 
   contains
 
-    subroutine try(rate)
-      !! Follow the line with a course of this rate, which is free in the end.
+    subroutine try_rate(rate)
+      !! Follow the line with a course of this rate, which is fitted in the end.
       real(dp), intent(in) :: rate
       type(line_type), allocatable :: lines(:)
       type(refit_type) :: found
@@ -175,7 +175,7 @@ contains
       lines(host)%courses(c)%held = .false.
       call refit(model, own, lines, all_steps, found)
       if (found%gain > best%gain .and. decays(found%lines(host))) best = found
-    end subroutine try
+    end subroutine try_rate
 
     pure logical function decays(line)
       !! Whether a line never grows much, as the beat of two lines does.
@@ -186,8 +186,8 @@ contains
   end subroutine add_course
 
   subroutine add_drifts(false_alarm, model, added)
-    !! Let frequency and decay of lines change evenly where that pays; what a faster change leaves, the bank of decays shows. Two lines
-    !! that do not beat once tell no drift.
+    !! Let frequency and decay of lines change linearly if that gains more than its penalty; residuals of faster changes are found
+    !! by the bank of decays. Two lines that beat less than once do not determine a drift.
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
@@ -211,23 +211,23 @@ contains
       call accept(found, chi_squared(false_alarm, 2), model, gain)
       if (.not. abs(gain) > 0) cycle
       added = added + 1
-      done = [pack(done, .not. own), pack(done, own)]  ! places have changed
+      done = [pack(done, .not. own), pack(done, own)]  ! indices have changed
     end do
   end subroutine add_drifts
 
   subroutine judge_steady(samples, false_alarm, model, changed)
-    !! Take lines for tones that do not decay, and were there before the first blow, or for modes, whichever has the lower J.
+    !! Turn lines into tones that do not decay, and were there before the first blow, if J falls.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
-    integer, intent(out) :: changed              !! lines
+    integer, intent(out) :: changed              !! number of lines
     type(refit_type) :: found
     type(line_type), allocatable :: start(:)
     logical :: own(size(model%lines))
     real(dp) :: gain
     integer :: k
     changed = 0
-    if (model%stretches(2, 0) - model%stretches(1, 0) + 1 < enough_for(1)) return   ! nothing tells what was before
+    if (model%stretches(2, 0) - model%stretches(1, 0) + 1 < enough_for(1)) return   ! too few samples before the blow
     k = 0
     do while (k < size(model%lines))
       k = k + 1
@@ -240,7 +240,7 @@ contains
       call accept(found, penalty_of_tone(samples, false_alarm), model, gain)
       if (.not. abs(gain) > 0) cycle
       changed = changed + 1
-      k = k - count(own(:k))                     ! places have changed
+      k = k - count(own(:k))                     ! indices have changed
     end do
   end subroutine judge_steady
 
@@ -252,7 +252,7 @@ contains
   end function may_be_tone
 
   subroutine merge_lines(samples, false_alarm, model, merged)
-    !! Replace lines beside a stronger one by a course of that one, where J falls.
+    !! Replace lines beside a stronger one by a course of that one if J falls.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
@@ -272,7 +272,7 @@ contains
       own(k) = .false.
       if (.not. any(own .and. energy > energy(k))) cycle
       host = minloc(abs(model%lines%pole%im - model%lines(k)%pole%im), dim=1, mask=own .and. energy > energy(k))
-      if (.not. beside(model%lines(host), model%lines(k), span_of_model(model))) cycle
+      if (.not. may_be_residual(model%lines(host), model%lines(k), span_of_model(model))) cycle
       kept = own
       own(k) = .true.
       start = pack(model%lines, kept)
@@ -281,7 +281,7 @@ contains
       call accept(found, penalty_of_course(false_alarm) - penalty, model, gain)
       if (abs(gain) > 0) then
         merged = merged + 1
-        return                                   ! places have changed
+        return                                   ! indices have changed
       end if
     end do
   end subroutine merge_lines

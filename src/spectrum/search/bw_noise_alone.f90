@@ -1,5 +1,5 @@
 module bw_noise_alone
-  !! What a record costs without lines, as noise of any colour: the motion of a driven beam is that.
+  !! The cost of a record without lines, as noise of any colour, which describes the motion of a driven beam.
   use bw_cost, only: order_price
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
@@ -9,14 +9,14 @@ module bw_noise_alone
   private
   public :: cost_of_shared_motion, most_orders
 
-  integer, parameter :: least_colour = 8          !! order in a record that is large
-  integer, parameter, public :: most_numbers = 2**24  !! of principal components, whose motion is looked at: twice 134 MB
+  integer, parameter :: least_colour = 8          !! order in a large record
+  integer, parameter, public :: most_numbers = 2**24  !! of principal components in use: twice 134 MB
 
 contains
 
   real(dp) function cost_of_shared_motion(samples) result(cost)
-    !! J of noise alone that is one motion of all sensors, or of as many of their principal components as the memory shall hold; huge
-    !! where samples are missing.
+    !! J of noise alone as one motion of all sensors, or of as many of their principal components as the memory limit allows; huge
+    !! if samples are missing.
     type(samples_type), intent(in) :: samples
     real(dp), allocatable :: x(:, :), vectors(:, :)
     real(dp), dimension(size(samples%value, 2)) :: mean, deviation, values
@@ -35,7 +35,7 @@ contains
         x(:, s) = samples%value(:n, s) - mean(s)
       end do
       cost = 0
-    else                                          ! of the others what noise of their power costs
+    else                                          ! the other components cost what noise of their power does
       allocate (vectors(sensors, sensors))
       call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, samples%value, size(samples%value, 1), samples%value, &
         & size(samples%value, 1), 0.0_dp, vectors, sensors)
@@ -57,7 +57,7 @@ contains
   end function cost_of_shared_motion
 
   pure integer function most_orders(samples, highest, sensors) result(order)
-    !! As high an order of noise alone as takes a fraction of a second, each being predicted from so many sensors.
+    !! The highest order of noise alone that takes a fraction of a second, each sample being predicted from so many sensors.
     type(samples_type), intent(in) :: samples
     integer, intent(in) :: highest, sensors
     real(dp), parameter :: products = 2.0e8_dp

@@ -1,5 +1,5 @@
 module bw_penalty
-  !! What an unknown must take off −2 ln L to be taken up: noise alone passes it, anywhere, with the probability `false_alarm`.
+  !! Penalties of unknowns: the gain in −2 ln L that noise alone exceeds anywhere with the probability `false_alarm`.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -8,9 +8,9 @@ module bw_penalty
 contains
 
   pure real(dp) function line_penalty(false_alarm, samples, amplitudes)
-    !! Of a line with so many real amplitudes, anywhere in frequency and decay. The gain is a field of χ² over both: how often such a
-    !! field exceeds x is, for high x, its tail at one place times x/2 for each independent place (Adler and Taylor, 2007), of which
-    !! there is about one for each sample.
+    !! The penalty of a line with so many real amplitudes, anywhere in frequency and decay. The gain is a χ² field over both. For
+    !! high x the probability that such a field exceeds x is its tail at one place times x/2 for each independent place (Adler and
+    !! Taylor, 2007), of which there is about one for each sample.
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: samples, amplitudes
     integer :: i
@@ -21,7 +21,7 @@ contains
   end function line_penalty
 
   pure real(dp) function chi_squared(chance, freedom) result(x)
-    !! The sum of so many squared normal numbers, an even number, that is passed with this probability.
+    !! The value that the sum of `freedom` squared normal numbers, an even number, exceeds with the probability `chance`.
     real(dp), intent(in) :: chance
     integer, intent(in) :: freedom
     real(dp) :: low, high, term, logarithm, total
