@@ -1,9 +1,9 @@
 module bw_line_search
-  !! The lines of a record: one number is made small by a few moves.
+  !! The search for the lines of a record: a few moves minimise one number.
   !!
-  !! J = −2 ln L of the prediction errors + the penalty of each unknown. Moves add a line where a bank of decays shows one, or a course to a
-  !! line; renew the noise; move, add and drop blows; and drop whatever does not pay. The search ends when no move lowers J. What stands
-  !! here is the order of the moves; what each is stands in `bw_line_moves`, `bw_line_drops` and `bw_blow_moves`.
+  !! J = −2 ln L of the prediction errors + the penalty of each unknown. Moves add a line where the bank of decays shows one, or a
+  !! course to a line; renew the noise; move, add and drop blows; and drop what gains less than its penalty. The search ends when no
+  !! move lowers J. This module has the order of the moves; `bw_line_moves`, `bw_line_drops` and `bw_blow_moves` have the moves.
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows, drop_blow, move_blows
   use bw_blows, only: find_blows
@@ -24,42 +24,42 @@ module bw_line_search
   private
   public :: find_lines, line_outcome
 
-  integer, parameter :: many_lines = 24           !! tuned: so many may be parts of a driven motion
-  integer, parameter :: most_colour = 1024        !! order of noise alone, which a driven beam's motion is
+  integer, parameter :: many_lines = 24           !! tuned: as many may represent a driven motion
+  integer, parameter :: most_colour = 1024        !! highest order of noise alone, as which a driven beam moves
   integer, parameter :: most_rounds = 4
-  real(dp), parameter :: first_lines = 0.6_dp     !! of the time
+  real(dp), parameter :: first_lines = 0.6_dp     !! fraction of the time
 
-  type :: description_type
-    !! What a model says of a record, to which the search may go back.
+  type :: state_type
+    !! The state of a model, to which the search may return.
     type(line_type), allocatable :: lines(:)
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
     real(dp), allocatable :: trend(:, :, :)      !! (2, S, 0:B)
     real(dp) :: cost = 0                         !! J
-  end type description_type
+  end type state_type
 
 contains
 
   subroutine find_lines(samples, false_alarm, model, outcome, monitor)
     !! Find the lines of a record.
-    type(samples_type), intent(inout) :: samples   !! as they were in the end
+    type(samples_type), intent(inout) :: samples   !! unchanged on return
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(out) :: model
     type(line_outcome), intent(out) :: outcome
-    class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
+    class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
     integer, allocatable :: blows(:)
     if (allocated(samples%blow)) then
       blows = samples%blow
     else
       call find_blows(samples, false_alarm, blows)
     end if
-    call find_lines_behind(blows, samples, false_alarm, model, outcome, monitor)
+    call find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
     if (outcome%driven .and. allocated(samples%valid) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
-      & call find_lines_behind(blows(:1), samples, false_alarm, model, outcome, monitor)   ! gaps may look like others
+      & call find_lines_after(blows(:1), samples, false_alarm, model, outcome, monitor)    ! gaps may look like further blows
     call allow_for_limits(samples, model)
   end subroutine find_lines
 
-  subroutine find_lines_behind(blows, samples, false_alarm, model, outcome, monitor)
-    !! Find the lines of a record that was struck, as far as is known, at some samples.
+  subroutine find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
+    !! Find the lines of a record with given first estimates of its blows.
     integer, intent(in) :: blows(:)
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
@@ -102,7 +102,7 @@ contains
       end if
       call drop_lines(samples, false_alarm, model, dropped, outcome)
       if (changed + dropped == 0) exit
-      if (cost_of_all(samples, false_alarm, model) > max(alone, last)) exit   ! no move makes noise alone the worse description
+      if (cost_of_all(samples, false_alarm, model) > max(alone, last)) exit   ! J is above that of noise alone, and rises
       last = cost_of_all(samples, false_alarm, model)
     end do
     call add_drifts(false_alarm, model, changed)
@@ -111,10 +111,10 @@ contains
     call keep_or_clear(samples, false_alarm, alone, model, outcome)
     call clear_if_cancelling(samples, model, outcome)
     outcome%converged = round <= most_rounds .and. size(model%lines) < most_lines
-  end subroutine find_lines_behind
+  end subroutine find_lines_after
 
   pure subroutine start_model(samples, blows, model)
-    !! The stretches between blows, and no lines.
+    !! Start a model with the stretches between blows, and no lines.
     type(samples_type), intent(in) :: samples
     integer, intent(in) :: blows(:)
     type(model_type), intent(out) :: model
@@ -126,8 +126,8 @@ contains
   end subroutine start_model
 
   subroutine add_first_lines(samples, false_alarm, alone, model, outcome, monitor)
-    !! Add lines while the noise is found in a way that they do not disturb. Where noise alone explains the record better than the lines
-    !! of a round and noise, as it does where the motion is driven, there are none.
+    !! Add lines, with a noise estimate that is robust to lines still missing. If noise alone explains the record better than the
+    !! lines of a round, as it does if the motion is driven, all are dropped.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone
@@ -155,15 +155,15 @@ contains
       if (size(model%lines) < many_lines) cycle
       call try_tones(samples, false_alarm, model, moved)
       call renew(samples, order_price(samples), .false., model)
-      call drop_weakest(samples, false_alarm, model, dropped)  ! that stood for a blow which was found later
+      call drop_weakest(samples, false_alarm, model, dropped)  ! lines that represent a blow found later
       call keep_or_clear(samples, false_alarm, alone, model, outcome)
       if (size(model%lines) == 0) return
     end do
     call renew(samples, order_price(samples), .false., model)
     last = huge(1.0_dp)
-    do round = 1, most_additions                 ! the last lines may decide
+    do round = 1, most_additions                 ! the last lines may be decisive
       cost = cost_of_all(samples, false_alarm, model)
-      if (cost < alone .or. cost > last - abs(alone - cost)/most_additions) exit  ! or lines do not get there
+      if (cost < alone .or. cost > last - abs(alone - cost)/most_additions) exit  ! or J falls too slowly
       last = cost
       call add_round(samples, false_alarm, model, added)
       if (added == 0) exit
@@ -175,37 +175,37 @@ contains
   end subroutine add_first_lines
 
   subroutine try_blows(samples, false_alarm, model, moved, rival)
-    !! Drop and move blows, or add those that are missing, if that lowers J when the lines are fitted again.
+    !! Drop and move blows, or add missing ones, if that lowers J after a refit of the lines.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
-    integer, intent(out) :: moved                !! blows
-    real(dp), intent(in), optional :: rival      !! blows are added where they take more than this off the squares
-    type(description_type) :: before
-    integer :: fleeting
+    integer, intent(out) :: moved                !! number of blows
+    real(dp), intent(in), optional :: rival      !! blows are added if they lower the squares by more than this
+    type(state_type) :: before
+    integer :: short_lived
     moved = 0
     if (allocated(samples%blow)) return
-    before = description_of(samples, false_alarm, model)
+    before = state_of(samples, false_alarm, model)
     if (present(rival)) then
       call add_missing_blows(samples, false_alarm, rival, merge(1, 0, rival > 0), model, moved)
     else
-      fleeting = count(-model%lines%pole%re > highest_decay)   ! such a line makes up for a blow that is somewhere else
-      if (fleeting > 0) model%lines = pack(model%lines, -model%lines%pole%re <= highest_decay)
-      if (fleeting > 0) call renew(samples, order_price(samples), .false., model)
+      short_lived = count(-model%lines%pole%re > highest_decay) ! such a line represents a blow at another sample
+      if (short_lived > 0) model%lines = pack(model%lines, -model%lines%pole%re <= highest_decay)
+      if (short_lived > 0) call renew(samples, order_price(samples), .false., model)
       call move_blows(samples, false_alarm, model, moved)
-      moved = moved + fleeting
+      moved = moved + short_lived
     end if
     if (moved > 0) call keep_if_cheaper(samples, false_alarm, before, model, moved)
   end subroutine try_blows
 
   subroutine try_tones(samples, false_alarm, model, changed)
-    !! Take lines that hardly decay for tones which were there before the first blow, one after the other, where that lowers J. A record
-    !! whose first sample is within such a tone seems to be struck there.
+    !! Turn lines that hardly decay into tones that were there before the first blow, one after the other, if that lowers J. A
+    !! record that begins within such a tone seems to begin with a blow.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
-    integer, intent(out) :: changed              !! lines
-    type(description_type) :: before
+    integer, intent(out) :: changed              !! number of lines
+    type(state_type) :: before
     complex(dp), allocatable :: modes(:)         !! poles of lines that are no tones
     logical :: open(size(model%lines)), is_cut
     integer :: k, b, accepted
@@ -213,13 +213,13 @@ contains
     allocate (modes(0))
     do
       open = [(may_be_tone(model, model%lines(k)) .and. all(abs(modes - model%lines(k)%pole) > 0), k=1, size(open))]
-      if (.not. any(open) .or. count(.not. model%lines%steady) < 2) return   ! or nothing was struck
+      if (.not. any(open) .or. count(.not. model%lines%steady) < 2) return   ! at least one line must be struck
       is_cut = model%stretches(2, 0) < model%stretches(1, 0)
       b = merge(1, 0, is_cut .and. ubound(model%stretches, 2) > 1)
-      if (model%stretches(2, b) - model%stretches(1, b) + 1 < enough_for(1)) return   ! nothing tells what was before
+      if (model%stretches(2, b) - model%stretches(1, b) + 1 < enough_for(1)) return   ! too few samples before the blow
       k = minloc(abs(model%lines%pole%re), dim=1, mask=open)
       modes = [modes, model%lines(k)%pole]
-      before = description_of(samples, false_alarm, model)
+      before = state_of(samples, false_alarm, model)
       before%cost = before%cost - penalty_of_tone(samples, false_alarm)
       model%lines(k)%pole = cmplx(0, model%lines(k)%pole%im, dp)
       model%lines(k)%steady = .true.
@@ -230,26 +230,26 @@ contains
     end do
   end subroutine try_tones
 
-  function description_of(samples, false_alarm, model) result(description)
-    !! What a model says of a record, and J.
+  function state_of(samples, false_alarm, model) result(state)
+    !! The state of a model, with J.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
-    type(model_type), intent(inout) :: model     !! is renewed
-    type(description_type) :: description
+    type(model_type), intent(inout) :: model     !! renewed
+    type(state_type) :: state
     call renew(samples, order_price(samples), .false., model)
-    description%cost = cost_of_all(samples, false_alarm, model)
-    allocate (description%lines, source=model%lines)
-    allocate (description%stretches(2, 0:ubound(model%stretches, 2)), source=model%stretches)
-    allocate (description%trend(2, size(model%trend, 2), 0:ubound(model%stretches, 2)), source=model%trend)
-  end function description_of
+    state%cost = cost_of_all(samples, false_alarm, model)
+    allocate (state%lines, source=model%lines)
+    allocate (state%stretches(2, 0:ubound(model%stretches, 2)), source=model%stretches)
+    allocate (state%trend(2, size(model%trend, 2), 0:ubound(model%stretches, 2)), source=model%trend)
+  end function state_of
 
   subroutine keep_if_cheaper(samples, false_alarm, before, model, moved)
-    !! Fit the lines of a model again, and go back to the description before if that was the better one.
+    !! Refit the lines of a model, and return to the state before if that has the lower J.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
-    type(description_type), intent(inout) :: before
+    type(state_type), intent(inout) :: before
     type(model_type), intent(inout) :: model
-    integer, intent(inout) :: moved              !! blows; 0 if the model goes back
+    integer, intent(inout) :: moved              !! number of changes; 0 if the model returns
     call renew(samples, order_price(samples), .false., model)
     call refit_all(trial_steps, at_rest, model)
     call renew(samples, order_price(samples), .false., model)
