@@ -4,7 +4,6 @@ module bw_blow_moves
   !! New motion of known poles that begins at sample n takes T(n) = cᵀG⁻¹c off the squares of what is left, c being its scalar
   !! products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those of n + 1, so that all n cost no
   !! more than a few transforms.
-  use bw_blows, only: enough
   use bw_kinds, only: dp
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, take_off
@@ -17,6 +16,7 @@ module bw_blow_moves
   public :: add_missing_blows, drop_blow, move_blows
 
   integer, parameter :: most_lines = 8           !! the strongest, which tell where a blow is
+  integer, parameter :: enough = 2**21           !! tuned: numbers that tell where a blow of known poles is
   integer, parameter :: most_blows = 32
   integer, parameter :: renewed = 100            !! part of its samples, by which G may have grown
   integer, parameter :: fewest = 16              !! samples between blows

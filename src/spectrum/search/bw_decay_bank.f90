@@ -92,56 +92,56 @@ contains
     type(model_type), intent(inout) :: model
     real(dp), intent(in) :: decay
     real(dp), allocatable, intent(out) :: gain(:)
-    real(dp), allocatable :: fall(:), own(:)
-    complex(dp), allocatable :: pseudo(:)        !! P/(E² − |P|²) near 0 and half the sampling rate, and 0 elsewhere
-    integer :: rows(2, 0:ubound(model%stretches, 2)), length, b, s, n, k, low
+    real(dp), allocatable :: fall(:)
+    integer :: rows(2, 0:ubound(model%stretches, 2)), length, b, s, n, k, low, first, last, most
     real(dp) :: energy
     rows = rows_of_stretches(model)
     n = ceiling(longest(model))
     if (decay*n > folds) n = ceiling(folds/decay)
     length = fast_length(2*n)
     low = min(length/4, ceiling(edge*length/n))
-    allocate (gain(length/2 + 1), own(length/2 + 1), source=0.0_dp)
-    allocate (pseudo(length/2 + 1), source=(0.0_dp, 0.0_dp))
-    fall = exp(-decay*[(real(k, dp), k=0, n - 1)])
+    allocate (gain(length/2 + 1), source=0.0_dp)
+    allocate (fall(n))
+    do k = 1, n
+      fall(k) = exp(-decay*(k - 1))
+    end do
     call model%fourier%prepare(length)
+    most = size(gain) - low
     do b = 1, ubound(rows, 2)
       k = min(n, rows(2, b) - rows(1, b) + 1)
       if (k < 4) cycle
       energy = sum(fall(:k)**2)
-      call find_weights(k)
+      first = min(most + 1, 1 + ceiling(edge*length/k))  ! offset and slope of so short a stretch are no line
+      last = min(most, int(mirrored*max(decay, 1.0_dp/k)*length/(2*pi)) + 1)
       do s = 1, size(model%white, 2)
         model%fourier%samples(:k) = fall(:k)*model%white(rows(1, b):rows(1, b) + k - 1, s)
         model%fourier%samples(k + 1:) = 0
         call model%fourier%transform()
         associate (f => model%fourier%spectrum)
-          gain = gain + 2*((f%re**2 + f%im**2)*own - (f%re**2 - f%im**2)*pseudo%re - 2*f%re*f%im*pseudo%im)
+          gain(first:most) = gain(first:most) + 2*(f(first - 1:most - 1)%re**2 + f(first - 1:most - 1)%im**2)/energy
+          call add_mirrored(first, last, k)
+          call add_mirrored(max(first, last + 1, size(gain) + 1 - last), most, k)
         end associate
       end do
     end do
     gain(:low) = 0
-    gain(size(gain) - low + 1:) = 0
+    gain(most + 1:) = 0
 
   contains
 
-    subroutine find_weights(count)
-      !! E and P of so many samples, both over E² − |P|².
-      integer, intent(in) :: count
-      complex(dp) :: p
+    subroutine add_mirrored(from, to, count)
+      !! Add what the mirror image changes of the gain in so many samples: with E and P, both over E² − |P|², instead of 1/E.
+      integer, intent(in) :: from, to, count
+      complex(dp) :: p, f
       real(dp) :: omega
       integer :: j
-      own = 1/energy
-      pseudo = 0
-      j = ceiling(edge*length/count)             ! offset and slope of so short a stretch are no line
-      own(:min(j, size(own))) = 0
-      do j = j + 1, size(own) - low
+      do j = from, to
         omega = 2*pi*(j - 1)/length
-        if (min(omega, pi - omega) > mirrored*max(decay, 1.0_dp/count)) cycle
+        f = model%fourier%spectrum(j - 1)
         p = (1 - exp(cmplx(-2*decay*count, -2*omega*count, dp)))/(1 - exp(cmplx(-2*decay, -2*omega, dp)))
-        own(j) = energy/(energy**2 - abs(p)**2)
-        pseudo(j) = p/(energy**2 - abs(p)**2)
+        gain(j) = gain(j) + 2*((energy*abs(f)**2 - real(f**2*conjg(p), dp))/(energy**2 - abs(p)**2) - abs(f)**2/energy)
       end do
-    end subroutine find_weights
+    end subroutine add_mirrored
 
   end subroutine find_gains
 

@@ -128,7 +128,7 @@ contains
   end subroutine accept
 
   subroutine refit_all(most_steps, rest, model)
-    !! Refit all lines, those that overlap together, until the squares fall by less than `rest`.
+    !! Refit all lines, those that overlap together, until the squares fall by no more than `rest`.
     integer, intent(in) :: most_steps
     real(dp), intent(in) :: rest
     type(model_type), intent(inout) :: model
@@ -148,7 +148,7 @@ contains
         if (gain > 0) done = [pack(done, .not. own), pack(done, own)]
         total = total + gain
       end do
-      if (total < rest) exit
+      if (total <= rest) exit
     end do
   end subroutine refit_all
 
