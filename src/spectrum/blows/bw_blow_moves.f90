@@ -1,9 +1,9 @@
 module bw_blow_moves
-  !! Blows moved to where the poles found say that they are, dropped where they do not pay, and added where they are missing.
+  !! Blows are moved to where the lines place them, dropped if they gain less than their penalty, and added where they are missing.
   !!
-  !! New motion of known poles that begins at sample n takes T(n) = cᵀG⁻¹c off the squares of what is left, c being its scalar
-  !! products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those of n + 1, so that all n cost no
-  !! more than a few transforms.
+  !! New motion with known poles that begins at sample n lowers the squares of the residual by T(n) = cᵀG⁻¹c. Here c is the
+  !! residual's scalar products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those for
+  !! n + 1, so that all n together cost no more than a few transforms.
   use bw_kinds, only: dp
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, take_off
@@ -15,39 +15,39 @@ module bw_blow_moves
   private
   public :: add_missing_blows, drop_blow, move_blows
 
-  integer, parameter :: most_lines = 8           !! the strongest, which tell where a blow is
-  integer, parameter :: enough = 2**21           !! tuned: numbers that tell where a blow of known poles is
+  integer, parameter :: most_lines = 8           !! the strongest, which locate a blow
+  integer, parameter :: enough = 2**21           !! tuned: numbers that are enough to locate a blow of known poles
   integer, parameter :: most_blows = 32
-  integer, parameter :: renewed = 100            !! part of its samples, by which G may have grown
-  integer, parameter :: fewest = 16              !! samples between blows
-  integer, parameter :: near = 64                !! samples by which a blow may be missed where a prediction errs
-  real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, which poles beside each other need
-  real(dp), parameter :: most_carried = 30       !! logarithm of that factor
+  integer, parameter :: renewed = 100            !! G is renewed when its samples have grown by 1/renewed
+  integer, parameter :: fewest = 16              !! fewest samples between blows
+  integer, parameter :: near = 64                !! samples by which a blow may be wrong if found from prediction errors
+  real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, needed if poles are close to each other
+  real(dp), parameter :: most_carried = 30       !! largest logarithm of an amplitude's change between samples
   real(dp), parameter :: worth = 1               !! fall of −2 ln L for which a blow is moved
 
 contains
 
   subroutine move_blows(samples, false_alarm, model, changed)
-    !! Drop and move blows; the model is to be renewed and refitted then.
+    !! Drop and move blows; afterwards the model has to be renewed and refitted.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
-    integer, intent(out) :: changed              !! moves
-    real(dp), allocatable :: left(:, :), white(:, :)
-    integer, allocatable :: those(:)
+    integer, intent(out) :: changed              !! number of moves
+    real(dp), allocatable :: residual(:, :), white(:, :)
+    integer, allocatable :: chosen(:)
     integer :: b, best, first
     changed = 0
-    if (allocated(samples%place)) return         ! uneven times have no prediction from sample to sample
+    if (allocated(samples%place)) return         ! at uneven times there is no prediction from sample to sample
     call drop_blows(samples, false_alarm, model, changed)
     if (all(model%lines%steady)) return
-    those = telling(samples, model)
-    allocate (left(samples%count, size(those)), white(0, 0))
+    chosen = locating_components(samples, model)
+    allocate (residual(samples%count, size(chosen)), white(0, 0))
     do b = 1, ubound(model%stretches, 2)
-      call find_left(samples, model, those, left)
+      call find_residual(samples, model, chosen, residual)
       first = model%stretches(1, b - 1)
       if (model%stretches(2, b - 1) < first) first = model%stretches(1, b)
-      white = white_values(samples, model, those, left, b, first)
-      best = best_shift(white, brought(model, those, b, first - model%stretches(1, b), size(white, 1)), &
+      white = white_values(samples, model, chosen, residual, b, first)
+      best = best_shift(white, added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1)), &
         & model%stretches(1, b) - first + 1)
       if (best == 0) cycle
       call shift_blow(model, b, model%stretches(1, b) + best)
@@ -56,60 +56,60 @@ contains
   end subroutine move_blows
 
   subroutine drop_blows(samples, false_alarm, model, dropped)
-    !! Drop blows that bring nothing of the poles found; one stays.
+    !! Drop blows that add no significant motion with the poles found; one is kept.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
-    real(dp), allocatable :: left(:, :), white(:, :), gain(:)
-    integer, allocatable :: those(:)
+    real(dp), allocatable :: residual(:, :), white(:, :), gain(:)
+    integer, allocatable :: chosen(:)
     integer :: b
     dropped = 0
     if (all(model%lines%steady) .or. ubound(model%stretches, 2) == 1) return
-    those = telling(samples, model)
-    allocate (left(samples%count, size(those)), white(0, 0), gain(0))
-    call find_left(samples, model, those, left)
+    chosen = locating_components(samples, model)
+    allocate (residual(samples%count, size(chosen)), white(0, 0), gain(0))
+    call find_residual(samples, model, chosen, residual)
     b = 1
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
-      if (model%stretches(2, b) >= model%stretches(1, b)) then   ! else the next blow was moved to the same sample
-        white = white_values(samples, model, those, left, b, model%stretches(1, b))
-        gain = gains_of(strongest(model, b), white + brought(model, those, b, 0, size(white, 1)))
+      if (model%stretches(2, b) >= model%stretches(1, b)) then   ! otherwise the next blow was moved to the same sample
+        white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
+        gain = gains_of(strongest(model, b), white + added_motion(model, chosen, b, 0, size(white, 1)))
         b = b + 1
-        if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(those))) cycle
+        if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
         b = b - 1
       end if
       call drop_blow(model, b)
-      call find_left(samples, model, those, left)
+      call find_residual(samples, model, chosen, residual)
       dropped = dropped + 1
     end do
   end subroutine drop_blows
 
   pure real(dp) function penalty_of_blow(samples, false_alarm, model, components) result(penalty)
-    !! Of a blow's amplitudes of the lines that tell where it is.
+    !! The penalty of a blow: that of the amplitudes of the lines that locate it.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
-    integer, intent(in) :: components            !! that are looked at
+    integer, intent(in) :: components            !! number of components in use
     penalty = chi_squared(false_alarm/samples%count, 2*components*min(most_lines, count(.not. model%lines%steady)))
   end function penalty_of_blow
 
   subroutine add_missing_blows(samples, false_alarm, rival, from, model, added)
-    !! Add blows where new motion of the poles pays, and takes more off the squares than a rival move.
+    !! Add blows where new motion with the poles gains more than the penalty and than a rival move.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm, rival
-    integer, intent(in) :: from                  !! stretch, 0 before any blow
+    integer, intent(in) :: from                  !! first stretch to search; 0 is before any blow
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
-    real(dp), allocatable :: left(:, :), gain(:)
-    integer, allocatable :: those(:)
+    real(dp), allocatable :: residual(:, :), gain(:)
+    integer, allocatable :: chosen(:)
     real(dp) :: need
     integer :: b, best, first
     added = 0
     if (all(model%lines%steady) .or. allocated(samples%place)) return
-    those = telling(samples, model)
-    allocate (left(samples%count, size(those)), gain(0))
-    call find_left(samples, model, those, left)
-    need = max(rival, penalty_of_blow(samples, false_alarm, model, size(those)))
+    chosen = locating_components(samples, model)
+    allocate (residual(samples%count, size(chosen)), gain(0))
+    call find_residual(samples, model, chosen, residual)
+    need = max(rival, penalty_of_blow(samples, false_alarm, model, size(chosen)))
     b = from
     do while (b <= min(most_blows, ubound(model%stretches, 2)))
       first = model%stretches(1, b)
@@ -117,21 +117,21 @@ contains
         b = b + 1
         cycle
       end if
-      gain = gains_of(strongest(model, b), white_values(samples, model, those, left, b, first))
+      gain = gains_of(strongest(model, b), white_values(samples, model, chosen, residual, b, first))
       best = maxloc(gain, dim=1)
       b = b + 1
       if (gain(best) < need .or. (best < fewest .and. b > 1)) cycle
       call add_blow(model, b - 1, first + best - 1)
-      call find_left(samples, model, those, left)
+      call find_residual(samples, model, chosen, residual)
       added = added + 1
     end do
   end subroutine add_missing_blows
 
-  pure function telling(samples, model) result(those)
-    !! The components of the noise in which the lines are strongest, as many as tell where the blows are.
+  pure function locating_components(samples, model) result(chosen)
+    !! The components of the noise in which the lines are strongest, as many as are enough to locate blows.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
-    integer, allocatable :: those(:)
+    integer, allocatable :: chosen(:)
     real(dp) :: energy(size(samples%value, 2))
     integer :: c, k
     energy = 0
@@ -141,48 +141,48 @@ contains
           & *life_of(line, 1.0_dp, 1.0_dp*samples%count)
       end associate
     end do
-    those = pack([(c, c=1, size(energy))], [(count(energy > energy(c)) < max(1, enough/samples%count), c=1, size(energy))])
-  end function telling
+    chosen = pack([(c, c=1, size(energy))], [(count(energy > energy(c)) < max(1, enough/samples%count), c=1, size(energy))])
+  end function locating_components
 
-  subroutine find_left(samples, model, those, left)
-    !! What the lines leave of some components, offset and slope not taken off; 0 where a sample is not valid.
+  subroutine find_residual(samples, model, chosen, residual)
+    !! Find the residual of some components, offset and slope included; 0 at invalid samples.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
-    integer, intent(in) :: those(:)
-    real(dp), intent(out), contiguous :: left(:, :)
+    integer, intent(in) :: chosen(:)
+    real(dp), intent(out), contiguous :: residual(:, :)
     type(line_type) :: lines(size(model%lines))
     integer :: k
     lines = model%lines
     do k = 1, size(lines)
       lines(k)%amplitude = mixed_amplitude(model%noise, lines(k)%amplitude)
     end do
-    call mix(model%noise, samples%value, those, left)
-    call add_lines(model%stretches, at_sensors(lines, those), -1.0_dp, left, model%place)
-    call clear_invalid(samples, left)
-  end subroutine find_left
+    call mix(model%noise, samples%value, chosen, residual)
+    call add_lines(model%stretches, at_sensors(lines, chosen), -1.0_dp, residual, model%place)
+    call clear_invalid(samples, residual)
+  end subroutine find_residual
 
-  function white_values(samples, model, those, left, b, first) result(white)
-    !! What the lines leave from a sample to the end of a stretch, as prediction errors, (samples, components).
+  function white_values(samples, model, chosen, residual, b, first) result(white)
+    !! The prediction errors of the residual from a sample to the end of a stretch, (samples, components).
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
-    integer, intent(in) :: those(:)              !! components
-    real(dp), intent(in) :: left(:, :)
+    integer, intent(in) :: chosen(:)             !! components
+    real(dp), intent(in) :: residual(:, :)
     integer, intent(in) :: b, first
     real(dp), allocatable :: white(:, :)
     real(dp), dimension(first:model%stretches(2, b)) :: place, weight
     integer :: s, last, n
     last = model%stretches(2, b)
-    white = left(first:last, :)
+    white = residual(first:last, :)
     weight = 1
     if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid(first:last))
     place = [(n, n=first, last)]
     place = place - sum(weight*place)/max(1.0_dp, sum(weight))
-    do s = 1, size(white, 2)                     ! an offset and a slope
+    do s = 1, size(white, 2)                     ! subtract an offset and a slope
       white(:, s) = weight*(white(:, s) - sum(weight*white(:, s))/max(1.0_dp, sum(weight)) &
                             - sum(weight*place*white(:, s))/max(1.0_dp, sum(weight*place**2))*place)
     end do
     do s = 1, size(white, 2)
-      associate (filter => model%noise%filter(:model%noise%order(those(s)), those(s)))
+      associate (filter => model%noise%filter(:model%noise%order(chosen(s)), chosen(s)))
         call whiten(filter, white(:, s))
         call take_off(missing_among(model%missing, first, last - first + 2 - size(filter), filter), white(:, s))
       end associate
@@ -190,17 +190,17 @@ contains
     white(pack(model%missing, model%missing >= first .and. model%missing <= last) - first + 1, :) = 0
   end function white_values
 
-  pure function brought(model, those, b, from, count) result(motion)
-    !! What blow b has brought, `from`, `from` + 1, … samples after it: white motion less what that before it would have become.
+  pure function added_motion(model, chosen, b, from, count) result(motion)
+    !! The white motion that blow b adds, `from`, `from` + 1, … samples after it: new motion minus the continued earlier one.
     type(model_type), intent(in) :: model
-    integer, intent(in) :: those(:)              !! components
+    integer, intent(in) :: chosen(:)             !! components
     integer, intent(in) :: b, from, count
-    real(dp) :: motion(count, size(those))
+    real(dp) :: motion(count, size(chosen))
     complex(dp) :: wave(count)
     type(line_type) :: line
     integer :: k, s, later
     motion = 0
-    later = max(1, 1 - from)                     ! the sample of the blow
+    later = max(1, 1 - from)                     ! place of the blow's sample
     do k = 1, size(model%lines)
       line = model%lines(k)
       if (line%steady) cycle
@@ -210,18 +210,18 @@ contains
       line%courses = [course_type ::]
       call find_wave(line, real(from, dp), wave=wave(:later - 1))
       do s = 1, size(motion, 2)
-        associate (a => line%amplitude(those(s), b + 1))
+        associate (a => line%amplitude(chosen(s), b + 1))
           motion(:, s) = motion(:, s) + a%re*wave%re - a%im*wave%im
         end associate
       end do
     end do
-  end function brought
+  end function added_motion
 
   pure integer function best_shift(white, motion, at) result(shift)
-    !! By how many samples a blow is best moved, the motion that it brings going on as it is. It is not put off over rows that tell
-    !! nothing, which may be crests that were cut off, nor over a motion that was there in another phase, as that of a beat is: if it
-    !! was not, just its own squares fall.
-    real(dp), intent(in) :: white(:, :)          !! what is left with this motion from sample `at` on
+    !! By how many samples a blow is best moved, with the motion that it adds unchanged. It is not delayed past rows without
+    !! information, which may be clipped crests, nor past motion that exists in another phase, as that of a beat does: if none
+    !! exists, the squares fall by those of the motion alone.
+    real(dp), intent(in) :: white(:, :)          !! residual with this motion from sample `at` on
     real(dp), intent(in) :: motion(:, :)
     integer, intent(in) :: at
     real(dp) :: gain, best, taken
@@ -249,7 +249,7 @@ contains
   end function best_shift
 
   pure function continued(model, line, b) result(amplitude)
-    !! What the motion before blow b would have been at its first sample, (S).
+    !! The amplitudes that the motion before blow b would have had at its first sample, (S).
     type(model_type), intent(in) :: model
     type(line_type), intent(in) :: line
     integer, intent(in) :: b
@@ -258,17 +258,17 @@ contains
     amplitude = 0
     if (b < 2) return
     m = model%stretches(1, b) - model%stretches(1, b - 1)
-    amplitude = line%amplitude(:, b)*carried(line%pole*m + bend_of(line, m))
+    amplitude = line%amplitude(:, b)*propagated(line%pole*m + bend_of(line, m))
   end function continued
 
-  elemental complex(dp) function carried(exponent)
-    !! The factor of an amplitude from one sample to another; one that grows beyond reason is cut off.
+  elemental complex(dp) function propagated(exponent)
+    !! The factor of an amplitude from one sample to another, limited in size.
     complex(dp), intent(in) :: exponent
-    carried = exp(cmplx(max(-most_carried, min(most_carried, exponent%re)), exponent%im, dp))
-  end function carried
+    propagated = exp(cmplx(max(-most_carried, min(most_carried, exponent%re)), exponent%im, dp))
+  end function propagated
 
   pure function strongest(model, b) result(poles)
-    !! The poles of the lines of most energy in a stretch.
+    !! The poles of the lines with most energy in a stretch.
     type(model_type), intent(in) :: model
     integer, intent(in) :: b
     complex(dp), allocatable :: poles(:)
@@ -284,7 +284,7 @@ contains
   end function strongest
 
   pure function gains_of(poles, values) result(gain)
-    !! T of white values.
+    !! The gains T of white values.
     complex(dp), intent(in) :: poles(:)
     real(dp), intent(in) :: values(:, :)
     real(dp) :: gain(size(values, 1))
@@ -322,7 +322,7 @@ contains
   end function gains_of
 
   pure function inverse_triangle(product, mirrored) result(inverse)
-    !! R⁻¹ of the scalar products RᵀR of real and negative imaginary parts of exponentials x, of which Σ x_k x_l and Σ x_k x_l* are known.
+    !! R⁻¹ for the scalar products RᵀR of real and negative imaginary parts of exponentials x, from Σ x_k x_l and Σ x_k x_l*.
     complex(dp), intent(in) :: product(:, :), mirrored(:, :)
     real(dp), dimension(2*size(product, 1), 2*size(product, 1)) :: gram, inverse
     integer :: i, n
@@ -343,7 +343,7 @@ contains
   end function inverse_triangle
 
   pure subroutine drop_blow(model, b)
-    !! Join a stretch with the one before, whose lines go on unless it is empty.
+    !! Join a stretch with the one before, whose lines continue unless it is empty.
     type(model_type), intent(inout) :: model
     integer, intent(in) :: b
     integer :: k, i, others(ubound(model%stretches, 2))
@@ -361,7 +361,7 @@ contains
   end subroutine drop_blow
 
   pure subroutine choose(model, others)
-    !! Leave these stretches.
+    !! Keep only these stretches.
     type(model_type), intent(inout) :: model
     integer, intent(in) :: others(0:)
     integer :: stretches(2, 0:ubound(others, 1))
@@ -372,7 +372,7 @@ contains
   end subroutine choose
 
   pure subroutine shift_blow(model, b, first)
-    !! Move a blow to a sample.
+    !! Move a blow to a sample, and its amplitudes with it.
     type(model_type), intent(inout) :: model
     integer, intent(in) :: b, first
     real(dp) :: m
@@ -382,13 +382,13 @@ contains
     model%stretches(2, b - 1) = first - 1
     do k = 1, size(model%lines)
       associate (line => model%lines(k))
-        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*carried(line%pole*m)
+        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*propagated(line%pole*m)
       end associate
     end do
   end subroutine shift_blow
 
   pure subroutine add_blow(model, b, first)
-    !! Part a stretch at a sample.
+    !! Divide a stretch at a sample.
     type(model_type), intent(inout) :: model
     integer, intent(in) :: b, first
     integer :: k, i, last
@@ -398,7 +398,7 @@ contains
     do k = 1, size(model%lines)
       associate (line => model%lines(k))
         line%amplitude = line%amplitude(:, [(i, i=1, b + 1), b + 1, (i, i=b + 2, size(line%amplitude, 2))])
-        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*carried(line%pole*m + bend_of(line, m))
+        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*propagated(line%pole*m + bend_of(line, m))
       end associate
     end do
     call choose(model, [(i, i=0, b), b, (i, i=b + 1, ubound(model%stretches, 2))])

@@ -1,9 +1,9 @@
 module bw_decay_bank
-  !! Where a line is missing: the likelihood ratio of one more line, over frequency and decay.
+  !! Candidates for missing lines: the likelihood gain of one more line, over frequency and decay.
   !!
-  !! A line e^(−δm) of any amplitude and phase takes 2 (|F|²E − Re F²P*)/(E² − |P|²) off the squares of white samples w, with
+  !! A line e^(−δm) of any amplitude and phase lowers the squares of white samples w by 2 (|F|²E − Re F²P*)/(E² − |P|²), with
   !! F(ω) = Σ w e^(−δm − iωm), E = Σ e^(−2δm) and P = Σ e^(−2δm − 2iωm): one transform for each δ = 0, 1/T, 2/T, 4/T, … A line that
-  !! dies early is as visible as one that lasts.
+  !! decays early is as visible as one that lasts.
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
@@ -14,24 +14,24 @@ module bw_decay_bank
   private
   public :: find_candidates
 
-  real(dp), parameter :: folds = 7               !! e-folds after which a decay's exponential is taken for 0
+  real(dp), parameter :: folds = 7               !! e-folds after which a decay is taken as 0
   real(dp), parameter, public :: highest_decay = 0.5_dp  !! per step
-  real(dp), parameter, public :: edge = 3        !! periods in a stretch, and from half the sampling rate: fewer are a trend, or 1/f noise
-  real(dp), parameter :: clear = 16              !! tuned: times what a stronger line's skirts may be
-  real(dp), parameter :: mirrored = 20           !! widths from 0 and half the sampling rate, within which a line meets its mirror image
-  integer, parameter :: most = 24                !! candidates at a time
-  integer, parameter :: fewest = 8               !! samples that tell a line
+  real(dp), parameter, public :: edge = 3        !! fewest periods in a stretch, and below half the sampling rate; fewer: trend
+  real(dp), parameter :: clear = 16              !! tuned: factor by which a gain exceeds the skirts of a stronger line
+  real(dp), parameter :: mirrored = 20           !! widths from 0 and half the sampling rate, within which mirror images interfere
+  integer, parameter :: most = 24                !! number of candidates at a time
+  integer, parameter :: fewest = 8               !! fewest samples for a line
 
   type, public :: decay_candidate
-    real(dp) :: gain = 0                         !! fall of the squares
+    real(dp) :: gain = 0                         !! decrease of the squares
     complex(dp) :: pole = 0
   end type decay_candidate
 
 contains
 
   subroutine find_candidates(model, least, most_at_once, candidates)
-    !! Find places where a line gains more than `least`, the largest gain first; none is a skirt of another.
-    type(model_type), intent(inout) :: model     !! its plans of transforms
+    !! Find the poles where a line gains more than `least`, by descending gain, without skirts of stronger lines.
+    type(model_type), intent(inout) :: model     !! its plans of transforms may change
     real(dp), intent(in) :: least
     integer, intent(in) :: most_at_once
     type(decay_candidate), allocatable, intent(out) :: candidates(:)
@@ -67,7 +67,7 @@ contains
   contains
 
     elemental real(dp) function skirt(top, pole)
-      !! How much a line seems to gain at other poles.
+      !! The apparent gain of a line at other poles.
       type(decay_candidate), intent(in) :: top
       complex(dp), intent(in) :: pole
       real(dp) :: width, away
@@ -80,7 +80,7 @@ contains
   end subroutine find_candidates
 
   pure real(dp) function longest(model)
-    !! Steps of the longest stretch after a blow.
+    !! The length of the longest stretch after a blow, in steps.
     type(model_type), intent(in) :: model
     integer :: rows(2, 0:ubound(model%stretches, 2)), b
     rows = rows_of_stretches(model)
@@ -88,7 +88,7 @@ contains
   end function longest
 
   subroutine find_gains(model, decay, gain)
-    !! Find what lines of a decay gain at frequencies from 0 to half the sampling rate, (bins).
+    !! Find the gains of lines with a given decay at frequencies from 0 to half the sampling rate, (bins).
     type(model_type), intent(inout) :: model
     real(dp), intent(in) :: decay
     real(dp), allocatable, intent(out) :: gain(:)
@@ -111,7 +111,7 @@ contains
       k = min(n, rows(2, b) - rows(1, b) + 1)
       if (k < 4) cycle
       energy = sum(fall(:k)**2)
-      first = min(most + 1, 1 + ceiling(edge*length/k))  ! offset and slope of so short a stretch are no line
+      first = min(most + 1, 1 + ceiling(edge*length/k))  ! in so short a stretch it would be offset and slope
       last = min(most, int(mirrored*max(decay, 1.0_dp/k)*length/(2*pi)) + 1)
       do s = 1, size(model%white, 2)
         model%fourier%samples(:k) = fall(:k)*model%white(rows(1, b):rows(1, b) + k - 1, s)
@@ -130,7 +130,7 @@ contains
   contains
 
     subroutine add_mirrored(from, to, count)
-      !! Add what the mirror image changes of the gain in so many samples: with E and P, both over E² − |P|², instead of 1/E.
+      !! Add the effect of the mirror image on the gain in `count` samples: with E and P, both over E² − |P|², instead of 1/E.
       integer, intent(in) :: from, to, count
       complex(dp) :: p, f
       real(dp) :: omega
@@ -146,7 +146,7 @@ contains
   end subroutine find_gains
 
   subroutine find_uneven_gains(model, decay, gain)
-    !! The same at uneven times, from the blow on, over the local power of the noise.
+    !! The same at uneven times, after the first blow, relative to the local power of the noise.
     type(model_type), intent(inout) :: model
     real(dp), intent(in) :: decay
     real(dp), allocatable, intent(out) :: gain(:)
@@ -172,7 +172,7 @@ contains
   end subroutine find_uneven_gains
 
   pure integer function fast_length(least) result(length)
-    !! The least number of at least so many samples whose only prime factors are 2, 3 and 5, and that is even.
+    !! The smallest even number of at least `least` whose only prime factors are 2, 3 and 5.
     integer, intent(in) :: least
     integer :: rest
     length = least + modulo(least, 2)

@@ -1,5 +1,5 @@
 module bw_refit
-  !! Some lines of a model fitted again, others beside them kept; and taken up if that lowers the cost of the whole record.
+  !! Refits of some lines of a model, with the others fixed; a refit is accepted if it lowers the cost of the whole record.
   use bw_band, only: band_around, band_type, fill_rows, put_back
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_constants, only: pi
@@ -11,26 +11,26 @@ module bw_refit
   private
   public :: accept, all_steps, at_rest, cluster_of, is_broken, near, overlaps, refit, refit_all, span_of_model, trial_steps
 
-  real(dp), parameter :: reach = 6               !! tuned: decays within which lines are fitted together
-  real(dp), parameter :: bins_apart = 12         !! tuned: of 1/T, within which too
-  real(dp), parameter :: broken = 0.05_dp        !! tuned: part of two lines' scalar product
+  real(dp), parameter :: reach = 6               !! tuned: decay rates within which lines are fitted together
+  real(dp), parameter :: bins_apart = 12         !! tuned: multiples of 1/T within which they are, too
+  real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
   integer, parameter :: most_sweeps = 6
-  integer, parameter :: trial_steps = 5, all_steps = 10   !! of a fit that is tried, and of one that is to be at its end
-  real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, after which they stay
-  real(dp), parameter :: low = 24                !! periods of a line in the longest stretch, so that it is no offset
+  integer, parameter :: trial_steps = 5, all_steps = 10   !! of a trial fit, and of a final one
+  real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, below which they have converged
+  real(dp), parameter :: low = 24                !! periods in the longest stretch; slower lines are fitted with a trend
 
   type, public :: refit_type
-    !! Lines instead of others.
-    logical, allocatable :: old(:)               !! which lines of the model they replace
+    !! Lines that replace others.
+    logical, allocatable :: old(:)               !! the lines of the model that they replace
     type(line_type), allocatable :: lines(:)
     type(reduced_type), allocatable :: reduced(:)
-    real(dp) :: gain = 0                         !! fall of the squares in the band
+    real(dp) :: gain = 0                         !! decrease of the squares in the band
   end type refit_type
 
 contains
 
   pure real(dp) function span_of_model(model)
-    !! Steps of the longest stretch.
+    !! The length of the longest stretch, in steps.
     type(model_type), intent(in) :: model
     integer :: b
     span_of_model = maxval([(steps_between(model, model%stretches(1, b), model%stretches(2, b)), b=0, ubound(model%stretches, 2))])
@@ -44,7 +44,7 @@ contains
   end function overlaps
 
   pure function near(model, pole) result(are)
-    !! Which lines overlap with one at a pole.
+    !! The lines that overlap with one at a pole.
     type(model_type), intent(in) :: model
     complex(dp), intent(in) :: pole
     logical :: are(size(model%lines))
@@ -54,8 +54,8 @@ contains
   end function near
 
   pure logical function is_broken(model, rate, other)
-    !! Whether so much of two lines' lives tells nothing that one shows in the place of the other, as clipped crests do. Their scalar
-    !! product over all samples being about 0, that over the others is what gaps lack.
+    !! Whether so much of two lines' lives is missing that one appears at the frequency of the other, as with clipped crests. Since
+    !! their scalar product over all samples is about 0, that over the valid ones is minus that over the gaps.
     type(model_type), intent(in) :: model
     real(dp), intent(in) :: rate, other          !! real parts of their poles
     real(dp) :: life(2), both(2)
@@ -73,13 +73,13 @@ contains
   end function is_broken
 
   subroutine refit(model, old, start, most_steps, found, window)
-    !! Fit lines that replace some of the model's, from where they start. The model does not change.
+    !! Fit lines that replace some of the model's, from initial values. The model does not change.
     type(model_type), intent(in) :: model
     logical, intent(in) :: old(:)                !! lines that are replaced
     type(line_type), intent(in) :: start(:)
     integer, intent(in) :: most_steps
     type(refit_type), intent(out) :: found
-    integer, intent(in), optional :: window      !! samples after each blow that are looked at; all if absent
+    integer, intent(in), optional :: window      !! samples after each blow in use; all if absent
     type(line_type), allocatable :: white(:)
     type(band_type) :: band
     real(dp) :: before
@@ -108,7 +108,7 @@ contains
   end subroutine refit
 
   subroutine accept(found, need, model, gain)
-    !! Put fitted lines in the place of others if the squares of the whole record fall by more than `need`; else gain is 0.
+    !! Replace lines by fitted ones if the squares of the whole record fall by more than `need`; otherwise gain is 0.
     type(refit_type), intent(in) :: found
     real(dp), intent(in) :: need
     type(model_type), intent(inout) :: model
@@ -120,7 +120,7 @@ contains
     call exchange_lines(model, white_old, white_new, gain)
     if (gain > need) then
       model%lines = [pack(model%lines, .not. found%old), found%lines]
-      if (.not. abs(gain) > 0) gain = tiny(gain)   ! taken up all the same
+      if (.not. abs(gain) > 0) gain = tiny(gain)   ! accepted nevertheless
     else
       call exchange_lines(model, white_new, white_old, back)
       gain = 0
@@ -128,7 +128,7 @@ contains
   end subroutine accept
 
   subroutine refit_all(most_steps, rest, model)
-    !! Refit all lines, those that overlap together, until the squares fall by no more than `rest`.
+    !! Refit all lines, overlapping ones together, until a sweep lowers the squares by no more than `rest`.
     integer, intent(in) :: most_steps
     real(dp), intent(in) :: rest
     type(model_type), intent(inout) :: model
