@@ -6,6 +6,7 @@ module bw_autoregression
   !! Source: Burg (1975); Kay, Modern Spectral Estimation (1988).
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
+  use bw_gap_products, only: gap_products
   use bw_kinds, only: dp
   use bw_lag_products, only: lag_products
   use bw_order, only: quantile_of
@@ -27,7 +28,7 @@ module bw_autoregression
 
 contains
 
-  subroutine burg(x, valid, highest, penalty, noise)
+  subroutine burg(x, valid, highest, penalty, noise, covariances)
     !! Fit the autoregression whose order makes −2 ln L + order·penalty least. L is exact: the last samples of a run are predicted from
     !! fewer, with the variance that this leaves, and all variances together are scaled to fit best. So a motion that begins loudly and
     !! dies is no noise, however well it can be predicted.
@@ -36,6 +37,7 @@ contains
     integer, intent(in) :: highest                !! order
     real(dp), intent(in) :: penalty               !! of a coefficient
     type(autoregression), intent(out) :: noise
+    type(gap_products), intent(inout), optional :: covariances   !! of samples that are expected values
     real(dp), allocatable :: ahead(:), behind(:)  !! prediction errors of x_n from what follows, and of x_(n+p) from what is before
     real(dp) :: reflection(highest), h(0:highest), variance, cost, logarithms, total, level
     real(dp) :: sums(3)                           !! Σ a², Σ ab and Σ b² of errors ahead and behind that the next order pairs
@@ -81,6 +83,13 @@ contains
   contains
 
     subroutine find_sums(order)
+      !! Find the sums of this order, which is one higher than in the call before.
+      integer, intent(in) :: order
+      call find_own_sums(order)
+      if (present(covariances)) call covariances%add_sums(h(:order), sums)
+    end subroutine find_sums
+
+    subroutine find_own_sums(order)
       !! By products, or from errors where that is less work or loses too many digits.
       integer, intent(in) :: order
       integer :: q
@@ -99,7 +108,7 @@ contains
           if (q > 0) call add_stage(reflection(q), ahead(runs(1, r):runs(2, r) - q), behind(runs(1, r):runs(2, r) - q + 1), sums)
         end do
       end do
-    end subroutine find_sums
+    end subroutine find_own_sums
 
     pure function last_errors(order) result(errors)
       !! The error of the last sample of each run that has one of this order.

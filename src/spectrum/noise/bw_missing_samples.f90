@@ -7,9 +7,10 @@ module bw_missing_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: fills_of, find_reach, missing_among, take_off
+  public :: factorise, fills_of, find_reach, missing_among, solve, take_off
 
   real(dp), parameter :: dependent = 1.0e-10_dp  !! of a column's square, which the columns before explain
+  real(dp), parameter :: rounding = 1.0e-13_dp   !! of a column's square, which sums of products leave in doubt
 
   type, public :: missing_type
     !! Those that enter some rows, which are counted from 1.
@@ -27,7 +28,7 @@ contains
     integer, intent(in) :: first, rows
     real(dp), intent(in) :: filter(0:)
     type(missing_type) :: missing
-    real(dp) :: whole(0:ubound(filter, 1)), square
+    real(dp) :: whole(0:ubound(filter, 1))
     integer :: p, d, j, k, band, low
     p = ubound(filter, 1)
     missing%rows = rows
@@ -57,45 +58,52 @@ contains
         end do
       end do
     end associate
-    associate (l => missing%root)
-      do j = 1, size(l, 2)                   ! Cholesky; a column that others explain is no unknown
-        square = l(0, j)
-        do d = 1, min(band, j - 1)
-          do k = 0, band - d
-            l(k, j) = l(k, j) - l(d + k, j - d)*l(d, j - d)
-          end do
-        end do
-        if (l(0, j) > dependent*square) then
-          l(0, j) = sqrt(l(0, j))
-          l(1:, j) = l(1:, j)/l(0, j)
-        else
-          l(0, j) = huge(1.0_dp)
-          l(1:, j) = 0
-        end if
-      end do
-    end associate
+    call factorise(missing%root, bounded=.false.)
   end function missing_among
 
-  pure subroutine solve(missing, x)
-    !! Turn CᵀY into (CᵀC)⁻¹CᵀY, column by column, (columns, missing).
-    type(missing_type), intent(in) :: missing
-    real(dp), intent(inout) :: x(:, :)
+  pure subroutine factorise(l, bounded)
+    !! Replace a symmetric matrix by its Cholesky factor, both as (0:band, columns). A column that those before it explain is no unknown;
+    !! or, bounded, it is one as far as rounding tells.
+    real(dp), intent(inout) :: l(0:, :)
+    logical, intent(in) :: bounded
+    real(dp) :: square
+    integer :: j, k, d, band
+    band = ubound(l, 1)
+    do j = 1, size(l, 2)
+      square = l(0, j)
+      do d = 1, min(band, j - 1)
+        do k = 0, band - d
+          l(k, j) = l(k, j) - l(d + k, j - d)*l(d, j - d)
+        end do
+      end do
+      if (bounded .or. l(0, j) > dependent*square) then
+        l(0, j) = sqrt(max(l(0, j), merge(rounding, dependent, bounded)*square))
+        l(1:, j) = l(1:, j)/l(0, j)
+      else
+        l(0, j) = huge(1.0_dp)
+        l(1:, j) = 0
+      end if
+    end do
+  end subroutine factorise
+
+  pure subroutine solve(l, x)
+    !! Replace right sides by the solutions for the matrix of a Cholesky factor.
+    real(dp), intent(in) :: l(0:, :)
+    real(dp), intent(inout) :: x(:, :)       !! (right sides, columns)
     integer :: j, k, band
-    band = ubound(missing%root, 1)
-    associate (l => missing%root)
-      do j = 1, size(x, 2)
-        x(:, j) = x(:, j)/l(0, j)
-        do k = 1, min(band, size(x, 2) - j)
-          x(:, j + k) = x(:, j + k) - l(k, j)*x(:, j)
-        end do
+    band = ubound(l, 1)
+    do j = 1, size(x, 2)
+      x(:, j) = x(:, j)/l(0, j)
+      do k = 1, min(band, size(x, 2) - j)
+        x(:, j + k) = x(:, j + k) - l(k, j)*x(:, j)
       end do
-      do j = size(x, 2), 1, -1
-        do k = 1, min(band, size(x, 2) - j)
-          x(:, j) = x(:, j) - l(k, j)*x(:, j + k)
-        end do
-        x(:, j) = x(:, j)/l(0, j)
+    end do
+    do j = size(x, 2), 1, -1
+      do k = 1, min(band, size(x, 2) - j)
+        x(:, j) = x(:, j) - l(k, j)*x(:, j + k)
       end do
-    end associate
+      x(:, j) = x(:, j)/l(0, j)
+    end do
   end subroutine solve
 
   pure subroutine take_off(missing, white)
@@ -108,7 +116,7 @@ contains
       call find_reach(missing, j, low, high)
       x(1, j) = dot_product(missing%filter(low:high), white(missing%place(j) - low:missing%place(j) - high:-1))
     end do
-    call solve(missing, x)
+    call solve(missing%root, x)
     do j = 1, size(missing%place)
       call find_reach(missing, j, low, high)
       associate (rows => white(missing%place(j) - high:missing%place(j) - low))
@@ -160,7 +168,7 @@ contains
       numbers(:n, j) = x(j, :)%re
       numbers(n + 1:, j) = x(j, :)%im
     end do
-    call solve(missing, numbers)
+    call solve(missing%root, numbers)
     x = cmplx(transpose(numbers(:n, :)), transpose(numbers(n + 1:, :)), dp)
   end function fills_of
 

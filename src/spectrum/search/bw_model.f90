@@ -8,6 +8,7 @@ module bw_model
   use bw_line, only: find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, take_off
   use bw_noise, only: noise_type, white_amplitude, whiten
+  use bw_noise_with_gaps, only: fit_with_gaps
   use bw_samples, only: place_of, samples_type, valid_runs
   use bw_uneven_noise, only: find_levels
   implicit none (type, external)
@@ -40,6 +41,7 @@ module bw_model
     real(dp), allocatable :: white(:, :)         !! prediction errors of what is left, over their deviation; 0 where there is none, (N, S)
     type(real_fourier) :: fourier
     type(renewal_type), allocatable :: last      !! renewal
+    type(autoregression), allocatable :: start(:)  !! noise of each sensor with missing samples as it was found last
   end type model_type
 
 contains
@@ -259,6 +261,7 @@ contains
     do s = 1, size(noise)
       noise(s) = judged(s)
     end do
+    if (.not. robust .and. size(model%missing) > 0) model%start = noise
     model%noise%cost = sum(noise%cost)
     if (allocated(model%noise%mixing)) deallocate (model%noise%mixing, model%noise%unmixing)
     if (.not. robust .and. size(noise) > 1) call try_mixing(samples, penalty, order, noise, model)
@@ -291,12 +294,28 @@ contains
       else if (robust) then
         call robust_levels(model%white(:, s), penalty, model%fourier, own)
       else
-        call burg(model%white(:, s), all_runs(samples, model), order, penalty, own)
+        if (allocated(model%start)) own = model%start(s)
+        call judge(samples, model, s, order, penalty, own)
         if (allocated(model%place)) model%level(:, s) = model%level(:, s)/own%variance
       end if
     end function judged
 
   end subroutine renew
+
+  subroutine judge(samples, model, s, order, penalty, noise)
+    !! Find the noise of one component of what is left.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: s
+    integer, intent(in) :: order                 !! the highest
+    real(dp), intent(in) :: penalty
+    type(autoregression), intent(inout) :: noise   !! where the search starts where samples are missing, if it has a predictor
+    if (size(model%missing) == 0 .or. allocated(model%place)) then
+      call burg(model%white(:, s), all_runs(samples, model), order, penalty, noise)
+    else
+      call fit_with_gaps(model%white(:, s), all_runs(samples, model), model%stretches, order, penalty, noise)
+    end if
+  end subroutine judge
 
   pure logical function is_last(model, robust, order)
     !! Whether the noise was judged like this, and by these lines and stretches, last.
@@ -437,7 +456,8 @@ contains
     model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
     call mix(model%noise%mixing, model%white)
     do s = 1, sensors
-      call burg(model%white(:, s), runs, order, penalty, own(s))
+      own(s)%predictor = noise(s)%predictor
+      call judge(samples, model, s, order, penalty, own(s))
       own(s)%variance = max(own(s)%variance, least_share)
     end do
     cost = cost + sum(own%cost) + told*sum(log(noise%variance))
