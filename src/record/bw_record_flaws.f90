@@ -1,5 +1,5 @@
 module bw_record_flaws
-  !! Flawed samples of a sensor, which do not follow the motion: it was stuck at a value, or clipped.
+  !! Flawed samples of a sensor, which do not follow the motion: it was stuck at a value, or clipped, or a sample is a spike.
   !!
   !! Equal consecutive samples are no flaw by themselves: resolution is finite, noise is small, motions have crests. Let q be
   !! the smallest step between neighbours. A run of L equal samples is a flaw if neither of the following explains it:
@@ -14,16 +14,21 @@ module bw_record_flaws
   !! A sensor clips at its largest or smallest value if more samples have this value than lie within `reach` steps of it, since
   !! a crest passes slowly there; or if a run of L ≥ 3 has steep sides: a crest that is flat over it falls by at most
   !! ((L+2)/L)² q < 3 q to the adjacent samples.
+  !!
+  !! A spike is one sample or two, farther from all others than ten times their range. A blow is none: the motion behind it is large.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
-  public :: find_flaws, mark_flaws
+  public :: find_flaws, find_spikes, mark_flaws
 
   real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, per sensor
   real(dp), parameter :: reach = 30.0_dp         !! steps
   real(dp), parameter :: crest_fall = 4.0_dp     !! steps
   integer, parameter :: least_run = 3            !! samples
   integer, parameter :: around = 3               !! run lengths
+  real(dp), parameter :: far_off = 10            !! ranges of the other samples, from a spike to them
+  integer, parameter :: longest_spike = 2        !! samples
+  integer, parameter :: beside = 8               !! samples beside a spike, which are none
 
   type, public :: flaws_type
     !! The flaws of one sensor. Places are numbers of samples, from 1.
@@ -32,7 +37,9 @@ module bw_record_flaws
     integer(i8) :: stuck_first = 0, stuck_last = 0   !! the longest of them
     integer(i8) :: clipped_high = 0              !! samples at the largest value if clipped, else 0
     integer(i8) :: clipped_low = 0               !! at the smallest value
-    real(dp) :: highest = 0.0_dp, lowest = 0.0_dp
+    real(dp) :: highest = 0.0_dp, lowest = 0.0_dp   !! but for spikes
+    integer(i8) :: spikes = 0                    !! samples
+    integer(i8) :: spike = 0                     !! place of the largest
   end type flaws_type
 
 contains
@@ -57,6 +64,61 @@ contains
     real(dp), intent(in) :: values(:)
     logical, intent(inout) :: told(:)
     type(flaws_type), intent(out) :: flaws
+    real(dp), allocatable :: smooth(:)
+    logical, allocatable :: is_spike(:)
+    integer(i8) :: i
+    call find_spikes(values, is_spike)
+    if (.not. allocated(is_spike)) then
+      call look_beside_spikes(values, told, flaws)
+      return
+    end if
+    smooth = values
+    do i = 2, size(values, kind=i8)
+      if (is_spike(i)) smooth(i) = smooth(i - 1)
+    end do
+    call look_beside_spikes(smooth, told, flaws)
+    where (is_spike) told = .false.
+    flaws%spikes = count(is_spike, kind=i8)
+    flaws%spike = maxloc(abs(values), dim=1, mask=is_spike, kind=i8)
+  end subroutine look
+
+  pure subroutine find_spikes(values, is_spike)
+    !! Find the spikes of one sensor, the largest ones first, as these hide smaller ones.
+    real(dp), intent(in) :: values(:)
+    logical, allocatable, intent(out) :: is_spike(:)   !! not allocated: there are none
+    logical, dimension(size(values)) :: far, told !! from the first sample, which is no spike; no spikes
+    real(dp) :: low, high, distance
+    integer :: n, run, i
+    n = size(values)
+    told = .true.
+    low = minval(values)
+    high = maxval(values)
+    distance = high/far_off - low/far_off
+    do
+      far = told .and. abs(values/2 - values(1)/2) > distance/2
+      if (.not. any(far) .or. any(far(:min(n, beside))) .or. any(far(max(1, n - beside + 1):))) exit
+      run = 0
+      do i = 1, n
+        run = merge(run + 1, 0, far(i))
+        if (run > longest_spike) exit
+      end do
+      if (run > longest_spike) exit
+      low = minval(values, mask=told .and. .not. far)
+      high = maxval(values, mask=told .and. .not. far)
+      if (.not. high > low) exit
+      distance = distance/far_off
+      if (any(far .and. max(values/far_off - high/far_off, low/far_off - values/far_off) <= high - low)) cycle
+      told = told .and. .not. far
+      distance = high/far_off - low/far_off
+    end do
+    if (.not. all(told)) is_spike = .not. told
+  end subroutine find_spikes
+
+  pure subroutine look_beside_spikes(values, told, flaws)
+    !! Find the other flaws of one sensor, and mark the samples.
+    real(dp), intent(in) :: values(:)
+    logical, intent(inout) :: told(:)
+    type(flaws_type), intent(inout) :: flaws
     real(dp) :: step
     integer(i8) :: n, first, last
     logical :: clips(2), at_end(2)                ! high, low
@@ -85,7 +147,7 @@ contains
     if (clips(1)) flaws%clipped_high = count(values == flaws%highest, kind=i8)
     if (clips(2)) flaws%clipped_low = count(values == flaws%lowest, kind=i8)
     where ((clips(1) .and. values == flaws%highest) .or. (clips(2) .and. values == flaws%lowest)) told = .false.
-  end subroutine look
+  end subroutine look_beside_spikes
 
   pure logical function piles_up(below, step)
     !! Tell whether more samples are at an end of the range than just inside it.

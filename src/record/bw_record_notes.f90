@@ -150,7 +150,7 @@ contains
   end subroutine note_unit
 
   subroutine note_flaws(flaws, s, record)
-    !! Note samples that are constant, stuck or clipped.
+    !! Note samples that are constant, stuck, clipped or spikes.
     type(flaws_type), intent(in) :: flaws
     integer, intent(in) :: s                           !! the sensor
     type(record_type), intent(inout) :: record
@@ -163,9 +163,18 @@ contains
       if (flaws%clipped_high > 0) call note_clipped(flaws%clipped_high, 'above ', flaws%highest)
       if (flaws%clipped_low > 0) call note_clipped(flaws%clipped_low, 'below ', flaws%lowest)
       if (flaws%stuck_runs > 0) call note_stuck(flaws, s, record)
+      if (flaws%spikes > 0) call note_spikes(flaws%spikes, record%values(flaws%spike, s), record%times(flaws%spike))
     end associate
 
   contains
+
+    subroutine note_spikes(samples, value, time)
+      integer(i8), intent(in) :: samples
+      real(dp), intent(in) :: value, time              ! of the largest
+      call append(record%notes, 'spike: '//record%sensors(s)%name//' is '//shortest(value, 6)//' at '// &
+        clock_text(record%origin + time, record%times(size(record%times)))//' s, far from all other samples; left out: '// &
+        text_of(samples)//trim(merge(' sample ', ' samples', samples == 1)))
+    end subroutine note_spikes
 
     subroutine note_clipped(samples, side, value)
       integer(i8), intent(in) :: samples

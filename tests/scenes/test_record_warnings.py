@@ -76,3 +76,17 @@ def test_clipped_and_missing_samples_are_left_out(here):
     assert result["peak_count"] == FREQUENCY.size
     away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
     assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()
+
+
+def test_spikes_are_left_out(here):
+    """A logger's errors: the lines are where they were."""
+    time, values = ring_down(10)
+    values[0, [300, 301, 700]] = 1e38, -1e37, 500 * abs(values).max()
+    here.write("ring.csv", as_text(time, values))
+    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    ended = here.beamwave("run", "ring.nml")
+    assert (ended.returncode, "far from all other samples; left out: 3 samples" in ended.stderr) == (0, True)
+    result = here.result("ring")
+    assert result["peak_count"] == FREQUENCY.size
+    away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
+    assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()

@@ -8,7 +8,7 @@ module bw_record_view
   use bw_missing, only: is_missing, missing
   use bw_order, only: quantile_of
   use bw_record, only: record_type
-  use bw_record_flaws, only: mark_flaws
+  use bw_record_flaws, only: find_spikes, mark_flaws
   use bw_record_lines, only: fitted_history, noise_level
   use bw_result_layout, only: record_layout, result_layout
   use bw_samples, only: place_of, samples_type, span_of
@@ -83,8 +83,16 @@ contains
     type(record_type), intent(inout) :: record
     type(samples_type), intent(inout) :: samples
     real(dp), allocatable :: values(:, :)
-    integer :: n, last
+    logical, allocatable :: is_spike(:)
+    integer :: n, s, last
     call move_alloc(record%values, values)
+    do s = 1, size(values, 2)                        ! a spike, as a missing value, repeats the one before
+      call find_spikes(values(:, s), is_spike)
+      if (.not. allocated(is_spike)) cycle
+      do n = 2, size(values, 1)
+        if (is_spike(n)) values(n, s) = values(n - 1, s)
+      end do
+    end do
     if (.not. allocated(samples%row)) then
       call move_alloc(values, samples%value)
       return
