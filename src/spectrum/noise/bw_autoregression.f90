@@ -1,8 +1,8 @@
 module bw_autoregression
-  !! Autoregressions of noise: Burg's recursion over runs of valid samples, and Levinson's from a spectrum's level.
+  !! Autoregressions of noise: Burg's recursion over runs of valid samples, and Levinson's from a smooth spectrum.
   !!
-  !! The prediction error of order p is e_n = Σ h_i x_(n+i), i = 0 … p, h_0 = 1: each sample is predicted from those behind it. Noise
-  !! has the same predictor in both directions of time. But a free decay begins at once, and this way no sample after the blow is lost.
+  !! The prediction error of order p is e_n = Σ h_i x_(n+i), i = 0 … p, h_0 = 1: each sample is predicted from those after it. Noise
+  !! has the same predictor in both directions of time, but a free decay begins suddenly: this way no sample after a blow is lost.
   !! Source: Burg (1975); Kay, Modern Spectral Estimation (1988).
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
@@ -14,36 +14,36 @@ module bw_autoregression
   private
   public :: burg, robust_levels, running_median
 
-  real(dp), parameter :: least_part = 1.0e-14_dp  !! of the variance, that a predictor leaves
+  real(dp), parameter :: least_part = 1.0e-14_dp  !! of the variance: smallest prediction error
   integer, parameter :: patience = 24             !! tuned: orders without a gain after which Burg's recursion ends
-  integer, parameter :: robust_order = 24         !! tuned: of the first guess, which smooth levels need
-  integer, parameter :: work_of_form = 4          !! tuned: of a product of samples in a form, in those of a prediction error
+  integer, parameter :: robust_order = 24         !! tuned: order of the first estimate, enough for smooth levels
+  integer, parameter :: work_of_form = 4          !! tuned: work of a product of samples in a form, in that of a prediction error
 
   type, public :: autoregression
     !! Noise of one sensor.
     real(dp), allocatable :: predictor(:)         !! h, (0:p)
     real(dp) :: variance = 0                      !! of its prediction error
-    real(dp) :: cost = 0                          !! −2 ln L, and the penalty of its coefficients
+    real(dp) :: cost = 0                          !! −2 ln L plus the penalty of its coefficients
   end type autoregression
 
 contains
 
   subroutine burg(x, valid, highest, penalty, noise, covariances)
-    !! Fit the autoregression whose order makes −2 ln L + order·penalty least. L is exact: the last samples of a run are predicted from
-    !! fewer, with the variance that this leaves, and all variances together are scaled to fit best. So a motion that begins loudly and
-    !! dies is no noise, however well it can be predicted.
+    !! Fit the autoregression whose order minimises −2 ln L + order·penalty. L is exact: the last samples of a run are predicted
+    !! from fewer, with the variance of that prediction, and all variances together are scaled to fit best. A motion that begins
+    !! loudly and decays is therefore unlikely as noise, however predictable it is.
     real(dp), intent(in) :: x(:)
-    integer, intent(in) :: valid(:, :)            !! first and last sample of each run that counts, (2, runs)
+    integer, intent(in) :: valid(:, :)            !! first and last sample of each run of valid samples, (2, runs)
     integer, intent(in) :: highest                !! order
-    real(dp), intent(in) :: penalty               !! of a coefficient
+    real(dp), intent(in) :: penalty               !! per coefficient
     type(autoregression), intent(out) :: noise
-    type(gap_products), intent(inout), optional :: covariances   !! of samples that are expected values
-    real(dp), allocatable :: ahead(:), behind(:)  !! prediction errors of x_n from what follows, and of x_(n+p) from what is before
+    type(gap_products), intent(inout), optional :: covariances   !! of samples filled with expectations
+    real(dp), allocatable :: ahead(:), behind(:)  !! prediction errors of x_n from later samples, and of x_(n+p) from earlier ones
     real(dp) :: reflection(highest), h(0:highest), variance, cost, logarithms, total, level
     real(dp) :: sums(3)                           !! Σ a², Σ ab and Σ b² of errors ahead and behind that the next order pairs
-    integer, allocatable :: runs(:, :)            !! that are longer than the order
+    integer, allocatable :: runs(:, :)            !! longer than the order
     type(lag_products) :: products
-    logical :: by_products                        !! the sums follow without errors: from here on these are not known
+    logical :: by_products                        !! the sums follow without errors, which from here on are not known
     integer :: p, r, count, best, rows
     runs = valid
     count = max(1, sum(runs(2, :) - runs(1, :) + 1))
@@ -61,7 +61,7 @@ contains
     best = 0
     do p = 1, highest
       if (p - best > patience) exit
-      runs = runs(:, pack([(r, r=1, size(runs, 2))], runs(2, :) - runs(1, :) + 1 >= p))  ! as many have a sample number p
+      runs = runs(:, pack([(r, r=1, size(runs, 2))], runs(2, :) - runs(1, :) + 1 >= p))  ! each has a sample number p
       if (size(runs, 2) == 0) exit
       logarithms = logarithms + size(runs, 2)*log(variance)
       total = total + sum(last_errors(p - 1)**2)/variance
@@ -83,14 +83,14 @@ contains
   contains
 
     subroutine find_sums(order)
-      !! Find the sums of this order, which is one higher than in the call before.
+      !! Find the sums of this order, one higher than in the call before.
       integer, intent(in) :: order
       call find_own_sums(order)
       if (present(covariances)) call covariances%add_sums(h(:order), sums)
     end subroutine find_sums
 
     subroutine find_own_sums(order)
-      !! By products, or from errors where that is less work or loses too many digits.
+      !! Find the sums from products, or from errors if that is less work or products lose too many digits.
       integer, intent(in) :: order
       integer :: q
       if (by_products) then
@@ -103,7 +103,7 @@ contains
         sums = 0
         if (q == 0) ahead = x
         if (q == 0) behind = x
-        do r = 1, size(runs, 2)                   ! behind(n) is then that of x_(n+q)
+        do r = 1, size(runs, 2)                   ! behind(n) is then the error of x_(n+q)
           if (q == 0) call add_stage(0.0_dp, ahead(runs(1, r):runs(2, r)), behind(runs(1, r):runs(2, r)), sums)
           if (q > 0) call add_stage(reflection(q), ahead(runs(1, r):runs(2, r) - q), behind(runs(1, r):runs(2, r) - q + 1), sums)
         end do
@@ -111,7 +111,7 @@ contains
     end subroutine find_own_sums
 
     pure function last_errors(order) result(errors)
-      !! The error of the last sample of each run that has one of this order.
+      !! The error of the last sample of each run; 0 if the run has none of this order.
       integer, intent(in) :: order
       real(dp) :: errors(size(runs, 2))
       integer :: k
@@ -128,13 +128,13 @@ contains
   end subroutine burg
 
   pure subroutine add_stage(reflection, ahead, behind, sums)
-    !! Predict from one sample more, and add the products of errors that the stage after it pairs: Σ a², Σ ab and Σ b² of a_n and b_(n+1).
+    !! Extend the predictor by one sample, and add the products of errors for the next stage: Σ a², Σ ab, Σ b² of a_n, b_(n+1).
     real(dp), intent(in) :: reflection
     real(dp), intent(inout), contiguous :: ahead(:)
-    real(dp), intent(inout), contiguous :: behind(:)     !! (as many) before a first stage, or one more
+    real(dp), intent(inout), contiguous :: behind(:)     !! (as many) before a first stage, otherwise one more
     real(dp), intent(inout) :: sums(3)
-    integer, parameter :: lanes = 8               !! sums side by side, which a processor adds at once
-    integer, parameter :: at_once = 128*lanes     !! rows that its cache holds
+    integer, parameter :: lanes = 8               !! parallel sums, for vector instructions
+    integer, parameter :: at_once = 128*lanes     !! rows that fit a processor's cache
     real(dp) :: part(lanes, 3), old, a(lanes), b(lanes)
     integer :: first, last, n, next, by
     by = size(behind) - size(ahead)
@@ -162,7 +162,7 @@ contains
   end subroutine add_stage
 
   pure function predictor_of(reflection) result(h)
-    !! The predictor h of given reflection coefficients, (0:p).
+    !! The predictor h with given reflection coefficients, (0:p).
     real(dp), intent(in) :: reflection(:)
     real(dp) :: h(0:size(reflection))
     integer :: p
@@ -174,7 +174,7 @@ contains
   end function predictor_of
 
   subroutine robust_levels(x, penalty, fourier, noise)
-    !! Fit an autoregression to the running median of a periodogram, which lines do not lift.
+    !! Fit an autoregression to the running median of a periodogram, which lines hardly raise.
     real(dp), intent(in) :: x(:)
     real(dp), intent(in) :: penalty               !! of a coefficient
     type(real_fourier), intent(inout) :: fourier
@@ -188,9 +188,9 @@ contains
     fourier%samples(:) = window*x
     call fourier%transform()
     power = abs(fourier%spectrum)**2/sum(window**2)
-    half = max(12, nint(1.5_dp*sqrt(real(n, dp))))  ! tuned: bins, more than lines fill
+    half = max(12, nint(1.5_dp*sqrt(real(n, dp))))  ! tuned: number of bins, more than lines occupy
     level = running_median(power(min(3, size(power)):), half)/log(2.0_dp)
-    lag = 0                                       ! correlations: the level times cos pθ, which follows from its last two values
+    lag = 0                                       ! correlations: the level times cos pθ, by recursion in p
     do k = 1, size(level)
       turn = cos(pi*(k - 0.5_dp)/size(level))
       h(:1) = level(k)*[1.0_dp, turn]
@@ -220,7 +220,7 @@ contains
   end subroutine robust_levels
 
   pure function running_median(power, half) result(level)
-    !! Medians of so many neighbours on either side, every half of these, and geometric means between.
+    !! Medians of `half` neighbours on either side, at every half of these, with geometric interpolation in between.
     real(dp), intent(in) :: power(:)
     integer, intent(in) :: half
     real(dp) :: level(size(power)), before, now

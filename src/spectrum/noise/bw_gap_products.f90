@@ -1,6 +1,6 @@
 module bw_gap_products
-  !! What the covariances of samples that are missing add to squares of prediction errors: a predictor's form in
-  !! G_ij = Σ C(n + i, n + j), which follows from sums of covariances that are some samples apart, and from those at both ends.
+  !! Contributions of missing samples' covariances to squares of prediction errors: quadratic forms of a predictor in
+  !! G_ij = Σ C(n + i, n + j), which follows from sums of covariances at given lags, and from those at both ends.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -8,8 +8,8 @@ module bw_gap_products
   type, public :: gap_products
     integer, private :: order = -1               !! m, of G
     real(dp), allocatable, private :: lag(:)     !! Σ C(n, n + d), (0:reach)
-    real(dp), allocatable, private :: first(:, :), last(:, :)   !! C of the first samples of pieces, and of the last, counted from the
-      !! last one back, (0:reach, 0:reach)
+    real(dp), allocatable, private :: first(:, :), last(:, :)   !! C of the first samples of pieces, and of the last ones in
+      !! reverse order, (0:reach, 0:reach)
     real(dp), allocatable, private :: gram(:, :) !! G, n = 1 … N − m, (0:reach, 0:reach) of which (0:m, 0:m)
   contains
     procedure :: start
@@ -23,16 +23,16 @@ contains
   pure subroutine start(self, reach)
     !! Start with no covariances.
     class(gap_products), intent(inout) :: self
-    integer, intent(in) :: reach                 !! of a predictor, one more than its order
+    integer, intent(in) :: reach                 !! order of a predictor plus 1
     allocate (self%lag(0:reach), self%first(0:reach, 0:reach), self%last(0:reach, 0:reach), self%gram(0:reach, 0:reach), &
       & source=0.0_dp)
   end subroutine start
 
   pure subroutine add(self, place, count, covariance)
-    !! Add those of a piece, which is longer than predictors reach.
+    !! Add the covariances of a piece, which is longer than `reach`.
     class(gap_products), intent(inout) :: self
-    integer, intent(in) :: place(:)              !! of missing samples in the piece, rising
-    integer, intent(in) :: count                 !! samples of the piece
+    integer, intent(in) :: place(:)              !! of missing samples in the piece, ascending
+    integer, intent(in) :: count                 !! number of samples of the piece
     real(dp), intent(in) :: covariance(0:, :)    !! of missing samples j and j + k, (0:band, missing)
     integer :: j, k, d, reach
     reach = ubound(self%lag, 1)
@@ -57,7 +57,7 @@ contains
   end subroutine put
 
   pure subroutine scale(self, factor)
-    !! Multiply all covariances.
+    !! Multiply all covariances by a factor.
     class(gap_products), intent(inout) :: self
     real(dp), intent(in) :: factor
     self%lag = factor*self%lag
@@ -66,9 +66,9 @@ contains
   end subroutine scale
 
   pure subroutine add_sums(self, h, sums)
-    !! Add what belongs to Σ a², Σ ab and Σ b² of the errors that a predictor leaves ahead, and behind at the next sample.
+    !! Add the contributions to Σ a², Σ ab and Σ b² of the errors ahead of a predictor, and of those behind at the next sample.
     class(gap_products), intent(inout) :: self
-    real(dp), intent(in) :: h(0:)                !! its order is not lower than in the calls before
+    real(dp), intent(in) :: h(0:)                !! of no lower order than in earlier calls
     real(dp), intent(inout) :: sums(3)
     real(dp), dimension(0:size(h)) :: ahead, behind, product
     integer :: m

@@ -1,21 +1,21 @@
 module bw_missing_samples
-  !! What samples that are missing leave of white rows: the rest of each row that no value of theirs would explain.
+  !! Missing samples in white rows: the part of each row that no values of theirs explain.
   !!
-  !! A sample g that is missing is an unknown of its own in the p + 1 rows that it enters, by h_i in row g − i. White rows less their
-  !! projection onto all such columns C are the exact likelihood of the samples that are there: as if the noise between them were
-  !! interpolated. Motion passes in the same way, and its part that C explains is taken off too.
+  !! A missing sample g is an additional unknown in the p + 1 rows that it enters, by h_i in row g − i. White rows minus their
+  !! projection onto all such columns C give the exact likelihood of the remaining samples, as if the noise between them were
+  !! interpolated. Lines are projected in the same way.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: factorise, fills_of, find_reach, missing_among, solve, take_off
 
-  real(dp), parameter :: dependent = 1.0e-10_dp  !! of a column's square, which the columns before explain
-  real(dp), parameter :: rounding = 1.0e-13_dp   !! of a column's square, which sums of products leave in doubt
+  real(dp), parameter :: dependent = 1.0e-10_dp  !! of a column's square: a smaller part independent of earlier columns is rounding
+  real(dp), parameter :: rounding = 1.0e-13_dp   !! of a column's square: uncertainty of sums of products
 
   type, public :: missing_type
-    !! Those that enter some rows, which are counted from 1.
+    !! The missing samples that enter some rows, which are counted from 1.
     integer :: rows = 0
-    integer, allocatable :: place(:)         !! rising
+    integer, allocatable :: place(:)         !! ascending
     real(dp), allocatable :: filter(:)       !! h times any factor, (0:p)
     real(dp), allocatable :: root(:, :)      !! L of LLᵀ = CᵀC: L(j + k, j), (0:band, j)
   end type missing_type
@@ -23,18 +23,18 @@ module bw_missing_samples
 contains
 
   pure function missing_among(places, first, rows, filter) result(missing)
-    !! Those of all missing samples that enter so many rows from the first one on.
-    integer, intent(in) :: places(:)         !! rising
+    !! Select the missing samples that enter `rows` rows from the first one on.
+    integer, intent(in) :: places(:)         !! ascending
     integer, intent(in) :: first, rows
     real(dp), intent(in) :: filter(0:)
     type(missing_type) :: missing
-    real(dp) :: whole(0:ubound(filter, 1))
+    real(dp) :: correlation(0:ubound(filter, 1))
     integer :: p, d, j, k, band, low
     p = ubound(filter, 1)
     missing%rows = rows
     missing%place = pack(places, places >= first .and. places < first + rows + p) - first + 1
     allocate (missing%filter(0:p), source=filter)
-    whole = [(dot_product(filter(:p - d), filter(d:)), d=0, p)]
+    correlation = [(dot_product(filter(:p - d), filter(d:)), d=0, p)]
     associate (g => missing%place)
       band = 0
       j = 1
@@ -50,7 +50,7 @@ contains
           d = g(j + k) - g(j)
           if (d > p) exit
           if (g(j) > p .and. g(j) <= rows) then
-            missing%root(k, j) = whole(d)
+            missing%root(k, j) = correlation(d)
           else
             low = max(0, g(j) - rows)
             missing%root(k, j) = dot_product(filter(low:min(p - d, g(j) - 1)), filter(low + d:min(p - d, g(j) - 1) + d))
@@ -62,8 +62,8 @@ contains
   end function missing_among
 
   pure subroutine factorise(l, bounded)
-    !! Replace a symmetric matrix by its Cholesky factor, both as (0:band, columns). A column that those before it explain is no unknown;
-    !! or, bounded, it is one as far as rounding tells.
+    !! Replace a symmetric band matrix by its Cholesky factor, both as (0:band, columns). A column that depends on earlier ones is
+    !! no unknown; with `bounded` it is one, to within rounding.
     real(dp), intent(inout) :: l(0:, :)
     logical, intent(in) :: bounded
     real(dp) :: square
@@ -87,9 +87,9 @@ contains
   end subroutine factorise
 
   pure subroutine solve(l, x)
-    !! Replace right sides by the solutions for the matrix of a Cholesky factor.
+    !! Replace right-hand sides by the solutions for a matrix with this Cholesky factor.
     real(dp), intent(in) :: l(0:, :)
-    real(dp), intent(inout) :: x(:, :)       !! (right sides, columns)
+    real(dp), intent(inout) :: x(:, :)       !! (right-hand sides, columns)
     integer :: j, k, band
     band = ubound(l, 1)
     do j = 1, size(x, 2)
@@ -107,7 +107,7 @@ contains
   end subroutine solve
 
   pure subroutine take_off(missing, white)
-    !! Take off white rows what missing samples explain.
+    !! Subtract from white rows the part that missing samples explain.
     type(missing_type), intent(in) :: missing
     real(dp), intent(inout) :: white(:)      !! (rows or more)
     real(dp) :: x(1, size(missing%place))
@@ -126,7 +126,7 @@ contains
   end subroutine take_off
 
   pure subroutine find_reach(missing, j, low, high)
-    !! Find which of the filter's coefficients missing sample j has in the rows.
+    !! Find the range of the filter's coefficients by which missing sample j enters the rows.
     type(missing_type), intent(in) :: missing
     integer, intent(in) :: j
     integer, intent(out) :: low, high
@@ -135,14 +135,14 @@ contains
   end subroutine find_reach
 
   pure function fills_of(missing, pole, wave_at, factors) result(x)
-    !! What a line's rows, and their products with factors that change slowly, would put in the place of missing samples; the first factor
-    !! after 1 is time itself. (missing, factors)
+    !! The values at missing samples that fit a line's rows best, and those for their products with slowly varying factors; the
+    !! first factor after 1 is time itself. (missing, factors)
     type(missing_type), intent(in) :: missing
     complex(dp), intent(in) :: pole
     complex(dp), intent(in) :: wave_at(:)    !! the line in the first row that each missing sample enters
     real(dp), intent(in) :: factors(:, :)    !! at the missing samples, (missing, factors)
     complex(dp) :: x(size(wave_at), size(factors, 2))
-    complex(dp), dimension(0:ubound(missing%filter, 1)) :: sums, slopes   !! Σ h_i e^(z(k − i)), i = 0 … k, and its slope by z
+    complex(dp), dimension(0:ubound(missing%filter, 1)) :: sums, slopes   !! Σ h_i e^(z(k − i)), i = 0 … k, and its derivative by z
     complex(dp) :: step, all_of, slope
     real(dp) :: numbers(2*size(factors, 2), size(wave_at))
     integer :: i, j, low, high, n

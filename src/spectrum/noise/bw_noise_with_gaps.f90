@@ -1,11 +1,11 @@
 module bw_noise_with_gaps
-  !! Autoregressions of noise of which samples are missing, by expectation and maximisation.
+  !! Autoregressions of noise with missing samples, by expectation and maximisation.
   !!
-  !! Missing samples take their conditional expectation under an autoregression, and Burg's recursion over whole stretches, with the
-  !! conditional covariances added to its sums, finds the next one. Each step lowers −2 ln L of the samples that are there, which is exact:
-  !! the squares that are left when missing samples are filled, and the determinant of the block Q of the precision matrix that belongs to
-  !! missing samples, whose inverse holds their covariances. Sources: Dempster, Laird and Rubin (1977), J. R. Stat. Soc. B 39; Siddiqui
-  !! (1958), Ann. Math. Stat. 29, for the precision matrix; Erisman and Tinney (1975), Commun. ACM 18, for parts of an inverse.
+  !! Missing samples are replaced by their conditional expectations under an autoregression, and Burg's recursion over whole
+  !! stretches, with the conditional covariances added to its sums, gives the next one. Each step lowers the exact −2 ln L of the
+  !! valid samples: the squares with missing samples filled, and the determinant of the block Q of the precision matrix for missing
+  !! samples, whose inverse is their covariance. Sources: Dempster, Laird and Rubin (1977), J. R. Stat. Soc. B 39; Siddiqui (1958),
+  !! Ann. Math. Stat. 29, for the precision matrix; Erisman and Tinney (1975), Commun. ACM 18, for parts of an inverse.
   use bw_autoregression, only: autoregression, burg
   use bw_gap_products, only: gap_products
   use bw_kinds, only: dp
@@ -21,14 +21,14 @@ module bw_noise_with_gaps
 contains
 
   subroutine fit_with_gaps(x, runs, stretches, highest, penalty, noise)
-    !! Fit the autoregression whose order makes −2 ln L + order·penalty small. Beyond gaps that are longer than its highest order, and in
-    !! parts that are short, single runs of valid samples are independent of each other.
+    !! Fit the autoregression whose order minimises −2 ln L + order·penalty. Runs of valid samples are independent across gaps
+    !! longer than the highest order, and in short parts.
     real(dp), intent(in) :: x(:)                 !! 0 where a sample is missing
     integer, intent(in) :: runs(:, :)            !! first and last sample of each run of valid samples, (2, runs)
     integer, intent(in) :: stretches(:, :)       !! first and last sample of each, (2, stretches)
     integer, intent(in) :: highest               !! order
-    real(dp), intent(in) :: penalty              !! of a coefficient
-    type(autoregression), intent(inout) :: noise   !! the search starts from its predictor, if it has one
+    real(dp), intent(in) :: penalty              !! per coefficient
+    type(autoregression), intent(inout) :: noise   !! with the initial predictor, if there is one
     type(autoregression) :: next
     type(gap_products) :: covariances
     integer, allocatable :: pieces(:, :)
@@ -56,7 +56,7 @@ contains
   end subroutine fit_with_gaps
 
   pure function pieces_of(runs, stretches, highest) result(pieces)
-    !! Runs with the gaps between them where these are short; single runs where that makes no long piece.
+    !! Join runs across short gaps; where that gives no long piece, keep the single runs.
     integer, intent(in) :: runs(:, :), stretches(:, :)
     integer, intent(in) :: highest
     integer, allocatable :: pieces(:, :)
@@ -84,7 +84,7 @@ contains
   end function pieces_of
 
   subroutine expect(x, valid, pieces, highest, penalty, noise, filled, covariances)
-    !! Fill missing samples by their expectation, find their covariances, and the noise's variance and cost.
+    !! Fill missing samples with their expectations, and find their covariances and the noise's variance and cost.
     real(dp), intent(in) :: x(:)
     logical, intent(in) :: valid(:)
     integer, intent(in) :: pieces(:, :)
@@ -96,16 +96,16 @@ contains
     real(dp), allocatable :: rows(:), inverse(:, :)
     integer, allocatable :: place(:)
     real(dp) :: squares, logarithms, part, logarithm
-    integer :: i, k, told
+    integer :: i, k, valid_count
     filled = x
-    told = 0
+    valid_count = 0
     squares = 0
     logarithms = 0
     call covariances%start(highest + 1)
     do i = 1, size(pieces, 2)
       associate (first => pieces(1, i), last => pieces(2, i), p => ubound(noise%predictor, 1))
         place = pack([(k, k=1, last - first + 1)], .not. valid(first:last))
-        told = told + last - first + 1 - size(place)
+        valid_count = valid_count + last - first + 1 - size(place)
         if (size(place) > 0) then
           call fill(noise%predictor, place, highest + 1, filled(first:last), inverse, logarithm)
           logarithms = logarithms + logarithm
@@ -118,25 +118,25 @@ contains
         logarithms = logarithms + logarithm
       end associate
     end do
-    noise%variance = max(squares/max(1, told), tiny(1.0_dp))
-    noise%cost = told*log(noise%variance) + logarithms + ubound(noise%predictor, 1)*penalty
+    noise%variance = max(squares/max(1, valid_count), tiny(1.0_dp))
+    noise%cost = valid_count*log(noise%variance) + logarithms + ubound(noise%predictor, 1)*penalty
     call covariances%scale(noise%variance)
   end subroutine expect
 
   subroutine fill(h, place, reach, x, inverse, logarithm)
-    !! Fill the missing samples of a piece, and find the part of Q⁻¹ and the logarithm of the determinant of Q.
+    !! Fill the missing samples of a piece, and find a band of Q⁻¹ and the logarithm of the determinant of Q.
     real(dp), intent(in) :: h(0:)
-    integer, intent(in) :: place(:)              !! of missing samples in the piece, rising
+    integer, intent(in) :: place(:)              !! of missing samples in the piece, ascending
     integer, intent(in) :: reach                 !! of covariances, at least the order
     real(dp), intent(inout) :: x(:)
     real(dp), allocatable, intent(out) :: inverse(:, :)   !! of missing samples j and j + k, (0:band, missing)
     real(dp), intent(out) :: logarithm
     real(dp), allocatable :: root(:, :)
-    real(dp) :: whole(0:ubound(h, 1)), value(1, size(place))
+    real(dp) :: correlation(0:ubound(h, 1)), value(1, size(place))
     integer :: p, d, j, k, n, band, wide
     n = size(x)
     p = ubound(h, 1)
-    whole = [(dot_product(h(:p - d), h(d:)), d=0, p)]
+    correlation = [(dot_product(h(:p - d), h(d:)), d=0, p)]
     band = band_within(place, p)
     wide = band_within(place, reach)
     allocate (root(0:band, size(place)), source=0.0_dp)
@@ -146,7 +146,7 @@ contains
           if (place(j + k) - g <= p) root(k, j) = precision_of(g, place(j + k))
         end do
         if (g > p .and. g <= n - p) then
-          value(1, j) = -dot_product(whole(1:), x(g + 1:g + p) + x(g - 1:g - p:-1))
+          value(1, j) = -dot_product(correlation(1:), x(g + 1:g + p) + x(g - 1:g - p:-1))
         else
           value(1, j) = -sum([(precision_of(min(g, k), max(g, k))*x(k), k=max(1, g - p), min(n, g + p))])
         end if
@@ -174,7 +174,7 @@ contains
       integer :: last
       last = min(p - (v - u), u - 1, n - v)
       if (last == p - (v - u)) then
-        precision_of = whole(v - u)
+        precision_of = correlation(v - u)
       else
         precision_of = dot_product(h(:last), h(v - u:v - u + last))
       end if
@@ -183,7 +183,7 @@ contains
   end subroutine fill
 
   pure integer function band_within(place, reach) result(band)
-    !! How many missing samples follow one at most within so many samples.
+    !! The largest number of missing samples that follow one within `reach` samples.
     integer, intent(in) :: place(:), reach
     integer :: j, k
     band = 0
@@ -197,8 +197,8 @@ contains
   end function band_within
 
   pure subroutine find_last(h, x, squares, logarithm)
-    !! Squares of prediction errors of the last samples of a piece, each from those behind it, in units of the variance of the whole
-    !! predictor's, and the logarithms of their own variances.
+    !! Find the squares of prediction errors of the last samples of a piece, each from those after it, relative to the variance of
+    !! the whole predictor, and the logarithms of their variances.
     real(dp), intent(in) :: h(0:)
     real(dp), intent(in) :: x(:)                 !! as many as the order, or all of a short piece
     real(dp), intent(out) :: squares, logarithm

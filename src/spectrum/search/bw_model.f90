@@ -1,5 +1,5 @@
 module bw_model
-  !! What is known of a record while lines are searched for: where its stretches are, its lines, its noise, and what is left of it.
+  !! The model of a record during the search for lines: its stretches, lines, noise and residual.
   use bw_autoregression, only: autoregression, burg, robust_levels
   use bw_constants, only: pi
   use bw_fourier, only: real_fourier
@@ -16,18 +16,18 @@ module bw_model
   public :: add_lines, at_sensors, clear_invalid, colour_at, exchange_lines, find_misfit, renew, rows_of_stretches, steps_between, &
     & white_lines
 
-  real(dp), parameter :: gone = 40               !! e-folds after which a line is not computed any more
+  real(dp), parameter :: negligible = 40         !! e-folds after which a line is negligible
   integer, parameter, public :: highest_order = 64       !! tuned: of a noise's autoregression
-  integer, parameter :: samples_per_order = 10   !! tuned: fewer do not tell of so high an order
-  real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own: a copy that was rounded tells no more
-  integer, parameter :: chunk = 2048             !! rows that are handled at once
+  integer, parameter :: samples_per_order = 10   !! tuned: fewer do not determine so high an order
+  real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own; a rounded copy has less
+  integer, parameter :: chunk = 2048             !! rows handled at once
 
   type :: renewal_type
-    !! What the noise was judged by.
+    !! The input of the last noise estimate.
     type(line_type), allocatable :: lines(:)
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
     logical :: robust = .false.
-    integer :: order = 0                         !! the highest
+    integer :: order = 0                         !! the highest one
   end type renewal_type
 
   type, public :: model_type
@@ -35,19 +35,19 @@ module bw_model
     type(line_type), allocatable :: lines(:)
     real(dp), allocatable :: trend(:, :, :)      !! offset at a stretch's first sample and slope per step, (2, S, 0:B)
     type(noise_type) :: noise
-    real(dp), allocatable :: place(:)            !! times of uneven samples, in steps, (N); their noise is white but for `level`
+    real(dp), allocatable :: place(:)            !! times of uneven samples, in steps, (N); their noise is white up to `level`
     real(dp), allocatable :: level(:, :)         !! of uneven samples: power of the noise over its mean, (bins, S)
-    integer, allocatable :: missing(:)           !! samples that are not valid, rising
-    real(dp), allocatable :: white(:, :)         !! prediction errors of what is left, over their deviation; 0 where there is none, (N, S)
+    integer, allocatable :: missing(:)           !! invalid samples, ascending
+    real(dp), allocatable :: white(:, :)         !! prediction errors over their standard deviation; 0 where there is none, (N, S)
     type(real_fourier) :: fourier
-    type(renewal_type), allocatable :: last      !! renewal
-    type(autoregression), allocatable :: start(:)  !! noise of each sensor with missing samples as it was found last
+    type(renewal_type), allocatable :: last      !! the last renewal
+    type(autoregression), allocatable :: start(:)  !! last noise estimate of each sensor, if samples are missing
   end type model_type
 
 contains
 
   pure function rows_of_stretches(model) result(rows)
-    !! First and last sample of each stretch whose prediction error is known, (2, 0:B).
+    !! First and last sample of each stretch that have a prediction error, (2, 0:B).
     type(model_type), intent(in) :: model
     integer :: rows(2, 0:ubound(model%stretches, 2))
     rows = model%stretches
@@ -55,7 +55,7 @@ contains
   end function rows_of_stretches
 
   pure function white_lines(model, lines) result(white)
-    !! The lines with the amplitudes that they have in the white components.
+    !! The lines with their amplitudes in the white components.
     type(model_type), intent(in) :: model
     type(line_type), intent(in) :: lines(:)
     type(line_type) :: white(size(lines))
@@ -67,10 +67,10 @@ contains
   end function white_lines
 
   pure subroutine exchange_lines(model, old, new, fall)
-    !! Put the white samples of some lines back, and take those of others off.
+    !! Add the white samples of some lines, and subtract those of others.
     type(model_type), intent(inout) :: model
     type(line_type), intent(in) :: old(:), new(:)   !! in the white components
-    real(dp), intent(out) :: fall                !! of −2 ln L but for what the noise's own level costs
+    real(dp), intent(out) :: fall                !! of −2 ln L at a fixed noise level
     type(line_type) :: lines(size(old) + size(new))
     integer :: k
     lines = [old, new]
@@ -83,7 +83,7 @@ contains
     end if
     fall = sum(model%white**2)
     call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place)
-    call take_off_missing(model)
+    call subtract_missing(model)
     fall = fall - sum(model%white**2)
   end subroutine exchange_lines
 
@@ -96,7 +96,7 @@ contains
   end function steps_between
 
   pure real(dp) function colour_at(model, frequency) result(colour)
-    !! The noise's power near a frequency over what its prediction makes of it: 1 but for uneven samples.
+    !! The noise's power near a frequency over that of its prediction: 1 except for uneven samples.
     type(model_type), intent(in) :: model
     real(dp), intent(in) :: frequency            !! rad per step
     colour = 1
@@ -107,7 +107,7 @@ contains
   end function colour_at
 
   pure subroutine add_lines(rows, lines, factor, values, place, fall)
-    !! Add lines times a factor to values of all sensors, part by part, as a processor's cache holds them.
+    !! Add lines times a factor to the values of all sensors, in parts that fit a processor's cache.
     integer, intent(in) :: rows(:, 0:)           !! of the stretches
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: factor
@@ -136,12 +136,12 @@ contains
   contains
 
     pure logical function is_there(line, b, first)
-      !! Whether a line still moves in a part of a stretch.
+      !! Whether a line is not yet negligible in a part of a stretch.
       type(line_type), intent(in) :: line
       integer, intent(in) :: b, first
       is_there = b > 0 .or. line%steady
       if (is_there .and. .not. present(place)) &
-        & is_there = first - rows(1, b) < life_of(line, gone, real(rows(2, b) - rows(1, b) + 1, dp))
+        & is_there = first - rows(1, b) < life_of(line, negligible, real(rows(2, b) - rows(1, b) + 1, dp))
     end function is_there
 
     pure subroutine fill(line, from, first, wave)
@@ -162,7 +162,7 @@ contains
   end subroutine add_lines
 
   pure subroutine add_part(count, sensors, first, rows, waves, amplitudes, used, values, fall)
-    !! Add the first waves, times their amplitudes, to so many rows of values.
+    !! Add the first `used` waves, times their amplitudes, to `rows` rows of values.
     integer, intent(in) :: count, sensors, first, rows, used
     real(dp), intent(in) :: waves(:, :), amplitudes(:, :)
     real(dp), intent(inout) :: values(count, sensors)
@@ -181,45 +181,45 @@ contains
 
   end subroutine add_part
 
-  pure function at_sensors(lines, sensors) result(those)
-    !! The lines with their amplitudes at some sensors alone.
+  pure function at_sensors(lines, sensors) result(chosen)
+    !! The lines with their amplitudes at some sensors only.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: sensors(:)
-    type(line_type) :: those(size(lines))
+    type(line_type) :: chosen(size(lines))
     integer :: k
-    those = lines
+    chosen = lines
     do k = 1, size(lines)
-      those(k)%amplitude = lines(k)%amplitude(sensors, :)
+      chosen(k)%amplitude = lines(k)%amplitude(sensors, :)
     end do
   end function at_sensors
 
-  pure subroutine find_left(samples, model, sensors, left)
-    !! What the lines leave of the samples of some sensors, offset and slope not taken off; 0 where a sample is not valid.
+  pure subroutine find_residual(samples, model, sensors, residual)
+    !! Find the residual of some sensors, offset and slope included; 0 at invalid samples.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     integer, intent(in) :: sensors(:)
-    real(dp), intent(out), contiguous :: left(:, :)
+    real(dp), intent(out), contiguous :: residual(:, :)
     integer :: s
-    do s = 1, size(left, 2)
-      left(:, s) = samples%value(:samples%count, sensors(s))
+    do s = 1, size(residual, 2)
+      residual(:, s) = samples%value(:samples%count, sensors(s))
     end do
-    call add_lines(model%stretches, at_sensors(model%lines, sensors), -1.0_dp, left, model%place)
-    call clear_invalid(samples, left)
-  end subroutine find_left
+    call add_lines(model%stretches, at_sensors(model%lines, sensors), -1.0_dp, residual, model%place)
+    call clear_invalid(samples, residual)
+  end subroutine find_residual
 
-  pure subroutine find_misfit(samples, model, sensors, left)
-    !! What the lines, and offset and slope of each stretch, leave of the samples; of one that is not valid it means nothing.
+  pure subroutine find_misfit(samples, model, sensors, residual)
+    !! Find the residual of the samples after lines, offset and slope of each stretch; undefined at invalid samples.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     integer, intent(in) :: sensors(:)
-    real(dp), intent(out), contiguous :: left(:, :)
+    real(dp), intent(out), contiguous :: residual(:, :)
     integer :: s, b, n
-    call find_left(samples, model, sensors, left)
-    do s = 1, size(left, 2)
+    call find_residual(samples, model, sensors, residual)
+    do s = 1, size(residual, 2)
       do b = 0, ubound(model%stretches, 2)
         associate (first => model%stretches(1, b), trend => model%trend(:, sensors(s), b))
           do n = first, model%stretches(2, b)
-            left(n, s) = left(n, s) - trend(1) - trend(2)*(place_of(samples, n) - place_of(samples, first))
+            residual(n, s) = residual(n, s) - trend(1) - trend(2)*(place_of(samples, n) - place_of(samples, first))
           end do
         end associate
       end do
@@ -227,10 +227,10 @@ contains
   end subroutine find_misfit
 
   subroutine renew(samples, penalty, robust, model, highest)
-    !! Find what is left of the samples anew, its offset and slope, its noise, and its prediction errors. While lines are left in it,
-    !! the noise is found in a way that they do not disturb; its cost then means nothing.
+    !! Renew the residual of the samples, its offset and slope, its noise, and its prediction errors. A `robust` estimate of the
+    !! noise is not disturbed by lines in the residual, but has no meaningful cost.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: penalty              !! of a coefficient
+    real(dp), intent(in) :: penalty              !! per coefficient
     logical, intent(in) :: robust
     type(model_type), intent(inout) :: model
     integer, intent(in), optional :: highest     !! order of the noise; usual if absent
@@ -245,8 +245,8 @@ contains
       deallocate (model%last)
     end if
     if (.not. allocated(model%white)) allocate (model%white(samples%count, size(samples%value, 2)))
-    call find_left(samples, model, [(s, s=1, size(noise))], model%white)
-    call take_still(samples, model)
+    call find_residual(samples, model, [(s, s=1, size(noise))], model%white)
+    call subtract_trend(samples, model)
     call clear_invalid(samples, model%white)
     model%missing = [integer ::]
     if (allocated(samples%valid)) model%missing = pack([(c, c=1, samples%count)], .not. samples%valid)
@@ -255,11 +255,11 @@ contains
     model%last%order = order
     allocate (model%last%lines, source=model%lines)
     allocate (model%last%stretches, source=model%stretches)
-    if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! as if even, colour alone is told well enough
+    if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! for noise alone, times may be taken as even
     if (allocated(samples%place) .and. .not. allocated(model%place)) model%place = samples%place
     if (allocated(samples%place)) call find_levels(samples%place, model%white, model%fourier, model%level)
     do s = 1, size(noise)
-      noise(s) = judged(s)
+      noise(s) = noise_of(s)
     end do
     if (.not. robust .and. size(model%missing) > 0) model%start = noise
     model%noise%cost = sum(noise%cost)
@@ -280,45 +280,45 @@ contains
       model%white(:, s) = model%white(:, s)*scale
       model%noise%filter(:model%noise%order(s), s) = noise(s)%predictor*scale
     end do
-    call take_off_missing(model)
+    call subtract_missing(model)
 
   contains
 
-    function judged(s) result(own)
+    function noise_of(s) result(own)
       integer, intent(in) :: s
       type(autoregression) :: own
       if (robust .and. allocated(model%place)) then
-        allocate (own%predictor(0:0), source=1.0_dp)   ! lines have not lifted the level's medians
+        allocate (own%predictor(0:0), source=1.0_dp)   ! lines have not raised the level's medians
         own%variance = max(sum(model%level(:, s))/size(model%level, 1), tiny(1.0_dp))
         model%level(:, s) = model%level(:, s)/own%variance
       else if (robust) then
         call robust_levels(model%white(:, s), penalty, model%fourier, own)
       else
         if (allocated(model%start)) own = model%start(s)
-        call judge(samples, model, s, order, penalty, own)
+        call estimate_noise(samples, model, s, order, penalty, own)
         if (allocated(model%place)) model%level(:, s) = model%level(:, s)/own%variance
       end if
-    end function judged
+    end function noise_of
 
   end subroutine renew
 
-  subroutine judge(samples, model, s, order, penalty, noise)
-    !! Find the noise of one component of what is left.
+  subroutine estimate_noise(samples, model, s, order, penalty, noise)
+    !! Estimate the noise of one component of the residual.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
     integer, intent(in) :: s
     integer, intent(in) :: order                 !! the highest
     real(dp), intent(in) :: penalty
-    type(autoregression), intent(inout) :: noise   !! where the search starts where samples are missing, if it has a predictor
+    type(autoregression), intent(inout) :: noise   !! with the initial predictor, if samples are missing
     if (size(model%missing) == 0 .or. allocated(model%place)) then
       call burg(model%white(:, s), all_runs(samples, model), order, penalty, noise)
     else
       call fit_with_gaps(model%white(:, s), all_runs(samples, model), model%stretches, order, penalty, noise)
     end if
-  end subroutine judge
+  end subroutine estimate_noise
 
   pure logical function is_last(model, robust, order)
-    !! Whether the noise was judged like this, and by these lines and stretches, last.
+    !! Whether the noise was last estimated in this way, with these lines and stretches.
     type(model_type), intent(in) :: model
     logical, intent(in) :: robust
     integer, intent(in) :: order
@@ -332,7 +332,7 @@ contains
   end function is_last
 
   pure logical function are_same(line, other)
-    !! Whether two lines are one.
+    !! Whether two lines are the same.
     type(line_type), intent(in) :: line, other
     are_same = line%pole == other%pole .and. (line%steady .eqv. other%steady) .and. size(line%courses) == size(other%courses)
     if (are_same) are_same = all(line%courses%rate == other%courses%rate .and. line%courses%bend == other%courses%bend) &
@@ -340,7 +340,7 @@ contains
   end function are_same
 
   pure subroutine clear_invalid(samples, values)
-    !! Put 0 where a sample is not valid.
+    !! Set invalid samples to 0.
     type(samples_type), intent(in) :: samples
     real(dp), intent(inout) :: values(:, :)
     integer :: s
@@ -350,8 +350,8 @@ contains
     end do
   end subroutine clear_invalid
 
-  pure subroutine take_off_missing(model)
-    !! Take off the white rows what missing samples explain.
+  pure subroutine subtract_missing(model)
+    !! Subtract from the white rows the part that missing samples explain.
     type(model_type), intent(inout) :: model
     integer :: rows(2, 0:ubound(model%stretches, 2)), b, s
     if (size(model%missing) == 0) return
@@ -362,7 +362,7 @@ contains
           & model%noise%filter(:model%noise%order(s), s)), model%white(rows(1, b):rows(2, b), s))
       end do
     end do
-  end subroutine take_off_missing
+  end subroutine subtract_missing
 
   pure function all_runs(samples, model) result(runs)
     !! The runs of valid samples in all stretches.
@@ -378,7 +378,7 @@ contains
   end function all_runs
 
   pure subroutine append_runs(own, runs)
-    !! Add runs behind others.
+    !! Append runs to others.
     integer, intent(in) :: own(:, :)
     integer, allocatable, intent(inout) :: runs(:, :)
     integer :: more(2, size(runs, 2) + size(own, 2))
@@ -387,8 +387,8 @@ contains
     runs = more
   end subroutine append_runs
 
-  pure subroutine take_still(samples, model)
-    !! Take offset and slope of each stretch off what is left, by least squares over its valid samples.
+  pure subroutine subtract_trend(samples, model)
+    !! Subtract offset and slope of each stretch from the residual, by least squares over its valid samples.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     real(dp) :: weight(samples%count), u(samples%count), middle, slope
@@ -412,10 +412,10 @@ contains
         end associate
       end associate
     end do
-  end subroutine take_still
+  end subroutine subtract_trend
 
   subroutine try_mixing(samples, penalty, order, noise, model)
-    !! Mix the sensors into the principal components of their prediction errors, where these have the lower cost.
+    !! Mix the sensors into the principal components of their prediction errors if these have the lower cost.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: penalty
     integer, intent(in) :: order
@@ -426,10 +426,10 @@ contains
     real(dp) :: values(size(noise)), work(64*size(noise)), cost
     real(dp), allocatable :: error(:, :)
     integer, allocatable :: runs(:, :)
-    integer :: s, sensors, info, b, n, told, first, lost
+    integer :: s, sensors, info, b, n, valid_count, first, lost
     sensors = size(noise)
     runs = all_runs(samples, model)
-    told = sum(runs(2, :) - runs(1, :) + 1)      ! samples that tell something
+    valid_count = sum(runs(2, :) - runs(1, :) + 1) ! number of valid samples
     lost = maxval([(ubound(noise(s)%predictor, 1), s=1, sensors)])
     correlation = 0
     allocate (error(0, 0))
@@ -451,16 +451,16 @@ contains
     vectors = correlation
     call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
     cost = 0.5_dp*sensors*(sensors - 1)*penalty
-    if (told*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
+    if (valid_count*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
     model%noise%mixing = spread(1/sqrt(noise%variance), 2, sensors)*vectors
     model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
     call mix(model%noise%mixing, model%white)
     do s = 1, sensors
       own(s)%predictor = noise(s)%predictor
-      call judge(samples, model, s, order, penalty, own(s))
+      call estimate_noise(samples, model, s, order, penalty, own(s))
       own(s)%variance = max(own(s)%variance, least_share)
     end do
-    cost = cost + sum(own%cost) + told*sum(log(noise%variance))
+    cost = cost + sum(own%cost) + valid_count*sum(log(noise%variance))
     if (cost < model%noise%cost) then
       model%noise%cost = cost
       noise = own
