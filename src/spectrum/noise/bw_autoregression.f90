@@ -15,6 +15,7 @@ module bw_autoregression
   public :: burg, robust_levels, running_median
 
   real(dp), parameter :: least_part = 1.0e-14_dp  !! of the variance: smallest prediction error
+  real(dp), parameter :: least_level = 1.0e-12_dp !! of the variance, that a predictor from correlations leaves
   integer, parameter :: patience = 24             !! tuned: orders without a gain after which Burg's recursion ends
   integer, parameter :: robust_order = 24         !! tuned: order of the first estimate, enough for smooth levels
   integer, parameter :: work_of_form = 4          !! tuned: work of a product of samples in a form, in that of a prediction error
@@ -207,8 +208,9 @@ contains
     h(0) = 1
     do p = 1, min(robust_order, n/16)
       reflection(p) = -dot_product(h(:p - 1), lag(p:1:-1))/variance
+      if (.not. variance*(1 - reflection(p)**2) > least_level*lag(0)) exit   ! the correlations have no more digits
       h(:p) = h(:p) + reflection(p)*h(p:0:-1)
-      variance = variance*max(1 - reflection(p)**2, 1.0e-12_dp)
+      variance = variance*(1 - reflection(p)**2)
       cost = n*log(variance) + p*penalty
       if (cost >= least) cycle
       least = cost
