@@ -15,7 +15,7 @@ module bw_record_flaws
   !! a crest passes slowly there; or if a run of L ≥ 3 has steep sides: a crest that is flat over it falls by at most
   !! ((L+2)/L)² q < 3 q to the adjacent samples.
   !!
-  !! A spike is one sample or two, farther from all others than ten times their range. A blow is none: the motion behind it is large.
+  !! A spike is one sample or two, farther from all others than ten times their range. A blow is none: the motion after it is large.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
@@ -28,7 +28,7 @@ module bw_record_flaws
   integer, parameter :: around = 3               !! run lengths
   real(dp), parameter :: far_off = 10            !! ranges of the other samples, from a spike to them
   integer, parameter :: longest_spike = 2        !! samples
-  integer, parameter :: beside = 8               !! samples beside a spike, which are none
+  integer, parameter :: ends = 8                 !! samples at either end of a record, in which spikes are not sought
 
   type, public :: flaws_type
     !! The flaws of one sensor. Places are numbers of samples, from 1.
@@ -96,7 +96,7 @@ contains
     distance = high/far_off - low/far_off
     do
       far = told .and. abs(values/2 - values(1)/2) > distance/2
-      if (.not. any(far) .or. any(far(:min(n, beside))) .or. any(far(max(1, n - beside + 1):))) exit
+      if (.not. any(far) .or. any(far(:min(n, ends))) .or. any(far(max(1, n - ends + 1):))) exit
       run = 0
       do i = 1, n
         run = merge(run + 1, 0, far(i))

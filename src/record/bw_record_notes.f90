@@ -116,7 +116,7 @@ contains
     integer, intent(in) :: columns(:)
     integer, intent(in) :: s                           !! the sensor
     type(record_type), intent(inout) :: record
-    character(:), allocatable :: who, what, si
+    character(:), allocatable :: who, verb, what, si
     real(dp) :: factor
     integer :: n, more
     associate (sensor => record%sensors(s), unit => source%columns(columns(s))%unit, given => allocated(scene%record%scales))
@@ -132,15 +132,16 @@ contains
       end do
       who = 'units: '//sensor%name
       if (more > 0) who = who//' and '//text_of(more)//' more'
-      what = who//trim(merge(' are', ' is ', more > 0))//" in '"//unit//"'"
+      verb = trim(merge(' are', ' is ', more > 0))
+      what = who//verb//" in '"//unit//"'"
       if (factor > 0.0_dp .and. .not. given) then
         if (si == '1') si = sensor%quantity
-        if (abs(factor - 1.0_dp) > 0) call remark(record%notes, what//', and is converted to '//si)
+        if (abs(factor - 1.0_dp) > 0) call remark(record%notes, what//', and'//verb//' converted to '//si)
       else if (factor > 0.0_dp) then
         if (abs(sensor%scale/factor - 1.0_dp) > 0.01_dp) call append(record%notes, what//', but scale is '// &
           shortest(sensor%scale, 6)//', not '//shortest(factor, 6))
       else if (quantity_of(unit) /= '') then
-        call append(record%notes, what//', a unit of '//quantity_of(unit)//', but is treated as '//sensor%quantity// &
+        call append(record%notes, what//', a unit of '//quantity_of(unit)//', but'//verb//' treated as '//sensor%quantity// &
                     ' in '//sensor%unit)
       else if (sensor%unit /= si) then
         call append(record%notes, what//', which is not a known unit of motion; the values stay in '//sensor%unit// &
