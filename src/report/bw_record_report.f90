@@ -168,8 +168,7 @@ contains
                          pair_cells(measured%group_velocity(k), measured%group_velocity_error(k)))
     end do
     if (.not. is_missing(record%stiffness_root(1))) call lines%append_line('  Their dispersion: sqrt(EI/(rho A)) '// &
-      to_its_error(record%stiffness_root(1), record%stiffness_root(2))//' +/- '//shortest(record%stiffness_root(2), 2)//' m2/s'// &
-      rotation_text(record%angular_velocity))
+      interval_text(record%stiffness_root)//' m2/s'//rotation_text(record%angular_velocity))
   end subroutine report_waves
 
   pure function rotation_text(pair) result(text)
@@ -178,8 +177,16 @@ contains
     character(:), allocatable :: text
     text = ''
     if (is_missing(pair(1))) return
-    text = ', angular velocity '//to_its_error(pair(1), pair(2))//' +/- '//shortest(pair(2), 2)//' rad/s'
+    text = ', angular velocity '//interval_text(pair)//' rad/s'
   end function rotation_text
+
+  pure function interval_text(pair) result(text)
+    !! Return a value and half its interval, if it has one.
+    real(dp), intent(in) :: pair(2)
+    character(:), allocatable :: text
+    text = to_its_error(pair(1), pair(2))
+    if (.not. is_missing(pair(2))) text = text//' +/- '//shortest(pair(2), 2)
+  end function interval_text
 
   subroutine report_rejected(record, lines)
     !! Print rejected candidates of lines, and why.

@@ -187,7 +187,7 @@ def test_a_pair_whose_lines_confirm_nothing_claims_no_interval(here):
     count = int(result["peak_count"])
     assert results.is_fill(result["measured_wavenumber_error"][:count]).all()
     assert results.is_fill(result["measured_stiffness_root_error"])
-    assert "measured waves: no intervals" in ended.stdout or "fit equally well" in ended.stdout
+    assert "no intervals" in ended.stdout or "fit equally well" in ended.stdout
 
 
 def test_other_ends_are_fitted_where_they_are_named(here):

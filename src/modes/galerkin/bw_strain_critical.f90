@@ -101,7 +101,8 @@ contains
     n = size(a, 1)
     vectors = a
     factor = b
-    allocate (value(n), work(64*n))
+    allocate (value(n))
+    allocate (work(64*n), source=0.0_dp)           ! OpenBLAS's dsymv reads past what is set, into what traps
     call dsygv(1, 'V', 'L', n, vectors, n, factor, n, value, work, size(work), info)
     x = vectors(:, n)
   end subroutine ratios
