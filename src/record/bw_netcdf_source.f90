@@ -63,7 +63,16 @@ contains
     if (column == 0 .or. allocated(error)) return
     call self%take_rows([column], 1_i8, rows, times, error)
     steps = 0.0_dp
-    if (self%where(column)%is_single) steps = 4*real(spacing(real(times)), dp)
+    if (self%where(column)%is_single .or. were_single()) steps = 4*real(spacing(real(times)), dp)
+
+  contains
+
+    pure logical function were_single()
+      !! Whether times in double precision have been in single precision before.
+      were_single = all(abs(times) < huge(1.0))
+      if (were_single) were_single = all(abs(times - real(times)) <= 0)
+    end function were_single
+
   end subroutine read_times
 
   subroutine read_values(self, columns, first, values, error)
