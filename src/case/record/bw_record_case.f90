@@ -229,7 +229,7 @@ contains
       if (lines%driven) then
         result%status = case_no_free_decay
         call append(result%notes, 'no free decay: the beam seems to be driven continuously: coloured noise explains the motion '// &
-          'better than decaying lines, or only lines that cancel each other do. If a part of the record is a decay after a '// &
+          'better than decaying lines, or these leave a residual that grows. If a part of the record is a decay after a '// &
           'blow, select it by start and end; a driven motion needs operational modal analysis, which this program does not do')
       else if (size(lines%angular_frequency) == 0) then
         call append(result%notes, 'no line: nothing exceeds the noise by more than happens by chance in one of '// &

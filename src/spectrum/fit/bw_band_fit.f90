@@ -11,7 +11,7 @@ module bw_band_fit
   public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
 
   real(dp), parameter, public :: converged = 1.0e-3_dp   !! tuned: predicted decrease of the squares, in variances of the noise
-  real(dp), parameter :: most_growth = 2         !! logarithm of growth over a stretch: free decays do not grow
+  real(dp), parameter, public :: most_growth = 0.5_dp  !! logarithm of a line's growth over the longest stretch: free decays do not grow
   integer, parameter :: most_halvings = 4
   real(dp), parameter :: longest = 0.7_dp        !! tuned: largest step of a pole, relative to its width
 
@@ -60,13 +60,14 @@ contains
   end subroutine fit_band
 
   elemental logical function is_held(band, line)
-    !! Whether a line stays within the band as long as it lives, and does not grow at the end.
+    !! Whether a line stays within the band as long as it lives, and grows neither at first nor at the end.
     type(band_type), intent(in) :: band
     type(line_type), intent(in) :: line
     real(dp) :: span
     span = min(band%longest, real(maxval(band%part%used), dp))
     is_held = holds(band, line, 0.0_dp) .and. holds(band, line, span)
-    if (size(line%courses) > 0) is_held = is_held .and. real(pole_at(line, band%longest), dp)*band%longest < most_growth
+    if (size(line%courses) > 0) is_held = is_held .and. &
+      & max(line%pole%re, real(pole_at(line, band%longest), dp))*band%longest < most_growth
   end function is_held
 
   pure real(dp) function squares_left(reduced)

@@ -2,19 +2,20 @@ module bw_noise
   !! The noise of a record: the filters that make it white and independent, and their effect on lines.
   !!
   !! Sensors y, mixed into components c = yM if they share noise, pass a prediction-error filter each. The filter looks ahead,
-  !! so that the last samples of a stretch are lost, but none after a blow. An exponential e^(zm) is multiplied by
-  !! H(z) = Σ h_i e^(zi).
+  !! so that none after a blow is lost. The last samples of a stretch are predicted from fewer: these errors are in the likelihood,
+  !! but not in the rows that lines are fitted to. An exponential e^(zm) is multiplied by H(z) = Σ h_i e^(zi).
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm
   use bw_line, only: line_type
   implicit none (type, external)
   private
-  public :: amplitude_of, gain_of, mix, mixed_amplitude, whiten, white_amplitude
+  public :: amplitude_of, ends_of, gain_of, mix, mixed_amplitude, squares_at_end, whiten, white_amplitude
 
   type, public :: noise_type
     real(dp), allocatable :: filter(:, :)    !! h of each component, over the standard deviation of its prediction error, (0:p, S)
     integer, allocatable :: order(:)         !! (S)
-    integer :: lost = 0                      !! the highest order: number of samples lost at the end of each stretch
+    integer :: lost = 0                      !! the highest order: number of samples at the end of each stretch without a row
+    real(dp), allocatable :: ends(:, :, :)   !! the predictors of the last of these, row m of the last but m, (0:p, 0:p - 1, S)
     real(dp), allocatable :: mixing(:, :)    !! M, (S, S); unallocated: each sensor is a component
     real(dp), allocatable :: unmixing(:, :)  !! its inverse
     real(dp) :: cost = 0                     !! −2 ln L of the residual that was used, plus the penalty of its coefficients
@@ -69,6 +70,36 @@ contains
     end do
     values(max(1, n - p + 1):) = 0
   end subroutine whiten
+
+  pure function ends_of(filter) result(ends)
+    !! The predictors of the last samples of a stretch: row m is that of the last but m from its m successors, over the standard
+    !! deviation of its error, by Levinson's recursion downwards, (0:p, 0:p − 1).
+    real(dp), intent(in) :: filter(0:)       !! h
+    real(dp) :: ends(0:ubound(filter, 1), 0:ubound(filter, 1) - 1)
+    real(dp) :: h(0:ubound(filter, 1)), reflection
+    integer :: m
+    ends = 0
+    h = filter
+    do m = ubound(h, 1) - 1, 0, -1
+      reflection = h(m + 1)/h(0)
+      h(:m) = (h(:m) - reflection*h(m + 1:1:-1))/sqrt(1 - reflection**2)
+      ends(:m, m) = h(:m)
+    end do
+  end function ends_of
+
+  pure real(dp) function squares_at_end(noise, values) result(squares)
+    !! The sum of squared prediction errors of the last samples of a stretch that have no row, over their variances.
+    type(noise_type), intent(in) :: noise
+    real(dp), intent(in) :: values(:, :)     !! of the components, (at most p, S)
+    integer :: c, m, n
+    n = size(values, 1)
+    squares = 0
+    do c = 1, size(values, 2)
+      do m = 0, min(n, noise%order(c)) - 1
+        squares = squares + dot_product(noise%ends(:m, m, c), values(n - m:, c))**2
+      end do
+    end do
+  end function squares_at_end
 
   pure complex(dp) function gain_of(filter, pole) result(gain)
     !! The factor H(z) of an exponential.

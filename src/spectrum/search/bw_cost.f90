@@ -16,7 +16,10 @@ contains
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(in) :: model
-    cost = model%noise%cost + size(model%lines)*penalty_of_line(samples, false_alarm, model)
+    integer :: k
+    cost = model%noise%cost + size(model%lines)*penalty_of_line(samples, false_alarm, model) &
+      & + sum([(size(model%lines(k)%courses), k=1, size(model%lines))])*penalty_of_course(false_alarm) &
+      & + count(model%lines%steady)*penalty_of_tone(samples, false_alarm)
   end function cost_of_all
 
   pure real(dp) function order_price(samples)

@@ -2,15 +2,16 @@ module bw_line_drops
   !! Lines that gain less than their penalty are dropped, with the noise renewed on both sides of the comparison.
   use bw_cost, only: cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
-  use bw_line, only: life_of, limited, line_type
-  use bw_model, only: highest_order, model_type, renew, steps_between
+  use bw_line, only: life_of, line_type
+  use bw_model, only: find_misfit, highest_order, model_type, renew
+  use bw_monitor, only: monitor_type, stops
   use bw_noise, only: white_amplitude
   use bw_order, only: ascending
-  use bw_refit, only: all_steps, at_rest, cluster_of, near, refit, refit_all, refit_type, trial_steps
+  use bw_refit, only: all_steps, at_rest, near, refit, refit_all, refit_type, trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: clear_if_cancelling, drop_lines, drop_weakest, energy_of, keep_or_clear
+  public :: clear_if_growing, drop_lines, drop_weakest, energy_of, keep_or_clear
 
   real(dp), parameter :: sure = 2                !! penalties of a line; if a bound of its gain is lower, the gain is computed
 
@@ -35,44 +36,34 @@ contains
     if (cost_of_all(samples, false_alarm, model) >= alone) call clear(samples, model, outcome)
   end subroutine keep_or_clear
 
-  subroutine clear_if_cancelling(samples, model, outcome)
-    !! Drop all lines if they explain the record only by cancelling each other. A free decay has the energy of its modes, while a
-    !! motion that grows from small amplitudes, as under a shaker's sweep, takes large lines with a small sum. Drifting lines are
-    !! not judged, nor are those that overlap with at most one other: two modes may well cancel each other at a sensor.
+  subroutine clear_if_growing(samples, model, outcome)
+    !! Drop all lines if their residual grows after the first blow. Noise is stationary, and what a free decay leaves unexplained
+    !! decays with it; but lines explain a motion that is driven, as by a shaker's sweep, only in part.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
-    real(dp), parameter :: most = 10             ! times the energy of the sum; chosen: struck beams have 1.0
-    logical :: judged(size(model%lines))
-    complex(dp) :: share
-    real(dp) :: own, whole
-    integer :: b, k, l
-    own = 0
-    whole = 0
-    judged = [(size(model%lines(k)%courses) == 0 .and. count(cluster_of(model, k)) > 2, k=1, size(judged))]
-    do b = 1, ubound(model%stretches, 2)
-      do k = 1, size(model%lines)
-        do l = 1, size(model%lines)
-          if (.not. (judged(k) .and. judged(l))) cycle
-          associate (one => model%lines(k), other => model%lines(l))
-            share = sum_of_powers(conjg(one%pole) + other%pole, steps_between(model, model%stretches(1, b), model%stretches(2, b)))
-            share = share*dot_product(one%amplitude(:, b + 1), other%amplitude(:, b + 1))
-            if (k == l) own = own + share%re
-            whole = whole + share%re
-          end associate
-        end do
+    integer, parameter :: parts = 8, fewest = 32 ! samples in a part: fewer vary by chance
+    real(dp), parameter :: grows = 10            ! chosen: records of free decays have 2 at most, those of sweeps 20 and more
+    real(dp) :: residual(samples%count, 1), own(parts), energy(parts)
+    logical :: valid(samples%count)
+    integer :: s, i, length, first
+    first = model%stretches(1, 1)
+    length = (samples%count - first + 1)/parts
+    if (length < fewest .or. size(model%lines) == 0) return
+    valid = .true.
+    if (allocated(samples%valid)) valid = samples%valid
+    energy = 0
+    do s = 1, size(samples%value, 2)
+      call find_misfit(samples, model, [s], residual)
+      do i = 1, parts
+        associate (from => first + (i - 1)*length, to => first + i*length - 1)
+          own(i) = sum(residual(from:to, 1)**2, valid(from:to))/max(1, count(valid(from:to)))
+        end associate
       end do
+      energy = energy + own/max(sum(own), tiny(1.0_dp))
     end do
-    if (own > most*whole) call clear(samples, model, outcome)
-  end subroutine clear_if_cancelling
-
-  elemental complex(dp) function sum_of_powers(exponent, steps)
-    !! The sum e^0 + e^x + … of `steps` terms.
-    complex(dp), intent(in) :: exponent
-    real(dp), intent(in) :: steps
-    sum_of_powers = steps
-    if (abs(exponent)*steps > sqrt(epsilon(steps))) sum_of_powers = (limited(exponent*steps) - 1)/(exp(exponent) - 1)
-  end function sum_of_powers
+    if (maxval(energy) > grows*energy(1)) call clear(samples, model, outcome)
+  end subroutine clear_if_growing
 
   subroutine clear(samples, model, outcome)
     !! Drop all lines, and report a driven motion.
@@ -87,13 +78,14 @@ contains
     call renew(samples, order_price(samples), .false., model)
   end subroutine clear
 
-  subroutine drop_lines(samples, false_alarm, model, dropped, outcome)
+  subroutine drop_lines(samples, false_alarm, model, dropped, outcome, monitor)
     !! Drop lines and courses that gain less than their penalty with the best coloured noise, one after the other.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
     type(line_outcome), intent(inout) :: outcome
+    class(monitor_type), intent(inout), optional :: monitor
     type :: line_list
       type(line_type), allocatable :: lines(:)
     end type line_list
@@ -104,6 +96,7 @@ contains
     integer :: k, n
     call drop_weakest(samples, false_alarm, model, dropped)
     do while (size(model%lines) > 0)
+      if (stops(monitor)) return
       all_of = model%lines
       n = size(all_of)
       with_all = model%noise%cost

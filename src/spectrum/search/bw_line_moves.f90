@@ -2,6 +2,7 @@ module bw_line_moves
   !! Moves that change the lines of a model: a new line where the bank of decays shows one, a course of a line, one line instead of
   !! two, a tone that does not decay.
   use bw_band, only: enough_for
+  use bw_band_fit, only: most_growth
   use bw_blow_moves, only: add_missing_blows
   use bw_constants, only: pi
   use bw_cost, only: order_price, penalty_of_course, penalty_of_line, penalty_of_tone
@@ -13,12 +14,11 @@ module bw_line_moves
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
   use bw_penalty, only: chi_squared
-  use bw_refit, only: accept, all_steps, at_rest, is_broken, near, overlaps, refit, refit_all, refit_type, span_of_model, &
-    trial_steps
+  use bw_refit, only: accept, all_steps, is_broken, near, overlaps, refit, refit_type, span_of_model, trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, most_additions, most_lines
+  public :: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, most_additions, most_lines
 
   integer, parameter :: most_lines = 60
   integer, parameter :: most_additions = 12       !! rounds in which lines are added; blows may change in between
@@ -26,34 +26,15 @@ module bw_line_moves
   real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of the residual of its drift
   integer, parameter :: first_window = 64         !! a drifting line is fitted first to 1/first_window of the longest stretch
   real(dp), parameter :: faint = 1.0e-3_dp        !! tuned: of the strongest candidate's gain, which that line's residual may have
-  real(dp), parameter :: most_growth = 0.5_dp     !! logarithm of a drifting line's growth over the longest stretch
   real(dp), parameter :: promised = 0.5_dp        !! tuned: fraction of a candidate's gain that it must have beside those before
 
 contains
 
-  subroutine add_lines(samples, false_alarm, model, added, monitor)
-    !! Add lines and courses that gain more than their penalty in the present noise, which is renewed after each round.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(model_type), intent(inout) :: model
-    integer, intent(out) :: added
-    class(monitor_type), intent(inout), optional :: monitor
-    integer :: accepted, round
-    added = 0
-    do round = 1, most_additions
-      call add_round(samples, false_alarm, model, accepted)
-      if (accepted == 0) exit
-      if (stops(monitor)) exit
-      added = added + accepted
-      call refit_all(trial_steps, at_rest, model)
-      call renew(samples, order_price(samples), .false., model)
-    end do
-  end subroutine add_lines
-
-  subroutine add_round(samples, false_alarm, model, accepted)
+  subroutine add_round(samples, false_alarm, with_blows, model, accepted)
     !! Add lines and courses that do not overlap, at candidates from the bank of decays.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
+    logical, intent(in) :: with_blows            !! add a blow instead where that explains more
     type(model_type), intent(inout) :: model
     integer, intent(out) :: accepted
     type(decay_candidate), allocatable :: candidates(:)
@@ -70,8 +51,9 @@ contains
       if (size(model%lines) >= most_lines) return
       call propose(need, penalty_of_course(false_alarm), candidates(i), model, found, penalty)
       penalty = penalty*colour_at(model, candidates(i)%pole%im)
-      if (i == 1 .and. any(found%old)) then      ! a blow may cause the same residual
+      if (i == 1 .and. any(found%old) .and. with_blows) then   ! a blow may cause the same residual
         call add_missing_blows(samples, false_alarm, found%gain, 1, model, accepted)
+        if (accepted > 0) call renew(samples, order_price(samples), model%last%robust, model)
         if (accepted > 0) return
       end if
       if (accepted > 0 .and. found%gain < promised*candidates(i)%gain) cycle  ! it was the skirt of another
@@ -114,7 +96,7 @@ contains
     if (.not. any(own)) return
     host = minloc(abs(model%lines%pole%im - line%pole%im), dim=1, mask=own)
     if (.not. may_be_residual(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
-    call add_course(model, own, pack(model%lines, own), count(own(:host)), bent)
+    call add_course(model, own, own, host, bent)
     if (.not. allocated(bent%lines)) return
     if (.not. bent%gain - need_of_course > found%gain - need) return
     found = bent
@@ -137,47 +119,58 @@ contains
       & abs(line%pole%im - other%pole%im) < 3*(abs(line%pole%re) + abs(other%pole%re)) + 2*pi*4/span
   end function may_be_residual
 
-  subroutine add_course(model, own, start, host, best)
-    !! Fit the best further course of a line, from a few rates. The line is followed from the blow over longer and longer parts of
-    !! the record, so that its phase is never far from that of the fit. With fewer than `edge` periods it is a trend of undetermined
-    !! frequency: n periods determine a frequency to about 1/n of it, and a fit that starts outside this range does not converge.
+  subroutine add_course(model, own, kept, host, best)
+    !! Fit the best further course of a line, from a few rates. The line alone is followed from the blow over longer and longer parts
+    !! of the record, so that its phase is never far from that of the fit. With fewer than `edge` periods it is a trend of
+    !! undetermined frequency: n periods determine a frequency to about 1/n of it, and a fit that starts outside this range does not
+    !! converge.
     type(model_type), intent(in) :: model
     logical, intent(in) :: own(:)                !! lines to be replaced
-    type(line_type), intent(in) :: start(:)      !! by these
+    logical, intent(in) :: kept(:)               !! those of them that are fitted again; the course replaces the others
     integer, intent(in) :: host                  !! which of these gets the course
     type(refit_type), intent(out) :: best
-    real(dp) :: span
+    type(line_type) :: line                      !! followed best
+    type(line_type), allocatable :: lines(:)
+    type(refit_type) :: found
+    real(dp) :: span, gain
     integer :: c
     span = span_of_model(model)
-    c = size(start(host)%courses) + 1
-    best%gain = -huge(1.0_dp)
-    call try_rate(2/span)
-    call try_rate(2*abs(start(host)%pole%re) + 1/span)
+    c = size(model%lines(host)%courses) + 1
+    gain = -huge(1.0_dp)
+    call follow(2/span)
+    call follow(2*abs(model%lines(host)%pole%re) + 1/span)
+    lines = pack(model%lines, kept)
+    lines(count(kept(:host))) = line
+    call refit(model, own, lines, trial_steps, found)
+    lines = found%lines
+    lines(count(kept(:host)))%courses(c)%held = .false.
+    call refit(model, own, lines, all_steps, found)
+    if (all(decays(found%lines))) best = found
 
   contains
 
-    subroutine try_rate(rate)
-      !! Follow the line with a course of this rate, which is fitted in the end.
+    subroutine follow(rate)
+      !! Follow the line with a course of this rate.
       real(dp), intent(in) :: rate
-      type(line_type), allocatable :: lines(:)
-      type(refit_type) :: found
+      logical :: replaced(size(own))
       integer :: window
-      lines = start
-      window = max(nint(span)/first_window, min(ceiling(2*pi*edge/start(host)%pole%im), nint(span)/3))
+      replaced = own .and. .not. kept
+      replaced(host) = .true.
+      lines = model%lines([host])
+      window = max(nint(span)/first_window, min(ceiling(2*pi*edge/lines(1)%pole%im), nint(span)/3))
       do while (2*window < span)
-        call refit(model, own, lines, trial_steps, found, window)
+        call refit(model, replaced, lines, trial_steps, found, window)
         lines = found%lines
-        if (size(lines(host)%courses) < c) lines(host)%courses = [lines(host)%courses, course_type(rate, (0.0_dp, 0.0_dp), .true.)]
+        if (size(lines(1)%courses) < c) lines(1)%courses = [lines(1)%courses, course_type(rate, (0.0_dp, 0.0_dp), .true.)]
         window = 2*window
       end do
-      call refit(model, own, lines, trial_steps, found)
-      lines = found%lines
-      lines(host)%courses(c)%held = .false.
-      call refit(model, own, lines, all_steps, found)
-      if (found%gain > best%gain .and. decays(found%lines(host))) best = found
-    end subroutine try_rate
+      call refit(model, replaced, lines, trial_steps, found)
+      if (.not. found%gain > gain) return
+      gain = found%gain
+      line = found%lines(1)
+    end subroutine follow
 
-    pure logical function decays(line)
+    elemental logical function decays(line)
       !! Whether a line never grows much, as the beat of two lines does.
       type(line_type), intent(in) :: line
       decays = max(line%pole%re, real(pole_at(line, span), dp))*span < most_growth
@@ -185,12 +178,13 @@ contains
 
   end subroutine add_course
 
-  subroutine add_drifts(false_alarm, model, added)
+  subroutine add_drifts(false_alarm, model, added, monitor)
     !! Let frequency and decay of lines change linearly if that gains more than its penalty; residuals of faster changes are found
     !! by the bank of decays. Two lines that beat less than once do not determine a drift.
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
+    class(monitor_type), intent(inout), optional :: monitor
     logical :: done(size(model%lines)), own(size(model%lines))
     type(line_type), allocatable :: start(:)
     type(refit_type) :: found
@@ -201,6 +195,7 @@ contains
     done = [(model%lines(k)%steady .or. size(model%lines(k)%courses) > 0 &
       & .or. count(abs(model%lines%pole%im - model%lines(k)%pole%im) < apart) > 1, k=1, size(done))]
     do while (.not. all(done))
+      if (stops(monitor)) return
       k = findloc(done, .false., dim=1)
       done(k) = .true.
       own = near(model, model%lines(k)%pole)
@@ -251,23 +246,28 @@ contains
     may_be_tone = .not. line%steady .and. size(line%courses) == 0 .and. abs(line%pole%re)*span_of_model(model) <= 1
   end function may_be_tone
 
-  subroutine merge_lines(samples, false_alarm, model, merged)
-    !! Replace lines beside a stronger one by a course of that one if J falls.
+  subroutine merge_lines(samples, false_alarm, model, merged, monitor)
+    !! Replace lines beside a stronger one by a course of that one if J falls. Lines refitted on the way wait for the next call.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: merged
+    class(monitor_type), intent(inout), optional :: monitor
     type(refit_type) :: found
-    type(line_type), allocatable :: start(:)
     logical, allocatable :: own(:), kept(:)
-    real(dp) :: energy(size(model%lines)), gain, penalty
-    integer :: order(size(model%lines)), i, k, host
+    complex(dp), allocatable :: poles(:)
+    real(dp), allocatable :: energy(:)
+    real(dp) :: gain, penalty
+    integer :: i, j, k, host
     merged = 0
-    energy = [(energy_of(model, model%lines(k)), k=1, size(energy))]
-    order = ascending(energy)
+    energy = [(energy_of(model, model%lines(k)), k=1, size(model%lines))]
+    poles = model%lines(ascending(energy))%pole  ! the weakest first
     penalty = penalty_of_line(samples, false_alarm, model)
-    do i = 1, size(order)
-      k = order(i)                               ! the weakest first
+    do i = 1, size(poles)
+      if (stops(monitor)) return
+      k = findloc(model%lines%pole == poles(i), .true., dim=1)
+      if (k == 0) cycle                          ! it was refitted beside a merged one
+      energy = [(energy_of(model, model%lines(j)), j=1, size(model%lines))]
       own = near(model, model%lines(k)%pole)
       own(k) = .false.
       if (.not. any(own .and. energy > energy(k))) cycle
@@ -275,14 +275,10 @@ contains
       if (.not. may_be_residual(model%lines(host), model%lines(k), span_of_model(model))) cycle
       kept = own
       own(k) = .true.
-      start = pack(model%lines, kept)
-      call add_course(model, own, start, count(kept(:host)), found)
+      call add_course(model, own, kept, host, found)
       if (.not. allocated(found%lines)) cycle
       call accept(found, penalty_of_course(false_alarm) - penalty, model, gain)
-      if (abs(gain) > 0) then
-        merged = merged + 1
-        return                                   ! indices have changed
-      end if
+      if (abs(gain) > 0) merged = merged + 1
     end do
   end subroutine merge_lines
 

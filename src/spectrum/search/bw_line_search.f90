@@ -7,17 +7,17 @@ module bw_line_search
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows, drop_blow, move_blows
   use bw_blows, only: find_blows
-  use bw_cost, only: cost_of_all, order_price, penalty_of_tone
+  use bw_cost, only: cost_of_all, order_price
   use bw_decay_bank, only: highest_decay
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
   use bw_line, only: line_type
-  use bw_line_drops, only: clear_if_cancelling, drop_lines, drop_weakest, keep_or_clear, line_outcome
-  use bw_line_moves, only: add_drifts, add_lines, add_round, judge_steady, may_be_tone, merge_lines, &
+  use bw_line_drops, only: clear_if_growing, drop_lines, drop_weakest, keep_or_clear, line_outcome
+  use bw_line_moves, only: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, &
     & most_additions, most_lines
   use bw_model, only: model_type, renew
   use bw_monitor, only: monitor_type, stops
-  use bw_noise_alone, only: cost_of_shared_motion, most_orders
+  use bw_noise_alone, only: cost_of_shared_motion, dies, most_orders
   use bw_refit, only: all_steps, at_rest, refit_all, trial_steps
   use bw_samples, only: samples_type
   implicit none (type, external)
@@ -27,14 +27,16 @@ module bw_line_search
   integer, parameter :: many_lines = 24           !! tuned: as many may represent a driven motion
   integer, parameter :: most_colour = 1024        !! highest order of noise alone, as which a driven beam moves
   integer, parameter :: most_rounds = 4
+  integer, parameter :: most_in_vain = 1          !! tuned: rounds in which J does not fall
   real(dp), parameter :: first_lines = 0.6_dp     !! fraction of the time
+  real(dp), parameter :: clearly = 0.05_dp        !! of −2 ln L per sample; chosen: driven beams have 0.02, free decays 0.1 and more
 
   type :: state_type
     !! The state of a model, to which the search may return.
     type(line_type), allocatable :: lines(:)
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
     real(dp), allocatable :: trend(:, :, :)      !! (2, S, 0:B)
-    real(dp) :: cost = 0                         !! J
+    real(dp) :: cost = huge(1.0_dp)              !! J
   end type state_type
 
 contains
@@ -66,17 +68,20 @@ contains
     type(model_type), intent(out) :: model
     type(line_outcome), intent(out) :: outcome
     class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: alone                            !! J of noise alone
-    real(dp) :: last                             !! J of the round before
+    real(dp) :: alone                            !! J of noise alone; huge if the motion dies, as stationary noise does not
+    type(state_type) :: best
     integer :: round, changed, dropped, moved
+    logical :: is_worse                          !! J has risen
     allocate (outcome%poles(0), outcome%gains(0))
-    alone = cost_of_shared_motion(samples)       ! before there is anything else in memory
     call start_model(samples, blows, model)
-    call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
-    alone = min(alone, model%noise%cost)
-    call add_first_lines(samples, false_alarm, alone, model, outcome, monitor)
+    alone = huge(1.0_dp)
+    if (.not. dies(samples, blows)) then
+      alone = cost_of_shared_motion(samples)     ! before the model holds its white samples
+      call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
+      alone = min(alone, model%noise%cost)
+    end if
+    call add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
     if (outcome%driven) return
-    last = huge(1.0_dp)
     do round = 1, most_rounds
       if (stops(monitor)) return
       if (present(monitor)) call monitor%advance(first_lines + (1 - first_lines)*round/(most_rounds + 2))
@@ -85,32 +90,62 @@ contains
       call try_blows(samples, false_alarm, model, moved)
       call try_tones(samples, false_alarm, model, changed)
       moved = moved + changed
-      call add_lines(samples, false_alarm, model, changed, monitor)
+      call judge_moves()
+      call add_lines(changed)
       changed = changed + moved
       call try_blows(samples, false_alarm, model, moved, 0.0_dp)
       changed = changed + moved
+      call judge_moves()
       if (size(model%lines) == 0) exit
       do
-        call merge_lines(samples, false_alarm, model, moved)
+        call merge_lines(samples, false_alarm, model, moved, monitor)
         if (moved == 0) exit
         if (stops(monitor)) exit
         changed = changed + moved
+        call judge_moves()
+        if (is_worse) exit
       end do
       if (changed > 0) then
         call refit_all(all_steps, at_rest, model)
         call renew(samples, order_price(samples), .false., model)
       end if
-      call drop_lines(samples, false_alarm, model, dropped, outcome)
+      call drop_lines(samples, false_alarm, model, dropped, outcome, monitor)
+      call judge_moves()
       if (changed + dropped == 0) exit
-      if (cost_of_all(samples, false_alarm, model) > max(alone, last)) exit   ! J is above that of noise alone, and rises
-      last = cost_of_all(samples, false_alarm, model)
     end do
-    call add_drifts(false_alarm, model, changed)
+    call add_drifts(false_alarm, model, changed, monitor)
     call refit_all(all_steps, 0.0_dp, model)
     call renew(samples, order_price(samples), .false., model)
     call keep_or_clear(samples, false_alarm, alone, model, outcome)
-    call clear_if_cancelling(samples, model, outcome)
+    if (alone < huge(alone)) call clear_if_growing(samples, model, outcome)
     outcome%converged = round <= most_rounds .and. size(model%lines) < most_lines
+
+  contains
+
+    subroutine add_lines(added)
+      !! Add lines and courses that gain more than their penalty in the present noise, which is renewed after each round, while J falls.
+      integer, intent(out) :: added
+      integer :: accepted, k
+      added = 0
+      do k = 1, most_additions
+        call add_round(samples, false_alarm, .true., model, accepted)
+        if (accepted == 0) exit
+        if (stops(monitor)) exit
+        added = added + accepted
+        call refit_all(trial_steps, at_rest, model)
+        call renew(samples, order_price(samples), .false., model)
+        call judge_moves()
+        if (is_worse) exit
+      end do
+    end subroutine add_lines
+
+    subroutine judge_moves()
+      !! Keep the state of least J, and return to it if moves have raised J.
+      call keep_best(samples, false_alarm, model, best)
+      is_worse = cost_of_all(samples, false_alarm, model) > best%cost + at_rest
+      if (is_worse) call go_back(samples, best, model)
+    end subroutine judge_moves
+
   end subroutine find_lines_after
 
   pure subroutine start_model(samples, blows, model)
@@ -125,21 +160,23 @@ contains
     allocate (model%lines(0))
   end subroutine start_model
 
-  subroutine add_first_lines(samples, false_alarm, alone, model, outcome, monitor)
+  subroutine add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
     !! Add lines, with a noise estimate that is robust to lines still missing. If noise alone explains the record better than the
     !! lines of a round, as it does if the motion is driven, all are dropped.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone
     type(model_type), intent(inout) :: model
+    type(state_type), intent(inout) :: best
     type(line_outcome), intent(inout) :: outcome
     class(monitor_type), intent(inout), optional :: monitor
-    integer :: added, steady, moved, dropped, round
+    integer :: added, steady, moved, dropped, round, in_vain
     real(dp) :: cost, last
+    in_vain = 0
     do round = 1, most_additions
       if (present(monitor)) call monitor%advance(first_lines*round/(round + 2))
       call renew(samples, order_price(samples), .true., model)
-      call add_round(samples, false_alarm, model, added)
+      call add_round(samples, false_alarm, .true., model, added)
       if (stops(monitor)) exit
       if (added > 0) call refit_all(trial_steps, at_rest, model)
       if (added > 0) call renew(samples, order_price(samples), .true., model)
@@ -151,27 +188,41 @@ contains
         call renew(samples, order_price(samples), .true., model)
         call refit_all(trial_steps, at_rest, model)
       end if
-      if (added + moved == 0) exit
+      last = best%cost
+      call keep_best(samples, false_alarm, model, best)
+      in_vain = merge(0, in_vain + 1, best%cost < last)
+      if (added + moved == 0 .or. (in_vain > most_in_vain .and. is_clear(best))) exit
       if (size(model%lines) < many_lines) cycle
       call try_tones(samples, false_alarm, model, moved)
       call renew(samples, order_price(samples), .false., model)
       call drop_weakest(samples, false_alarm, model, dropped)  ! lines that represent a blow found later
-      call keep_or_clear(samples, false_alarm, alone, model, outcome)
+      call keep_best(samples, false_alarm, model, best)
+      if (.not. is_clear(best)) call keep_or_clear(samples, false_alarm, alone, model, outcome)
       if (size(model%lines) == 0) return
     end do
     call renew(samples, order_price(samples), .false., model)
+    if (is_clear(best) .and. best%cost < cost_of_all(samples, false_alarm, model)) call go_back(samples, best, model)
     last = huge(1.0_dp)
-    do round = 1, most_additions                 ! the last lines may be decisive
+    do round = 1, most_additions                 ! the last lines may be decisive, but not more blows
       cost = cost_of_all(samples, false_alarm, model)
       if (cost < alone .or. cost > last - abs(alone - cost)/most_additions) exit  ! or J falls too slowly
       last = cost
-      call add_round(samples, false_alarm, model, added)
+      call add_round(samples, false_alarm, .false., model, added)
       if (added == 0) exit
       if (stops(monitor)) exit
       call refit_all(trial_steps, at_rest, model)
       call renew(samples, order_price(samples), .false., model)
     end do
     call keep_or_clear(samples, false_alarm, alone, model, outcome)
+
+  contains
+
+    pure logical function is_clear(state)
+      !! Whether lines predict a sample clearly better than noise alone. A driven motion may be explained a little better, too.
+      type(state_type), intent(in) :: state
+      is_clear = alone - state%cost > clearly*size(samples%value, 2)*samples%count
+    end function is_clear
+
   end subroutine add_first_lines
 
   subroutine try_blows(samples, false_alarm, model, moved, rival)
@@ -220,7 +271,6 @@ contains
       k = minloc(abs(model%lines%pole%re), dim=1, mask=open)
       modes = [modes, model%lines(k)%pole]
       before = state_of(samples, false_alarm, model)
-      before%cost = before%cost - penalty_of_tone(samples, false_alarm)
       model%lines(k)%pole = cmplx(0, model%lines(k)%pole%im, dp)
       model%lines(k)%steady = .true.
       if (is_cut .and. .not. allocated(samples%blow)) call drop_blow(model, 1)
@@ -255,10 +305,29 @@ contains
     call renew(samples, order_price(samples), .false., model)
     if (cost_of_all(samples, false_alarm, model) < before%cost) return
     moved = 0
-    call move_alloc(before%lines, model%lines)
-    call move_alloc(before%stretches, model%stretches)
-    call move_alloc(before%trend, model%trend)
-    call renew(samples, order_price(samples), .false., model)
+    call go_back(samples, before, model)
   end subroutine keep_if_cheaper
+
+  subroutine keep_best(samples, false_alarm, model, best)
+    !! Keep the state of least J.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(inout) :: model     !! is renewed
+    type(state_type), intent(inout) :: best
+    call renew(samples, order_price(samples), .false., model)
+    if (cost_of_all(samples, false_alarm, model) < best%cost) best = state_of(samples, false_alarm, model)
+  end subroutine keep_best
+
+  subroutine go_back(samples, before, model)
+    !! Return a model to a state that it had before.
+    type(samples_type), intent(in) :: samples
+    type(state_type), intent(in) :: before
+    type(model_type), intent(inout) :: model
+    deallocate (model%lines, model%stretches, model%trend)
+    allocate (model%lines, source=before%lines)
+    allocate (model%stretches(2, 0:ubound(before%stretches, 2)), source=before%stretches)
+    allocate (model%trend(2, size(before%trend, 2), 0:ubound(before%stretches, 2)), source=before%trend)
+    call renew(samples, order_price(samples), .false., model)
+  end subroutine go_back
 
 end module bw_line_search

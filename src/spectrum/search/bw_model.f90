@@ -7,7 +7,7 @@ module bw_model
   use bw_lapack, only: ddot, dgemm, dsyev
   use bw_line, only: find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, take_off
-  use bw_noise, only: noise_type, white_amplitude, whiten
+  use bw_noise, only: ends_of, mixed_amplitude, noise_type, squares_at_end, white_amplitude, whiten
   use bw_noise_with_gaps, only: fit_with_gaps
   use bw_samples, only: place_of, samples_type, valid_runs
   use bw_uneven_noise, only: find_levels
@@ -39,6 +39,7 @@ module bw_model
     real(dp), allocatable :: level(:, :)         !! of uneven samples: power of the noise over its mean, (bins, S)
     integer, allocatable :: missing(:)           !! invalid samples, ascending
     real(dp), allocatable :: white(:, :)         !! prediction errors over their standard deviation; 0 where there is none, (N, S)
+    real(dp), allocatable :: last_values(:, :, :)  !! the components' residual at the last samples of each stretch, (lost, S, 0:B)
     type(real_fourier) :: fourier
     type(renewal_type), allocatable :: last      !! the last renewal
     type(autoregression), allocatable :: start(:)  !! last noise estimate of each sensor, if samples are missing
@@ -67,25 +68,100 @@ contains
   end function white_lines
 
   pure subroutine exchange_lines(model, old, new, fall)
-    !! Add the white samples of some lines, and subtract those of others.
+    !! Add some lines to the residual, and subtract others.
     type(model_type), intent(inout) :: model
-    type(line_type), intent(in) :: old(:), new(:)   !! in the white components
+    type(line_type), intent(in) :: old(:), new(:)
     real(dp), intent(out) :: fall                !! of −2 ln L at a fixed noise level
     type(line_type) :: lines(size(old) + size(new))
+    logical :: drifts(size(lines))
+    real(dp) :: before
     integer :: k
     lines = [old, new]
     do k = size(old) + 1, size(lines)
       lines(k)%amplitude = -lines(k)%amplitude
     end do
-    if (size(model%missing) == 0) then
-      call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place, fall)
-      return
-    end if
-    fall = sum(model%white**2)
-    call add_lines(rows_of_stretches(model), lines, 1.0_dp, model%white, model%place)
-    call subtract_missing(model)
-    fall = fall - sum(model%white**2)
+    drifts = [(size(lines(k)%courses) > 0, k=1, size(lines))]
+    before = squares_at_ends(model)
+    if (any(drifts) .or. size(model%missing) > 0) before = before + sum(model%white**2)
+    call add_to_ends(model, lines)
+    if (any(drifts)) call add_drifting_lines(model, pack(lines, drifts))
+    call add_lines(rows_of_stretches(model), white_lines(model, pack(lines, .not. drifts)), 1.0_dp, model%white, model%place, fall)
+    if (size(model%missing) > 0) call subtract_missing(model)
+    if (any(drifts) .or. size(model%missing) > 0) fall = -sum(model%white**2)
+    fall = fall + before - squares_at_ends(model)
   end subroutine exchange_lines
+
+  pure subroutine add_drifting_lines(model, lines)
+    !! Add the prediction errors of lines whose factor H changes along the record, to white samples.
+    type(model_type), intent(inout) :: model
+    type(line_type), intent(in) :: lines(:)
+    type(line_type) :: mixed(size(lines))
+    real(dp) :: motion(size(model%white, 1), 1)
+    integer :: k, c, b
+    mixed = lines
+    do k = 1, size(lines)
+      mixed(k)%amplitude = mixed_amplitude(model%noise, lines(k)%amplitude)
+    end do
+    do c = 1, size(model%white, 2)
+      motion = 0
+      call add_lines(model%stretches, at_sensors(mixed, [c]), 1.0_dp, motion, model%place)
+      do b = 1, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, b), last => model%stretches(2, b))
+          if (last < first) cycle
+          call whiten(model%noise%filter(:model%noise%order(c), c), motion(first:last, 1))
+          motion(max(first, last - model%noise%lost + 1):last, 1) = 0
+          model%white(first:last, c) = model%white(first:last, c) + motion(first:last, 1)
+        end associate
+      end do
+    end do
+  end subroutine add_drifting_lines
+
+  pure real(dp) function squares_at_ends(model) result(squares)
+    !! The sum of squared prediction errors of all samples without a row.
+    type(model_type), intent(in) :: model
+    integer :: b
+    squares = 0
+    do b = 0, ubound(model%stretches, 2)
+      associate (n => model%stretches(2, b) - model%stretches(1, b) + 1, lost => model%noise%lost)
+        squares = squares + squares_at_end(model%noise, model%last_values(max(1, lost - n + 1):, :, b))
+      end associate
+    end do
+  end function squares_at_ends
+
+  pure subroutine add_to_ends(model, lines)
+    !! Add lines to the residual of the last samples of each stretch.
+    type(model_type), intent(inout) :: model
+    type(line_type), intent(in) :: lines(:)
+    complex(dp) :: wave(model%noise%lost)
+    integer :: k, c, b, first
+    if (model%noise%lost == 0) return
+    do k = 1, size(lines)
+      associate (amplitude => mixed_amplitude(model%noise, lines(k)%amplitude))
+        do b = merge(0, 1, lines(k)%steady), ubound(model%stretches, 2)
+          first = max(1, model%noise%lost - (model%stretches(2, b) - model%stretches(1, b)))
+          call find_wave(lines(k), real(model%stretches(2, b) - model%stretches(1, b) + first - model%noise%lost, dp), &
+            & wave=wave(first:))
+          do c = 1, size(amplitude, 1)
+            model%last_values(first:, c, b) = model%last_values(first:, c, b) + real(amplitude(c, b + 1)*wave(first:), dp)
+          end do
+        end do
+      end associate
+    end do
+    if (size(model%missing) > 0) call clear_ends(model)
+  end subroutine add_to_ends
+
+  pure subroutine clear_ends(model)
+    !! Set missing samples to 0 there.
+    type(model_type), intent(inout) :: model
+    integer :: b, i
+    do b = 0, ubound(model%stretches, 2)
+      do i = 1, size(model%missing)
+        associate (n => model%missing(i) - model%stretches(2, b) + model%noise%lost)
+          if (n > 0 .and. n <= model%noise%lost) model%last_values(n, :, b) = 0
+        end associate
+      end do
+    end do
+  end subroutine clear_ends
 
   pure real(dp) function steps_between(model, first, last)
     !! The length of a part of the record, in steps.
@@ -269,6 +345,9 @@ contains
     model%noise%lost = maxval(model%noise%order)
     if (allocated(model%noise%filter)) deallocate (model%noise%filter)
     allocate (model%noise%filter(0:model%noise%lost, size(noise)), source=0.0_dp)
+    if (allocated(model%noise%ends)) deallocate (model%noise%ends)
+    allocate (model%noise%ends(0:model%noise%lost, 0:model%noise%lost - 1, size(noise)), source=0.0_dp)
+    call keep_ends(model)
     do s = 1, size(noise)
       scale = 1/sqrt(noise(s)%variance)
       do c = 0, ubound(model%stretches, 2)
@@ -279,6 +358,7 @@ contains
       end do
       model%white(:, s) = model%white(:, s)*scale
       model%noise%filter(:model%noise%order(s), s) = noise(s)%predictor*scale
+      model%noise%ends(:model%noise%order(s), :model%noise%order(s) - 1, s) = ends_of(noise(s)%predictor*scale)
     end do
     call subtract_missing(model)
 
@@ -301,6 +381,20 @@ contains
     end function noise_of
 
   end subroutine renew
+
+  pure subroutine keep_ends(model)
+    !! Keep the residual of the last samples of each stretch.
+    type(model_type), intent(inout) :: model
+    integer :: b, n
+    if (allocated(model%last_values)) deallocate (model%last_values)
+    allocate (model%last_values(model%noise%lost, size(model%white, 2), 0:ubound(model%stretches, 2)), source=0.0_dp)
+    do b = 0, ubound(model%stretches, 2)
+      associate (first => model%stretches(1, b), last => model%stretches(2, b), lost => model%noise%lost)
+        n = min(lost, last - first + 1)
+        if (n > 0) model%last_values(lost - n + 1:, :, b) = model%white(last - n + 1:last, :)
+      end associate
+    end do
+  end subroutine keep_ends
 
   subroutine estimate_noise(samples, model, s, order, penalty, noise)
     !! Estimate the noise of one component of the residual.

@@ -7,12 +7,48 @@ module bw_noise_alone
   use bw_vector_noise, only: vector_noise_cost
   implicit none (type, external)
   private
-  public :: cost_of_shared_motion, most_orders
+  public :: cost_of_shared_motion, dies, most_orders
 
   integer, parameter :: least_colour = 8          !! order in a large record
   integer, parameter, public :: most_numbers = 2**24  !! of principal components in use: twice 134 MB
 
 contains
+
+  pure logical function dies(samples, blows)
+    !! Whether the motion dies, as no stationary noise does: the first halves of the stretches between blows have many times the
+    !! energy of the second ones. Sensors count alike.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: blows(:)
+    real(dp), parameter :: falls = 10            ! chosen: the most in 150 records of beams under ambient excitation is 4
+    integer :: bounds(0:size(blows) + 1)
+    real(dp) :: energy(2), half(2)
+    integer :: s, b, middle
+    bounds = [1, blows, samples%count + 1]
+    energy = 0
+    do s = 1, size(samples%value, 2)
+      half = 0
+      do b = 0, size(blows)
+        middle = (bounds(b) + bounds(b + 1))/2
+        half = half + [energy_in(bounds(b), middle - 1), energy_in(middle, bounds(b + 1) - 1)]
+      end do
+      energy = energy + half/max(sum(half), tiny(1.0_dp))
+    end do
+    dies = energy(1) > falls*energy(2)
+
+  contains
+
+    pure real(dp) function energy_in(first, last) result(squares)
+      !! About the mean of valid samples.
+      integer, intent(in) :: first, last
+      logical :: valid(first:last)
+      valid = .true.
+      if (allocated(samples%valid)) valid = samples%valid(first:last)
+      associate (x => samples%value(first:last, s))
+        squares = sum((x - sum(x, valid)/max(1, count(valid)))**2, valid)
+      end associate
+    end function energy_in
+
+  end function dies
 
   real(dp) function cost_of_shared_motion(samples) result(cost)
     !! J of noise alone as one motion of all sensors, or of as many of their principal components as the memory limit allows; huge

@@ -15,6 +15,7 @@ module bw_refit
   real(dp), parameter :: bins_apart = 12         !! tuned: multiples of 1/T within which they are, too
   real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
   integer, parameter :: most_sweeps = 6
+  integer, parameter :: most_together = 8        !! tuned: lines of a chain that are fitted at once; of a longer one each with its neighbours
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a trial fit, and of a final one
   real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, below which they have converged
   real(dp), parameter :: low = 24                !! periods in the longest stretch; slower lines are fitted with a trend
@@ -113,16 +114,15 @@ contains
     real(dp), intent(in) :: need
     type(model_type), intent(inout) :: model
     real(dp), intent(out) :: gain
-    type(line_type), allocatable :: white_old(:), white_new(:)
+    type(line_type), allocatable :: old(:)
     real(dp) :: back
-    white_old = white_lines(model, pack(model%lines, found%old))
-    white_new = white_lines(model, found%lines)
-    call exchange_lines(model, white_old, white_new, gain)
+    old = pack(model%lines, found%old)
+    call exchange_lines(model, old, found%lines, gain)
     if (gain > need) then
       model%lines = [pack(model%lines, .not. found%old), found%lines]
       if (.not. abs(gain) > 0) gain = tiny(gain)   ! accepted nevertheless
     else
-      call exchange_lines(model, white_new, white_old, back)
+      call exchange_lines(model, found%lines, old, back)
       gain = 0
     end if
   end subroutine accept
@@ -141,6 +141,7 @@ contains
       total = 0
       do while (.not. all(done))
         own = cluster_of(model, findloc(done, .false., dim=1))
+        if (count(own) > most_together) own = near(model, model%lines(findloc(done, .false., dim=1))%pole)
         call refit(model, own, pack(model%lines, own), most_steps, found)
         gain = 0
         if (found%gain > converged) call accept(found, 0.0_dp, model, gain)
