@@ -99,7 +99,7 @@ contains
       at = life_of(own, life, span_of_model(model))
       ends = [own%pole, pole_at(own, at)]
       wider = sqrt(colour_at(model, own%pole%im)/(1 - noise_share(errors, j)))
-      deviation = min(wider*max(pole_deviation(errors, j, 0.0_dp), pole_deviation(errors, j, at)), undetermined)
+      deviation = limited(wider, max(pole_deviation(errors, j, 0.0_dp), pole_deviation(errors, j, at)))
       quantile = student_quantile(confidence, freedom_of(model))
       pole = pole_at(own, best_time(errors, j, at))
       reach = max(abs([real(ends(1) - pole, dp), aimag(ends(1) - pole)]), abs([real(ends(2) - pole, dp), aimag(ends(2) - pole)]))
@@ -113,11 +113,18 @@ contains
       if (size(own%courses) > 0) then
         line%status = drifting
         line%drift = (ends(2)%im - ends(1)%im)/(2*pi)
-        line%drift_bound = min(wider*drift_deviation(errors, j, at)/(2*pi), undetermined)
+        line%drift_bound = limited(wider/(2*pi), drift_deviation(errors, j, at))
       end if
       call judge_amplitude(model, errors, j, wider, line)
     end associate
   end function judged_line
+
+  elemental real(dp) function limited(factor, deviation)
+    !! A deviation times a factor, at most `undetermined`; that of a number that is not determined is huge.
+    real(dp), intent(in) :: factor, deviation
+    limited = undetermined
+    if (deviation < undetermined) limited = min(factor*deviation, undetermined)
+  end function limited
 
   pure real(dp) function best_time(errors, j, last) result(best)
     !! The time after the blow at which the pole of line j is known best; 0 if it does not drift.
@@ -179,7 +186,7 @@ contains
     factor = factors_of(model, errors%lines(j))
     do p = 1, size(errors%reduced)
       associate (own => errors%reduced(p))
-        if (own%stretch == stretch) noise(own%sensors(1):own%sensors(2)) = min(wider*amplitude_noise(errors, p, j), undetermined)
+        if (own%stretch == stretch) noise(own%sensors(1):own%sensors(2)) = limited(wider, amplitude_noise(errors, p, j))
       end associate
     end do
     line%amplitude = errors%lines(j)%amplitude(:, 1 + stretch)
@@ -190,10 +197,10 @@ contains
       if (length > 0) turn = line%amplitude(s)/length
       line%amplitude_noise(s) = norm2(noise*abs(factor(s, :)))
       noises(:, s) = factor(s, :)*noise/max(line%amplitude_noise(s), tiny(1.0_dp))
-      line%amplitude_bound(s) = min(wider*amplitude_deviation(errors, stretch, j, plane(turn*conjg(factor(s, :)))), undetermined)
+      line%amplitude_bound(s) = limited(wider, amplitude_deviation(errors, stretch, j, plane(turn*conjg(factor(s, :)))))
       turn = cmplx(-turn%im, turn%re, dp)
-      line%phase_bound(s) = min(wider*amplitude_deviation(errors, stretch, j, plane(turn*conjg(factor(s, :)))), pi*length) &
-        & /max(length, tiny(1.0_dp))
+      line%phase_bound(s) = limited(wider, amplitude_deviation(errors, stretch, j, plane(turn*conjg(factor(s, :)))))
+      line%phase_bound(s) = min(line%phase_bound(s), pi*length)/max(length, tiny(1.0_dp))
     end do
     if (allocated(model%noise%mixing)) line%noise_correlation = matmul(transpose(noises), conjg(noises))
 
