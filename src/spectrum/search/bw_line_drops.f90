@@ -37,14 +37,16 @@ contains
   end subroutine keep_or_clear
 
   subroutine clear_if_growing(samples, model, outcome)
-    !! Drop all lines if their residual grows after the first blow. Noise is stationary, and what a free decay leaves unexplained
-    !! decays with it; but lines explain a motion that is driven, as by a shaker's sweep, only in part.
+    !! Drop all lines if their residual grows after the first blow to a considerable part of the motion. What lines leave of a free
+    !! decay decays with it, and noise that rises is small beside a motion that stands out; but of a motion that is driven, as by a
+    !! shaker's sweep, lines leave most where it is strong.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
     integer, parameter :: parts = 8, fewest = 32 ! samples in a part: fewer vary by chance
-    real(dp), parameter :: grows = 10            ! chosen: records of free decays have 2 at most, those of sweeps 20 and more
-    real(dp) :: residual(samples%count, 1), own(parts), energy(parts)
+    real(dp), parameter :: grows = 10            ! chosen: drawn sweeps have 20 and more
+    real(dp), parameter :: considerable = 0.1_dp ! chosen: of the power of the motion in the same part
+    real(dp) :: residual(samples%count, 1), own(parts), energy(parts), share(parts)
     logical :: valid(samples%count)
     integer :: s, i, length, first
     first = model%stretches(1, 1)
@@ -53,16 +55,21 @@ contains
     valid = .true.
     if (allocated(samples%valid)) valid = samples%valid
     energy = 0
+    share = 0
     do s = 1, size(samples%value, 2)
       call find_misfit(samples, model, [s], residual)
       do i = 1, parts
         associate (from => first + (i - 1)*length, to => first + i*length - 1)
-          own(i) = sum(residual(from:to, 1)**2, valid(from:to))/max(1, count(valid(from:to)))
+          associate (x => samples%value(from:to, s), is_there => valid(from:to))
+            own(i) = sum(residual(from:to, 1)**2, is_there)/max(1, count(is_there))
+            share(i) = share(i) + own(i)/max(sum((x - sum(x, is_there)/max(1, count(is_there)))**2, is_there) &
+              & /max(1, count(is_there)), tiny(1.0_dp))/size(samples%value, 2)
+          end associate
         end associate
       end do
       energy = energy + own/max(sum(own), tiny(1.0_dp))
     end do
-    if (maxval(energy) > grows*energy(1)) call clear(samples, model, outcome)
+    if (any(energy > grows*energy(1) .and. share > considerable)) call clear(samples, model, outcome)
   end subroutine clear_if_growing
 
   subroutine clear(samples, model, outcome)

@@ -19,7 +19,7 @@ contains
     !! energy of the second ones. Sensors count alike.
     type(samples_type), intent(in) :: samples
     integer, intent(in) :: blows(:)
-    real(dp), parameter :: falls = 10            ! chosen: the most in 150 records of beams under ambient excitation is 4
+    real(dp), parameter :: falls = 10            ! chosen: 150 drawn records of ambient excitation have 5 at most
     integer :: bounds(0:size(blows) + 1)
     real(dp) :: energy(2), half(2)
     integer :: s, b, middle
