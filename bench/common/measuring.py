@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import statistics
 import subprocess
@@ -38,6 +39,13 @@ def run_scene(directory: Path, scene: str, accepted: tuple[int, ...] = (0,)) -> 
     path.write_text(scene, encoding="utf-8")
     words = [os.environ["BEAMWAVE"], "run", path, "--output", directory, "--quiet"]
     return launched(*words, accepted=accepted)
+
+
+def expected(program: Path, scene: Path) -> tuple[float, float, float, float]:
+    """Seconds and bytes of memory and disk that `check` says a scene will take, and the CPU seconds that it needs to know them."""
+    took = launched(program, "check", scene, "--json")
+    said = json.loads(took.said)["scenes"][0]
+    return said["seconds"], said["memory_bytes"], said["disk_bytes"], took.seconds
 
 
 def stage_seconds(result: Any) -> float:

@@ -20,7 +20,7 @@ BLOW = """\
 &impact    mass = {p.mass!r} /
 &contact   stiffness = {p.stiffness!r}, exponent = 1 /
 """
-PEERS = (*peers_of(BLOW, 10), opensees.PEER, *exudyn_stop.PEERS)
+PEERS = (*peers_of(BLOW, 10), opensees.PEER, exudyn_stop.PEER)
 LEVELS = (1e-3, 1e-4, 1e-5, 1e-9)
 SMALL, MODES_OF_SMALL = Problem(samples=100, duration=0.005), 40
 
@@ -40,7 +40,6 @@ CURVES = {
     "beamwave, whole process": own_curve("beamwave, whole\nprocess with files", -1, (9, 0), "left", DASHED),
     "OpenSees, Newmark": Curve(COLOURS[4], LINE, "P", "OpenSees, Newmark", -1, (8, 0), "left"),
     "Exudyn, Newmark": Curve(COLOURS[3], LINE, "^", "Exudyn, Newmark", 0, (-8, 0), "right"),
-    "Exudyn, DOPRI5": Curve(COLOURS[3], DASHED, "v", "Exudyn, DOPRI5", -1, (8, 0), "left"),
 }
 
 

@@ -10,7 +10,6 @@ Prints the seconds of the source's terms in their order, fitted to the relative 
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 import tempfile
 from pathlib import Path
@@ -20,14 +19,13 @@ import numpy as np
 from scipy.optimize import nnls
 
 from common.bench import PROGRAM
-from common.measuring import launched
+from common.measuring import expected, launched
 
 from .scenes import drawn
 
 LEAST = 0.02  # s, from which a factor of 3 is promised
 FACTOR = 3
 PATIENCE = 60  # s of a run; what takes longer is left out
-SIZES = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
 
 
 class Run(NamedTuple):
@@ -48,17 +46,16 @@ def runs(program: Path, seed: int, draws: int, directory: Path) -> list[Run]:
         scene.write_text(text)
         counted = launched(program.with_name("bench_cost"), scene).said.split()
         try:
-            checked = launched(program, "check", scene)
-            words = [program, "run", scene, "--output", directory, "--quiet", "--overwrite", "--max-seconds", PATIENCE]
-            best = min(launched(*words, accepted=(0, 4)) for _ in range(2))
+            _, memory, _, check = expected(program, scene)
+            took = []
+            for turn in "ab":  # a result that is there would be nothing to do
+                words = [program, "run", scene, "--output", directory / turn, "--quiet", "--max-seconds", PATIENCE]
+                took.append(launched(*words, accepted=(0, 4)))
         except RuntimeError:
             continue  # refused, or not done in time
-        size = re.search(r"memory +([\d.]+) (.B)", checked.said)
-        if size is None or len(counted) < 3:
-            continue
         seconds, *counts = map(float, counted[1:])
-        memory = float(size[1]) * SIZES[size[2]]
-        found.append(Run(name, best.seconds, best.memory, seconds, memory, checked.seconds, np.array(counts)))
+        best = min(took)
+        found.append(Run(name, best.seconds, best.memory, seconds, memory, check, np.array(counts)))
     return found
 
 
@@ -66,11 +63,11 @@ def fitted(found: list[Run]) -> np.ndarray:
     """Seconds of the terms, none below 0: the least relative deviations, too much and too little weighing alike."""
     counts = np.array([run.counts for run in found])
     seconds = np.array([run.seconds for run in found])
-    expected = seconds
+    said = seconds
     for _ in range(30):
-        weight = 1 / np.sqrt(expected * seconds)
+        weight = 1 / np.sqrt(said * seconds)
         terms, _ = nnls(counts * weight[:, None], seconds * weight)
-        expected = np.maximum(counts @ terms, 1e-4)
+        said = np.maximum(counts @ terms, 1e-4)
     return terms
 
 

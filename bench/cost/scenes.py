@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterator
+from typing import Any, Callable, Iterator
 
 import common  # noqa: F401 (finds tests/scenes)
 import numpy as np
@@ -24,21 +24,16 @@ class Dice:
     def chance(self, part: float = 0.5) -> bool:
         return bool(self.rng.random() < part)
 
-    def beam(self, pieces: int = 1) -> dict[str, Any]:
+    def beam(self, pieces: int = 1) -> Groups:
         if pieces == 1:
-            return dict(PAPER_BEAM)
-        return {**PAPER_BEAM, "length": [1.0 / pieces] * pieces, "diameter": self.rng.uniform(0.02, 0.04, pieces).tolist()}
+            return [("beam", dict(PAPER_BEAM))]
+        diameters = self.rng.uniform(0.02, 0.04, pieces).tolist()
+        return [("beam", {**PAPER_BEAM, "length": [1.0 / pieces] * pieces, "diameter": diameters})]
 
-    def response(self, most: float = 1e6) -> Groups:
-        points = 2 if self.chance() else self.size(1, 12)
-        record = {
-            "duration": float(10.0 ** self.rng.uniform(-2, 0.5)),
-            "samples": self.size(100, most),
-            "points": [0.5, 1.0] if points == 2 else np.linspace(0.1, 1.0, points).tolist(),
-            "velocity": self.chance(0.3),
-            "bending_moment": self.chance(0.2),
-        }
-        return [("response", record)]
+    def response(self, most: float = 1e5, points: list[float] | None = None) -> Groups:
+        points = points or ([0.5, 1.0] if self.chance() else np.linspace(0.1, 1.0, self.size(1, 12)).tolist())
+        record = {"duration": float(10.0 ** self.rng.uniform(-2, 0.5)), "samples": self.size(100, most), "points": points}
+        return [("response", {**record, "velocity": self.chance(0.3), "bending_moment": self.chance(0.2)})]
 
     def counts(self, first: float, last: float) -> Groups:
         return [("modes", {"before": self.size(first, last), "after": self.size(first, last)})]
@@ -46,106 +41,71 @@ class Dice:
     def tolerance(self, finest: float) -> Groups:
         return [("modes", {"tolerance": float(10.0 ** self.rng.uniform(np.log10(finest), -2))})]
 
+    def modes(self, finest: float, most: float) -> Groups:
+        """A tolerance or counts."""
+        return self.tolerance(finest) if self.chance() else self.counts(10, most)
+
     def turning(self) -> Groups:
         return [("rotation", {"angular_velocity": float(self.rng.uniform(0, 100))})] if self.chance() else []
 
     def captured(self, pieces: int = 1) -> Groups:
-        return [("beam", self.beam(pieces)), ("impact", {"mass_ratio": float(self.rng.uniform(0.02, 1))}), ("capture", {})]
+        return [*self.beam(pieces), ("impact", {"mass_ratio": float(self.rng.uniform(0.02, 1))}), ("capture", {})]
+
+    def struck(self, restitution: float, most: float) -> Groups:
+        """A rebound, which has counts alone."""
+        blow = {"mass_ratio": float(self.rng.uniform(0.05, 1)), "restitution": restitution}
+        return [*self.beam(), ("impact", blow), *self.turning(), ("modes", {"before": self.size(5, most)})]
 
 
 TENSION: Groups = [("rotation", {"angular_velocity": 50.0}), ("stiffening", {})]
 SHEAR: Groups = [("shear", {})]
-
-
-def frequencies(dice: Dice) -> Groups:
-    return [*dice.captured(), *dice.turning(), *dice.counts(10, 1e6)]
-
-
-def counted(dice: Dice) -> Groups:
-    return [*dice.captured(), *dice.turning(), *dice.counts(10, 1e5), *dice.response(4e6)]
-
-
-def tolerated(dice: Dice) -> Groups:
-    return [*dice.captured(), *dice.turning(), *dice.tolerance(1e-12), *dice.response(4e6)]
-
-
-def damped(dice: Dice) -> Groups:
-    modes = dice.tolerance(1e-7) if dice.chance() else dice.counts(10, 1e4)
-    return [*dice.captured(), ("damping", {"ratio": 0.01}), *modes, *dice.response(1e5)]
-
-
-def with_shear(dice: Dice) -> Groups:
-    modes = dice.tolerance(1e-5) if dice.chance() else dice.counts(10, 1e4)
-    return [*dice.captured(), *SHEAR, *modes, *dice.response(1e5)]
-
-
-def of_pieces(dice: Dice) -> Groups:
-    modes = dice.tolerance(1e-7) if dice.chance() else dice.counts(10, 1e3)
-    return [*dice.captured(dice.size(2, 100)), *modes, *dice.response(1e5)]
+RANGES = (("impact%mass_ratio", 0.1, 1.0), ("rotation%angular_velocity", 0.0, 60.0), ("beam%diameter", 0.03, 0.05))
 
 
 def under_tension(dice: Dice) -> Groups:
-    modes = dice.tolerance(1e-5) if dice.chance() else dice.counts(10, 500)
     pieces = dice.size(2, 30) if dice.chance(0.4) else 1
-    return [*dice.captured(pieces), *TENSION, *(SHEAR if dice.chance(0.3) else []), *modes, *dice.response(1e5)]
+    return [*dice.captured(pieces), *TENSION, *(SHEAR if dice.chance(0.3) else []), *dice.modes(1e-5, 500), *dice.response()]
 
 
 def released(dice: Dice) -> Groups:
-    modes = dice.tolerance(1e-6) if dice.chance() else dice.counts(10, 1e3)
-    record = dice.response(1e5)
+    record = dice.response()
     release = [("release", {"time": float(record[0][1]["duration"] * dice.rng.uniform(0.1, 0.9))})]
-    kind = [[], [], TENSION, SHEAR][dice.rng.integers(4)]
-    return [*dice.captured(), *kind, *modes, *record, *release]
+    return [*dice.captured(), *[[], [], TENSION, SHEAR][dice.rng.integers(4)], *dice.modes(1e-6, 1e3), *record, *release]
 
 
-def struck_again(dice: Dice) -> Groups:
-    blow = {"mass_ratio": float(dice.rng.uniform(0.05, 1)), "restitution": float(dice.rng.choice([0.0, 0.5, 0.9]))}
-    modes = [("modes", {"before": dice.size(5, 200)})]
-    return [("beam", dice.beam()), ("impact", blow), *dice.turning(), *modes, *dice.response(1e5), ("recontact", {})]
+def swept(dice: Dice, range_of: tuple[str, float, float], most: float) -> Groups:
+    name, first, last = range_of
+    return [("sweep", {"parameter": name, "first": first, "last": last, "count": dice.size(10, most)})]
 
 
-def rebound(dice: Dice) -> Groups:
-    modes = [("modes", {"before": dice.size(10, 1e4)})]
-    return [("beam", dice.beam()), ("impact", {"mass_ratio": 0.2, "restitution": 0.5}), *modes, *dice.response()]
+def sweeps(dice: Dice) -> Groups:
+    histories = dice.chance(0.6)
+    modes = dice.tolerance(1e-6) if histories and dice.chance(0.3) else dice.counts(5, 100)
+    effects = [*(SHEAR if dice.chance(0.3) else []), *([("stiffening", {})] if dice.chance(0.2) else [])]
+    few = [*dice.captured(), ("rotation", {"angular_velocity": 0.0}), *modes, *(dice.response(1e4) if histories else []), *effects]
+    return [*few, *swept(dice, RANGES[dice.rng.integers(3)], 3000)]
 
 
-def waves(dice: Dice) -> Groups:
-    modes = dice.tolerance(1e-7) if dice.chance() else dice.counts(5, 200)
-    record = dice.response(3e5)
-    record[0][1]["points"] = [0.5, 1.0]
-    return [*dice.captured(), *modes, *record, ("spectrum", {})]
-
-
-def spectra(dice: Dice) -> Groups:
-    """Amplitudes alone: of places where no waves are measured."""
-    record = dice.response(1e4)
-    record[0][1]["points"] = [0.4, 0.9]
-    sweep = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": dice.size(10, 1000)}
-    return [*dice.captured(), *dice.counts(5, 100), *record, ("spectrum", {}), ("sweep", sweep)]
-
-
-def swept(dice: Dice) -> Groups:
-    few = [*dice.captured(), ("rotation", {"angular_velocity": 0.0}), *dice.counts(5, 100)]
-    if dice.chance(0.6):
-        few = [group for group in few if group[0] != "modes"]
-        few += [*(dice.tolerance(1e-6) if dice.chance(0.3) else dice.counts(5, 100)), *dice.response(1e4)]
-    if dice.chance(0.3):
-        few += SHEAR
-    if dice.chance(0.2):
-        few += [("stiffening", {})]
-    ranges = [("impact%mass_ratio", 0.1, 1.0), ("rotation%angular_velocity", 0.0, 60.0), ("beam%diameter", 0.03, 0.05)]
-    name, first, last = ranges[dice.rng.integers(3)]
-    return [*few, ("sweep", {"parameter": name, "first": first, "last": last, "count": dice.size(10, 3000)})]
-
-
-KINDS = (
-    frequencies, counted, tolerated, damped, with_shear, of_pieces, under_tension,
-    released, struck_again, rebound, waves, spectra, swept,
-)
+KINDS: dict[str, Callable[[Dice], Groups]] = {
+    "frequencies": lambda dice: [*dice.captured(), *dice.turning(), *dice.counts(10, 1e6)],
+    "counted": lambda dice: [*dice.captured(), *dice.turning(), *dice.counts(10, 1e5), *dice.response(4e6)],
+    "tolerated": lambda dice: [*dice.captured(), *dice.turning(), *dice.tolerance(1e-12), *dice.response(4e6)],
+    "damped": lambda dice: [*dice.captured(), ("damping", {"ratio": 0.01}), *dice.modes(1e-7, 1e4), *dice.response()],
+    "shear": lambda dice: [*dice.captured(), *SHEAR, *dice.modes(1e-5, 1e4), *dice.response()],
+    "pieces": lambda dice: [*dice.captured(dice.size(2, 100)), *dice.modes(1e-7, 1e3), *dice.response()],
+    "tension": under_tension,
+    "released": released,
+    "struck_again": lambda dice: [*dice.struck(float(dice.rng.choice([0.0, 0.5, 0.9])), 200), *dice.response(), ("recontact", {})],
+    "rebound": lambda dice: [*dice.struck(0.5, 1e4), *dice.response(1e6)],
+    "waves": lambda dice: [*dice.captured(), *dice.modes(1e-7, 200), *dice.response(3e5, [0.5, 1.0]), ("spectrum", {})],
+    "spectra": lambda dice: [  # amplitudes alone: of places where no waves are measured
+        *dice.captured(), *dice.counts(5, 100), *dice.response(1e4, [0.4, 0.9]), ("spectrum", {}), *swept(dice, RANGES[0], 1000)],
+    "sweeps": sweeps,
+}  # fmt: skip
 
 
 def drawn(seed: int, draws: int) -> Iterator[tuple[str, str]]:
     """Names and namelists of so many scenes of each kind."""
-    for k, draw in enumerate(KINDS):
+    for k, (name, draw) in enumerate(KINDS.items()):
         for n in range(draws):
-            yield f"{draw.__name__}_{n}", "".join(group_text(*group) for group in dict(draw(Dice(seed, k, n))).items())
+            yield f"{name}_{n}", "".join(group_text(*group) for group in draw(Dice(seed, k, n)))

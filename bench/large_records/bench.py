@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import netCDF4
 import numpy as np
-from beamwave_postproc.style import COLOURS, GREY, RC
+from common import growing
 from common.bench import Bench, Measured
-from common.document import measured_with, table
-from common.growing import COSTS, Axis, measure, powers
-from matplotlib.figure import Figure
+from common.growing import Axis, megabytes
 
 LINES = 20
 RATE = 2048.0  # Hz
@@ -82,41 +79,18 @@ def record_bytes(row: dict[str, Any]) -> int:
 
 
 def section(measured: Measured) -> list[str]:
-    """Text, a table of both axes and one of all sizes."""
-    rows = measured["rows"]
-    growth = [["varied", "fixed", "up to", "power of time", "power of memory"]]
-    growth += [powers(axis, rows) for axis in AXES]
-    sizes = [["grows", "size", "CPU s", "wall s", "memory MB", "record MB", "runs"]]
-    for row in rows:
-        times = [f"{row['cpu_seconds']:.2g}", f"{row['wall_seconds']:.3g}"]
-        memory = [f"{value / 1e6:.0f}" for value in (row["memory_bytes"], record_bytes(row))]
-        sizes.append([row["axis"], str(row["size"]), *times, *memory, str(row["runs"])])
-    words = WORDS.format(lines=LINES)
-    return [words, measured_with(measured["machine"]), table(growth), "All sizes:", table(sizes)]
+    """Text and tables."""
+    memory = {"memory MB": megabytes(itemgetter("memory_bytes")), "record MB": megabytes(record_bytes)}
+    sizes = {"wall s": lambda row: f"{row['wall_seconds']:.3g}", **memory}
+    return growing.section(measured, WORDS.format(lines=LINES), AXES, {}, sizes)
 
 
-def draw(measured: Measured) -> Figure:
-    """Time above, memory below, one column for each axis."""
-    with mpl.rc_context(RC):
-        figure = Figure(figsize=(6.4, 5.4), layout="constrained")
-        grid = figure.subplots(len(COSTS), len(AXES), sharex="col", sharey="row")
-        for line, (cost, words, scale) in enumerate(COSTS):
-            grid[line, 0].set_ylabel(words)
-            for axes, axis in zip(grid[line], AXES):
-                rows = axis.rows(measured["rows"])
-                sizes = [row["size"] for row in rows]
-                axes.set(xscale="log", yscale="log", xlabel=f"{axis.name} ({axis.besides})" if line else "")
-                axes.plot(sizes, [row[cost] * scale for row in rows], color=COLOURS[1], marker="o", markerfacecolor="white")
-                if cost == "memory_bytes":
-                    records = [record_bytes(row) * scale for row in rows]
-                    axes.plot(sizes, records, color=GREY, linestyle=":", label="the record itself")
-                    axes.legend(frameon=False, fontsize=9)
-    return figure
-
-
-def measured(options: argparse.Namespace) -> Measured:
-    """All rows."""
-    return {"rows": measure(axes_of(SMALL_SAMPLES) if options.small else AXES, options.small)}
-
-
-BENCH = Bench("large_records", "time and memory of a record's lines", measured, section, draw)
+BENCH = Bench(
+    "large_records",
+    "time and memory of a record's lines",
+    lambda options: {"rows": growing.measure(axes_of(SMALL_SAMPLES) if options.small else AXES, options.small)},
+    section,
+    lambda measured: growing.draw(
+        measured["rows"], [(f"{axis.name} ({axis.besides})", {axis.name: ""}) for axis in AXES], record_bytes, "the record itself"
+    ),
+)

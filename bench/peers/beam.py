@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-NEWTON_ALL = 6  # from the start of mode 1, the worst, to rounding at any mass ratio of the paper
+NEWTON_ALL = 8  # at most, from the start of mode 1, the worst, to rounding at any mass ratio of the paper
 NEWTON_HIGH = 2
 HIGH = 14  # from this mode on sech α is below rounding
 
@@ -72,22 +72,29 @@ def low_roots(count: int, gamma: float) -> np.ndarray:
         sech = 1 / np.cosh(alpha)
         value = sech + c + alpha * gamma * (c * t - s)
         slope = (1 + gamma) * (c * t - s) - 2 * alpha * gamma * s * t - t * value
-        alpha = alpha - value / slope
+        step = value / slope
+        alpha = alpha - step
+        if np.abs(step).max() < 1e-14 * alpha[-1]:
+            break
     return alpha
 
 
 def amplitudes(problem: Problem, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of each mode at each point (points, modes), and frequencies: the motion is Σ amplitude · sin βt."""
-    gamma = problem.mass_ratio
+    tip, mass = tips_and_masses(alpha, problem.mass_ratio)
+    beta = problem.frequencies(alpha)
+    modal = problem.mass_ratio * tip / (mass * beta)
+    return shapes(alpha, np.array(problem.points)) * modal, beta
+
+
+def tips_and_masses(alpha: np.ndarray, gamma: float) -> tuple[np.ndarray, np.ndarray]:
+    """Φ(1), and the modal mass over the beam's."""
     decayed = np.exp(-alpha)
     s, c = np.sin(alpha), np.cos(alpha)
     sinh, cosh = (1 - decayed**2) / 2, (1 + decayed**2) / 2  # times e^−α
     below = s * decayed + sinh
     tip = -2 * (decayed + c * cosh) / (alpha * gamma * below)
-    mass = (1 + gamma) * tip**2 / 4 + 2 * (decayed + c * cosh) * s * sinh / below**2
-    beta = problem.frequencies(alpha)
-    modal = gamma * tip / (mass * beta)
-    return shapes(alpha, np.array(problem.points)) * modal, beta
+    return tip, (1 + gamma) * tip**2 / 4 + 2 * (decayed + c * cosh) * s * sinh / below**2
 
 
 def shapes(alpha: np.ndarray, places: np.ndarray | float) -> np.ndarray:

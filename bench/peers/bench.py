@@ -20,7 +20,7 @@ BLOW = """\
 &impact    mass_ratio = {p.mass_ratio!r} /
 &capture   /
 """
-PEERS = (*beamwave.peers_of(BLOW, 11), *sums.PEERS, *hermite.PEERS, opensees.PEER)
+PEERS = (*beamwave.peers_of(BLOW, 11), *sums.PEERS, hermite.PEER, opensees.PEER)
 LEVELS = (2e-3, 1e-6, 1e-9, 1e-10)
 SMALL, MODES_OF_SMALL = Problem(samples=512, duration=0.05), 2000
 
@@ -44,11 +44,9 @@ CURVES = {
     "beamwave, whole process": own_curve("beamwave, whole\nprocess with files", -2, (9, 0), "left", DASHED),
     "numpy + FINUFFT": Curve(COLOURS[1], LINE, "s", "numpy +\nFINUFFT", 4, (9, 0), "left"),
     "numpy, matrix products": Curve(COLOURS[5], LINE, "D", "numpy, matrix\nproducts", -1, (7, 0), "left"),
-    "numpy, direct sum": Curve(COLOURS[5], DASHED, "d", "numpy,\ndirect sum", -1, (7, 0), "left"),
     "textbook cosh shapes": Curve(COLOURS[7], LINE, "X", COSH_WORDS, 0, (-34, -20), "right"),
     "Hermite elements, exact modes":
         Curve(COLOURS[3], LINE, "^", "Hermite elements,\nexact modes", -1, (8, -4), "left"),
-    "Hermite elements, Newmark": Curve(COLOURS[3], DASHED, "v", "Hermite elements, Newmark", 0, (6, 10), "left"),
     "OpenSees, Newmark": Curve(COLOURS[4], LINE, "P", "OpenSees, Newmark", 1, (0, 10), "left"),
 }
 

@@ -1,4 +1,4 @@
-"""The modal sum in numpy, in four ways: the beam's own modes or the textbook's; sines, matrix products or FINUFFT."""
+"""The modal sum in numpy, in three ways: the beam's own modes by matrix products or FINUFFT, or the textbook's."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from .beam import Problem, amplitudes, roots
 from .comparison import Peer, timed
 
 BLOCK = 4096  # modes in one product
-NUMBERS = 1 << 17  # in one block of sines: 1 MB
 STEPS = 2001  # of Simpson's rule for the modal mass
 
 
@@ -37,21 +36,6 @@ def products(problem: Problem, modes: int) -> np.ndarray:
     """Sum `modes` modes by products."""
     weights, beta = amplitudes(problem, roots(modes, problem.mass_ratio))
     return sum_of_sines(weights, beta, problem.samples, problem.duration / problem.samples)
-
-
-@timed
-def direct(problem: Problem, modes: int) -> np.ndarray:
-    """Sum `modes` modes by the sines of all phases, in blocks that stay in cache."""
-    weights, beta = amplitudes(problem, roots(modes, problem.mass_ratio))
-    turns, times = beta / (2 * np.pi), problem.times
-    displacement = np.empty((len(problem.points), problem.samples))
-    step = max(NUMBERS // modes, 1)
-    for first in range(0, problem.samples, step):
-        phases = np.outer(turns, times[first : first + step])
-        phases -= np.rint(phases)  # numpy's sine is slow beyond a few million radians
-        phases *= 2 * np.pi
-        displacement[:, first : first + step] = weights @ np.sin(phases, out=phases)
-    return displacement
 
 
 @timed
@@ -130,13 +114,6 @@ PEERS = (
         "the same sum by the addition theorem over a grid of times, in BLAS",
         products,
         {"modes": (10, 30, 100, 300, 1000, 3000, 10000, 30000)},
-        {"modes": (10, 30)},
-    ),
-    Peer(
-        "numpy, direct sum",
-        "stable closed forms; sines of all phases in blocks, times the amplitudes",
-        direct,
-        {"modes": (10, 30, 100, 300, 1000, 3000)},
         {"modes": (10, 30)},
     ),
     Peer(

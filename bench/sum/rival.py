@@ -3,61 +3,30 @@
 Without dimensions: lengths in l, times in l²/h; the mass comes with velocity 1 and stays.
 """
 import numpy as np
+from peers.beam import roots, shapes, tips_and_masses
 
 try:
     import finufft
 except ImportError:  # its times and errors are left out
     finufft = None
 
+FEW = 16  # modes; beyond them sech α is below rounding
+
 
 def modes(n, gamma):
-    """Frequencies, velocities and midpoint and tip shapes of n modes, by Newton's method from an asymptotic start."""
-    k = np.arange(1, n + 1)
-    anchor = (k - 0.75)*np.pi
-    u = 1/(gamma*anchor)
-    delta = np.arctan(u/(2 + u))
-    few = min(n, 16)                                   # beyond them sech α is below rounding
-    delta[:few] = low_roots(anchor[:few], gamma, delta[:few])
-    far = slice(few, n)
-    for _ in range(1 if few > 300 else 2):
-        x = 1 + 2*gamma*(anchor[far] + delta[far])
-        delta[far] -= (delta[far] - np.arctan(1/x))/(1 + 2*gamma/(1 + x*x))
-    alpha = anchor + delta
-    tip, mass, middle = np.empty(n), np.empty(n), np.empty(n)
-    tip[:few], mass[:few], middle[:few] = low_shapes(alpha[:few], gamma)
-    sign = np.where(k[far] % 2 == 0, -1.0, 1.0)
-    sine = np.sin(delta[far])
-    tip[far] = -np.sqrt(8)*sign*sine
-    mass[far] = 1 + 2*gamma*sine**2
-    middle[far] = np.sqrt(2)*np.cos(0.5*alpha[far] + 0.25*np.pi)
-    near = slice(few, min(n, 32))
-    middle[near] += -np.exp(-0.5*alpha[near]) + 0.5*tip[near]*np.exp(-0.5*alpha[near])
+    """Frequencies, velocities and midpoint and tip shapes of n modes; most without an exponential."""
+    alpha = roots(n, gamma)
+    delta = alpha - (np.arange(1, n + 1) - 0.75)*np.pi
+    tip, sine = np.empty(n), np.sin(delta)
+    tip[0::2], tip[1::2] = -np.sqrt(8)*sine[0::2], np.sqrt(8)*sine[1::2]
+    mass = 1 + 2*gamma*sine**2
+    middle = np.sqrt(2)*np.cos(0.5*alpha + 0.25*np.pi)
+    near = slice(FEW, min(n, 2*FEW))
+    middle[near] += (0.5*tip[near] - 1)*np.exp(-0.5*alpha[near])
+    low = alpha[:FEW]
+    tip[:FEW], mass[:FEW] = tips_and_masses(low, gamma)
+    middle[:FEW] = shapes(low, 0.5)
     return alpha**2, gamma*tip/mass, middle, tip
-
-
-def low_roots(anchor, gamma, delta):
-    """Newton's method on the frequency equation with its exponentials."""
-    delta[0] = 0.35*min(1.0, gamma**-0.25) if gamma > 0 else 1.09      # the first root is far from its asymptote
-    alpha = anchor + delta
-    alpha[0] = (3/gamma/(1 + 0.2427/gamma))**0.25
-    for _ in range(6):
-        c, s, h, th = np.cos(alpha), np.sin(alpha), 1/np.cosh(alpha), np.tanh(alpha)
-        value = h + c + gamma*alpha*(c*th - s)
-        slope = -h*th - s + gamma*(c*th - s) + gamma*alpha*(-s*th + c*h*h - c)
-        alpha -= value/slope
-    return alpha - anchor
-
-
-def low_shapes(alpha, gamma):
-    """Tip, mass and midpoint where the exponentials count."""
-    c, s, ch, sh = np.cos(alpha), np.sin(alpha), np.cosh(alpha), np.sinh(alpha)
-    sigma = (c + ch)/(s + sh)
-    tip = 2*(c*sh - s*ch)/(s + sh)
-    mass = 0.25*(1 + gamma)*tip**2 + 2*(1 + c*ch)*s*sh/(s + sh)**2
-    z = 0.5*alpha
-    middle = np.cos(z) - sigma*np.sin(z) - 0.5*(1 + sigma)*np.exp(-z) \
-        - 0.5*(s - c - np.exp(-alpha))/(s + sh)*np.exp(z)
-    return tip, mass, middle
 
 
 class Transform:

@@ -16,8 +16,7 @@ MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None  # no disk is measure
 HEAD = """## Throughput of sweeps
 
 Made by `bench/throughput.sh` ([bench/](../bench/README.md#throughput) describes it). Rates are cases per CPU second of a core, including
-start-up and writing the result; numpy writes by netCDF4. The rate of the pool is that of each of its processes. beamwave saves
-every case to the disk within two seconds."""
+start-up and writing the result; numpy writes by netCDF4. beamwave saves every case to the disk within two seconds."""
 
 
 def measured(options: argparse.Namespace) -> Measured:
@@ -48,14 +47,14 @@ def section(measured: Measured) -> list[str]:
 
 def rates(rows: Rows) -> str:
     """Cases per second of each way."""
-    heads = ["beamwave, cases/s", "numpy loop", "numpy by products", "multiprocessing pool", "beamwave is faster by"]
+    heads = ["beamwave, cases/s", "numpy loop", "numpy by products", "beamwave is faster by"]
     lines = [["sweep over ω and γ", *heads]]
     for row in rows:
         speed = [1.0 / row[way] for way in WAYS]
         factors = ", ".join(f"{speed[0] / other:.1f}" for other in speed[1:])
         lines.append([row["what"], *(f"{value:.0f}" for value in speed), factors])
     return (
-        "Loop and pool compute a sine for every mode at every time. *By products* is the loop with the addition "
+        "The loop computes a sine for every mode at every time. *By products* is the loop with the addition "
         "theorem, so that BLAS sums the histories.\n\n" + table(lines)
     )
 

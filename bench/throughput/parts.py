@@ -3,7 +3,6 @@ number of cases, whether `beamwave check` says beforehand what a run takes, and 
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import re
 import resource
@@ -18,13 +17,13 @@ from typing import Any, Callable
 import netCDF4
 import numpy as np
 from common.bench import PROJECT, Rows
-from common.measuring import in_turns, launched, median, rounded
+from common.measuring import expected, in_turns, launched, median, rounded
 from workplace import MPI_ON_FEW_CORES
 
 from .jobs import JOBS, Job
-from .with_numpy import case, loop, pooled, save
+from .with_numpy import case, loop, save
 
-WAYS = ["beamwave", "numpy loop", "by products", "pool of 2"]
+WAYS = ["beamwave", "numpy loop", "by products"]
 ROUNDS, ROUNDS_OF_DESIGNS, ROUNDS_OF_RUNS = 9, 15, 3
 NUMPY_PART = 10  # numpy does a part of the cases, spread over all of them
 AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
@@ -52,7 +51,6 @@ SMALL = """&beam length = 1.0, diameter = 0.037, density = 7870.0, youngs_modulu
 &modes before = 20, after = 20 /
 """
 MPI = {**MPI_ON_FEW_CORES, "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe", "OMPI_MCA_mpi_yield_when_idle": "1"}
-UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "kB": 1e3, "MB": 1e6, "GB": 1e9}
 TWO_PARTS = '"$0" "$@" --part 1/2 & one=$!; "$0" "$@" --part 2/2 && wait $one'
 
 
@@ -66,7 +64,6 @@ def rates(program: Path, directory: Path, small: bool) -> Rows:
             "beamwave": (lambda: subprocess.run([program, *job.words(directory, cases)], check=True, stderr=subprocess.DEVNULL), cases),
             "numpy loop": (lambda: save(loop(job, grid), directory / "numpy.nc"), len(grid)),
             "by products": (lambda: save(loop(job, grid, by_products=True), directory / "numpy.nc"), len(grid)),
-            "pool of 2": (lambda: pool(job, grid, directory), len(grid)),
         }
 
         def run(way: str) -> tuple[float]:
@@ -90,15 +87,6 @@ def cpu(work: Callable[[], Any]) -> float:
 def used() -> float:
     """CPU seconds so far, to the microsecond."""
     return sum(sum(resource.getrusage(who)[:2]) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-
-
-def pool(job: Job, grid: list[tuple[float, float]], directory: Path) -> None:
-    """All cases in a pool of two processes."""
-    work = [(job, place) for place in grid]
-    workers = multiprocessing.Pool(2)
-    save(workers.map(pooled, work, chunksize=max(1, len(work) // 20)), directory / "pool.nc")
-    workers.close()
-    workers.join()
 
 
 def check(job: Job, cases: int, directory: Path) -> float:
@@ -192,12 +180,12 @@ def predictions(program: Path, directory: Path, small: bool) -> Rows:
         paths.append(job.words(directory, 100 if small else cases)[1])
 
     def run(scene: Path) -> tuple[float, ...]:
-        said = launched(program, "check", scene).said
+        foretold = expected(program, scene)[:3]
         took = launched(program, "run", scene, "--output", directory, "--overwrite", "--quiet")
         result = directory / f"{scene.stem}.nc"
         size = result.stat().st_size
         result.unlink()
-        return took.seconds, took.wall, took.memory, size, *(said_in(name, said) for name in ("time", "memory", "result"))
+        return took.seconds, took.wall, took.memory, size, *foretold
 
     rows = []
     for scene, runs in zip(paths, in_turns(paths, run, 1 if small else ROUNDS_OF_RUNS, lambda path: path.stem)):
@@ -251,13 +239,6 @@ def rewritten(model: Path, path: Path, count: int) -> float:
             for variable, (*_, values) in zip(made, variables):
                 variable[...] = values
     return (time.process_time() - before) / count
-
-
-def said_in(name: str, text: str) -> float:
-    """The number of a line of `check`, in s or bytes."""
-    said = re.search(rf"^ *{name} +(?:about )?([\d.]+) (\w+)", text, re.MULTILINE)
-    assert said, f"check says no {name}"
-    return float(said[1]) * UNITS[said[2]]
 
 
 PARTS = {part.__name__: part for part in (rates, designs, ranks, memory, predictions, scenes)}

@@ -11,7 +11,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 
-from peers.beam import shapes
+from peers.beam import roots, shapes
 from peers.sums import sum_of_sines
 
 from .jobs import DENSITY, DIAMETER, LENGTH, MODULUS, POINTS, Job
@@ -34,26 +34,6 @@ def free_beam(modes: int) -> tuple[np.ndarray, np.ndarray]:
     """Shapes before the capture at the nodes and at the tip, which all cases share."""
     alpha = roots(modes, 0.0)
     return shapes(alpha, gauss()[0]).T, shapes(alpha, 1.0)
-
-
-def roots(modes: int, gamma: float) -> np.ndarray:
-    """α of 1 + cos α cosh α + αγ(cos α sinh α − sin α cosh α) = 0, divided by cosh α."""
-    k = np.arange(modes)
-    alpha = (k + 0.5) * np.pi
-    if gamma > 0.0:
-        alpha = k * np.pi + np.arctan(1.0 + 1.0 / (gamma * alpha))
-    alpha[0] = (3.0 / (gamma + 33.0 / 140.0)) ** 0.25
-    for _ in range(8):
-        sine, cosine, tangent, secant = np.sin(alpha), np.cos(alpha), np.tanh(alpha), 1.0 / np.cosh(alpha)
-        bracket = cosine * tangent - sine
-        value = secant + cosine + alpha * gamma * bracket
-        slope = -secant * tangent - sine + gamma * bracket
-        slope += alpha * gamma * (-sine * tangent + cosine * secant**2 - cosine)
-        step = value / slope
-        alpha = alpha - step
-        if np.abs(step).max() < 1e-14 * alpha[-1]:
-            break
-    return alpha
 
 
 def case(job: Job, speed: float, gamma: float, by_products: bool = False) -> Case:
@@ -98,9 +78,3 @@ def save(cases: list[Case], path: Path) -> None:
             for dimension, length in zip(dimensions, value.shape):
                 file.createDimension(dimension, length)
             file.createVariable(name, "f8", ("case", *dimensions))[:] = np.array([case[name] for case in cases])
-
-
-def pooled(work: tuple[Job, tuple[float, float]]) -> Case:
-    """A case in a process of a pool."""
-    job, (speed, gamma) = work
-    return case(job, speed, gamma)

@@ -86,7 +86,7 @@ def test_beamwave_keeps_its_tolerance_against_the_independent_reference(small_ru
 
 def test_a_careful_sum_gains_digits_with_modes(small_run):
     _, measured, _ = small_run("peers")
-    worse, better = (row["error"] for row in measured["rows"] if row["peer"] == "numpy, direct sum")
+    worse, better = (row["error"] for row in measured["rows"] if row["peer"] == "numpy, matrix products")
     assert better < worse / 5  # three times the modes; the tail falls with their square
 
 

@@ -326,7 +326,7 @@ def estimates_over_errors(few, many):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_errors_hold_through_all_events(here, seed):
-    """Against four times as many modes. `python -m timelines` of bench/ draws hundreds: displacements may be off by up to three times
+    """Against four times as many modes. `python -m errors changes` of bench/ draws hundreds: displacements may be off by up to three times
     their estimate where velocities at the places of bodies have hardly begun to converge."""
     groups = random_groups(seed)
     few = run(here, "few", *groups, ("modes", {"before": 48, "after": 48}))

@@ -1,1 +1,0 @@
-import common  # noqa: F401 (finds the helpers of tests)
