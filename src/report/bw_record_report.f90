@@ -52,7 +52,8 @@ contains
       call report_line(record, k, table, lines)
     end do
     call note_rest(lines, size(record%lines%angular_frequency), most_rows)
-    call report_drifts(record, lines)
+    if (any([(drift_text(record, k) /= '', k=1, size(record%lines%status))])) &
+      & call lines%append_line('  Drift: change of the frequency over the record, or over three decay times if these are shorter')
   end subroutine report_lines
 
   subroutine report_line(record, k, table, lines)
@@ -70,7 +71,7 @@ contains
         found%decay_rate_error(k))//'|'//short(found%decay_rate_error(k))//'|'//short(found%decay_rate_bound(k))//'|'// &
         shortest(100*found%decay_rate(k)/hypot(found%decay_rate(k), found%angular_frequency(k)), 3)//'|'// &
         shortest(abs(found%amplitude(s, k)), 4)//'|'//short(found%amplitude_error(s, k)), &
-        '   '//place_text(record, s)//kinds_text(found%status(k)))
+        '   '//place_text(record, s)//kinds_text(found%status(k))//drift_text(record, k))
     end associate
   end subroutine report_line
 
@@ -109,6 +110,19 @@ contains
     if (text /= '') text = ';'//text(2:)
   end function kinds_text
 
+  pure function drift_text(record, k) result(text)
+    !! Return the change of a drifting line's frequency, with half its interval; empty if noise may have caused it, since then it is
+    !! the decay rate that changes.
+    type(record_result), intent(in) :: record
+    integer, intent(in) :: k
+    character(:), allocatable :: text
+    text = ''
+    associate (drift => record%lines%drift(k)/two_pi, error => record%lines%quantile*record%lines%drift_bound(k)/two_pi)
+      if (.not. is_missing(record%lines%drift_bound(k)) .and. abs(drift) > error) &
+        & text = ' by '//to_its_error(drift, error)//' +/- '//short(error)//' Hz'
+    end associate
+  end function drift_text
+
   subroutine report_constants(record, lines)
     !! Print a row for each line, with the modal constant of the sensor that measures it best, and the modal mass.
     type(record_result), intent(in) :: record
@@ -133,22 +147,6 @@ contains
         shortest(1/size_of, 4), '   '//short_name(record%extent%sensors(s)%name))
     end do
   end subroutine report_constants
-
-  subroutine report_drifts(record, lines)
-    !! Print lines that drift along the record.
-    type(record_result), intent(in) :: record
-    type(text_builder), intent(inout) :: lines
-    integer, parameter :: drifting = findloc(status_words == 'drifting', .true., dim=1) - 1
-    integer :: k
-    associate (found => record%lines)
-      do k = 1, size(found%status)
-        if (.not. btest(found%status(k), drifting)) cycle
-        call lines%append_line('  Line '//text_of(k)//' drifts: its frequency changes by '// &
-                               to_its_error(found%drift(k)/two_pi, found%drift_bound(k)/two_pi)//' Hz (bound '// &
-                               shortest(found%drift_bound(k)/two_pi, 2)//' Hz) over the record, or its first three decay times')
-      end do
-    end associate
-  end subroutine report_drifts
 
   subroutine report_waves(record, measured, lines)
     !! Print wave numbers and velocities with half their intervals, and properties of the beam from their dispersion.

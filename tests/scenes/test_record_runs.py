@@ -319,6 +319,22 @@ def test_what_repeats_drift_does_not_average_out(here):
     assert (error < 1.5 * rise).all() and (following < 0.2 * rise).all()
 
 
+def test_a_drift_is_a_number_only_where_the_frequency_drifts(here):
+    """One mode rises by 0.3 Hz in two seconds, and the decay rate of another by 4 1/s."""
+    time = np.arange(2000) / 1000.0
+    rising = np.exp(-1.5 * time) * np.cos(2 * np.pi * (60 * time + 0.3 * time**2 / 4))
+    slowing = np.exp(-time - time**2) * np.cos(2 * np.pi * 150 * time + 1)
+    noise = 0.01 * np.random.default_rng(1).standard_normal(time.size)
+    here.write("drift.csv", as_text(time, (rising + slowing + noise)[None], "time [s],tip [m/s2]"))
+    here.scene("drift", {"record": {"file": "drift.csv"}, "spectrum": {}})
+    ended = here.beamwave("run", "drift.nml")
+    rows = [line for line in ended.stdout.splitlines() if "; drifting" in line]
+    by, half = re.search(r"; drifting by (\S+) \+/- (\S+) Hz$", rows[0]).groups()
+    assert abs(float(by) - 0.3) < WIDE * float(half) < 0.05
+    assert rows[1].endswith("; drifting")
+    assert ended.stdout.count("Drift: ") == 1
+
+
 def test_repeats_that_are_swept_too_are_not_pooled(here):
     for name, seed in [("a", 41), ("b", 42)]:
         here.write(f"{name}.csv", text_of(seed))
