@@ -42,7 +42,7 @@ contains
     if (stops(monitor)) return
     call judge_lines(found%model, confidence, false_alarm, believed)
     believed = believed(ascending(believed%frequency))
-    call name_lines(samples, believed)
+    call name_lines(samples, false_alarm, believed)
     call add_multiples(found, believed)
   end subroutine find_believed_lines
 

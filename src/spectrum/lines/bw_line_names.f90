@@ -7,7 +7,6 @@ module bw_line_names
   public :: name_lines
 
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
-  real(dp), parameter :: by_chance = 0.1_dp    !! largest interval of a harmonic, relative to the stronger line's frequency
   integer, parameter :: most_times = 6         !! largest order of a harmonic
   integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
     !! bits of a status; 0: none of these
@@ -29,12 +28,17 @@ module bw_line_names
 
 contains
 
-  pure subroutine name_lines(samples, believed)
-    !! Mark close pairs, harmonics and lines at an edge.
+  pure subroutine name_lines(samples, false_alarm, believed)
+    !! Mark close pairs, harmonics and lines at an edge. A line is within w of the place of a harmonic by chance with the probability
+    !! 2w over its frequency. A harmonic is named only if chance yields so close an agreement anywhere in the record with at most
+    !! the probability `false_alarm`.
     type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
     type(believed_line), intent(inout) :: believed(:)
     real(dp) :: strength(size(believed)), away
+    real(dp) :: places                           ! multiples, sums and differences of the lines that are stronger than each
     integer :: i, j, k, m
+    places = sum([(real(k, dp)*(k + most_times - 2), k=0, size(believed) - 1)])
     do i = 1, size(believed)
       strength(i) = norm2(abs(believed(i)%amplitude))
     end do
@@ -48,14 +52,12 @@ contains
         do i = 1, size(believed)
           if (.not. strength(i) > strength(k)) cycle
           do m = 2, most_times
-            if (is_at(line, believed(i), m*believed(i)%frequency, m*believed(i)%frequency_error)) &
-              & line%status = ior(line%status, harmonic)
+            if (is_at(line, m*believed(i)%frequency, m*believed(i)%frequency_error)) line%status = ior(line%status, harmonic)
           end do
           do j = 1, i - 1
             if (.not. strength(j) > strength(k)) cycle
             do m = -1, 1, 2
-              if (is_at(line, believed(merge(i, j, believed(i)%frequency < believed(j)%frequency)), &
-                & believed(i)%frequency + m*believed(j)%frequency, &
+              if (is_at(line, believed(i)%frequency + m*believed(j)%frequency, &
                 & hypot(believed(i)%frequency_error, believed(j)%frequency_error))) line%status = ior(line%status, harmonic)
             end do
           end do
@@ -65,17 +67,15 @@ contains
 
   contains
 
-    pure logical function is_at(line, stronger, frequency, error)
-      !! Whether a line is at a frequency, or at its alias, within both errors. These have to be far below the frequency of the
-      !! line of which it would be a multiple, or else it would be near some multiple by chance.
+    pure logical function is_at(line, frequency, error)
+      !! Whether a line is at a frequency, or at its alias, within both errors, and not by chance.
       type(believed_line), intent(in) :: line
-      type(believed_line), intent(in) :: stronger  !! the one in question, or the lower of two
       real(dp), intent(in) :: frequency, error
-      real(dp) :: aliased
+      real(dp) :: aliased, within
       aliased = abs(frequency)
       if (.not. allocated(samples%place)) aliased = abs(aliased - anint(aliased))
-      is_at = abs(line%frequency - aliased) <= hypot(line%frequency_error, error) .and. &
-        & max(line%frequency_error, error) < by_chance*stronger%frequency
+      within = hypot(line%frequency_error, error)
+      is_at = abs(line%frequency - aliased) <= within .and. 2*within*places <= false_alarm*line%frequency
     end function is_at
 
   end subroutine name_lines
