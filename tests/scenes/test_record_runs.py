@@ -57,12 +57,26 @@ def test_a_driven_resonance_is_no_free_decay(here):
     here.scene("noise", {"record": {"file": "noise.csv"}, "spectrum": {}})
     ended = here.beamwave("run", "noise.nml")
     assert "Rejected candidates" in ended.stdout
+    assert abs(here.result("noise")["candidate_angular_frequency"][0] - 600.0) < 10.0  # rad/s: the resonance, whose half-width is 15
     assert ended.returncode == 4
     assert "no free decay: the beam seems to be driven continuously" in ended.stderr
     assert "operational modal analysis, which this program does not do" in ended.stderr
     result = here.result("noise")
     assert (result["peak_count"], result["case_status"]) == (0, 5)
     assert results.is_fill(result["measured_angular_frequency"]).all()
+
+
+def test_a_peak_that_noise_alone_seldom_has_is_a_rejected_candidate(here):
+    """A tone with 13 times the power of the noise, where a line needs 15."""
+    time = np.arange(2000) / 1000.0
+    values = np.exp(-2 * time) * np.cos(2 * np.pi * 60 * time) + 0.008 * np.cos(2 * np.pi * 333.2 * time + 1)
+    values += 0.05 * np.random.default_rng(2).standard_normal(time.size)
+    here.write("weak.csv", as_text(time, values[None], "time [s],tip [m/s2]"))
+    here.scene("weak", {"record": {"file": "weak.csv"}, "spectrum": {}})
+    result = here.run("weak")
+    assert (result["peak_count"], result["candidate_count"]) == (1, 1)
+    assert abs(result["candidate_angular_frequency"][0] / (2 * np.pi) - 333.2) < 0.5  # what the record resolves
+    assert 10.7 < result["candidate_ordinate"][0] < 15.3
 
 
 def test_a_sweep_of_a_shaker_is_no_free_decay(here):

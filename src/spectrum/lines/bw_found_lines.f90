@@ -3,6 +3,8 @@ module bw_found_lines
   !!
   !! The lines of a record without noise, as a simulation's, are found from its transform to the last digit; their residual is
   !! rounding, which takes the place of noise.
+  use bw_cost, only: penalty_of_line
+  use bw_decay_bank, only: decay_candidate, find_candidates
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -16,6 +18,9 @@ module bw_found_lines
   implicit none (type, external)
   private
   public :: find_record_lines
+
+  integer, parameter :: most_rejected = 24       !! peaks listed that are no lines
+  real(dp), parameter :: even_odds = 0.5_dp
 
   type, public :: found_lines
     type(model_type) :: model
@@ -44,9 +49,21 @@ contains
       call take_lines(samples, lines, found)
     else
       call find_lines(samples, false_alarm, found%model, found%outcome, monitor)
+      if (.not. found%outcome%driven) call find_rejected(samples, found)
     end if
     found%deviation = deviations_of(samples, found%model)
   end subroutine find_record_lines
+
+  subroutine find_rejected(samples, found)
+    !! Find the peaks of the spectrum that are no lines: those that the lines leave and that noise alone exceeds in less than half of
+    !! all records.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    type(decay_candidate), allocatable :: peaks(:)
+    call find_candidates(found%model, penalty_of_line(samples, even_odds, found%model), most_rejected, peaks)
+    found%outcome%poles = peaks%pole
+    found%outcome%gains = peaks%gain
+  end subroutine find_rejected
 
   subroutine take_lines(samples, lines, found)
     !! Fill the model with the lines of a record without noise. A steady line that does not oscillate is an offset and left out.

@@ -132,8 +132,10 @@ contains
     real(dp), intent(in) :: rate                  !! steps per second
     type(rejected_candidate), allocatable :: candidates(:)
     logical :: excluded(size(found%outcome%poles))
+    real(dp) :: omega(size(excluded))             ! no associate name: gfortran 12 takes the real parts for it
     integer :: i, best
-    associate (omega => found%outcome%poles%im, gain => found%outcome%gains)
+    omega = found%outcome%poles%im
+    associate (gain => found%outcome%gains)
       excluded = [(any(abs(omega(i + 1:) - omega(i)) < apart) .or. any(abs(found%model%lines%pole%im - omega(i)) < apart) &
         & .or. .not. omega(i) > apart .or. .not. gain(i) > 1, i=1, size(omega))]
       allocate (candidates(0))
