@@ -60,7 +60,7 @@ contains
     if (.not. allocated(error) .and. force > 0) call read_force(source, force, part, record, error)
     if (.not. allocated(error)) call leave_out(told, record, error)
     if (.not. allocated(error)) call convert(record, error)
-    if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
+    if (.not. allocated(error)) call add_notes(scene, source, time, columns, force, record)
     if (allocated(source)) call source%close()
   end subroutine read_record
 

@@ -19,11 +19,11 @@ module bw_record_notes
 
 contains
 
-  subroutine add_notes(scene, source, time, columns, record)
+  subroutine add_notes(scene, source, time, columns, force, record)
     !! Add all notes of a record whose numbers are read.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
-    integer, intent(in) :: time, columns(:)            !! 0: there is no column of times
+    integer, intent(in) :: time, columns(:), force     !! columns; 0: there is none
     type(record_type), intent(inout) :: record
     integer :: s
     allocate (record%notes(0))
@@ -31,6 +31,9 @@ contains
       call append(record%notes, source%notes(s)%text)
     end do
     if (time > 0) call note_time_unit(source%columns(time)%unit, scene%record%time_scale, record%notes)
+    if (force > 0) then
+      if (source%columns(force)%unit == '') call append(record%notes, 'force: not given in a unit, and N is assumed')
+    end if
     call note_uneven(record)
     if (record%left_out > 0) call append(record%notes, 'rows: '//text_of(record%left_out)//' of '// &
       text_of(record%samples_there)//' are left out: a value or the time is missing, or the time is that of the row before')

@@ -106,6 +106,15 @@ def test_a_quantity_that_nobody_says_is_warned_of(here):
     assert check(here, table(), quantity="displacement").stderr == ""
 
 
+def test_a_force_without_a_unit_is_in_newtons_and_warned_of(here):
+    warning = "data/ring.nml: warning: force: not given in a unit, and N is assumed"
+    bare = check(here, table(head="time,acc [m/s2],hammer"), force="hammer")
+    assert (bare.returncode, bare.stderr.count(warning)) == (0, 1)
+    assert check(here, table(head="time,acc [m/s2],hammer [N]"), force="hammer").stderr == ""
+    wrong = check(here, table(head="time,acc [m/s2],hammer [V]"), force="hammer")
+    assert (wrong.returncode, "is in 'V', which is no unit of force" in wrong.stderr) == (2, True)
+
+
 def test_repeats_are_files_with_the_same_sensors(here):
     here.write("a.csv", table())
     here.write("b.csv", table(ROWS[:100]))

@@ -54,7 +54,8 @@ def _write(channels: Sequence[Channel], source: str, path: Path) -> None:
         for channel in channels:
             kind = "f4" if channel.values.dtype == np.float32 else "f8"
             variable = file.createVariable(_free_name(channel.name, names), kind, ("time",), fill_value=False)
-            variable.units = channel.unit or "1"
+            if channel.unit:
+                variable.units = channel.unit
             variable.long_name = channel.description or channel.name
             if channel.quantity:
                 variable.quantity = channel.quantity
