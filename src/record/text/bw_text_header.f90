@@ -3,7 +3,7 @@ module bw_text_header
   use bw_record, only: bare_name, column_type, unit_in
   use bw_sensor_unit, only: is_unit, quantity_of
   use bw_text, only: lower, string
-  use bw_text_fields, only: fields_of, tab
+  use bw_text_fields, only: blanks, fields_of, tab
   use bw_time_column, only: mark_time
   implicit none (type, external)
   private
@@ -22,16 +22,22 @@ contains
 
   subroutine name_columns(lines, separator, closed, columns)
     !! Find the names: in the last line of the header with one field for each column, or in the line before if that holds
-    !! units; in a comment if no other line has them.
+    !! units; in a comment if no other line has them. Their separator may be another one than that of the rows.
     type(string), intent(in) :: lines(:)                       !! of the header
     character, intent(in) :: separator
     logical, intent(in) :: closed                              !! one more column is empty in all rows
     type(column_type), intent(inout) :: columns(:)
+    character(*), parameter :: marks = tab//';,'               !! names between these may stand above rows parted by others
     type(string), allocatable :: names(:), units(:)
+    character(:), allocatable :: tried
     integer :: i
     allocate (names(0), units(0))
-    call find_names(lines, .false., separator, closed, size(columns), names, units)
-    if (size(names) == 0) call find_names(lines, .true., separator, closed, size(columns), names, units)
+    tried = separator//marks
+    do i = 1, len(tried)
+      call find_names(lines, .false., tried(i:i), closed, size(columns), names, units)
+      if (size(names) == 0) call find_names(lines, .true., tried(i:i), closed, size(columns), names, units)
+      if (size(names) + size(units) > 0) exit
+    end do
     do i = 1, size(columns)
       associate (column => columns(i))
         if (size(names) > 0) column%name = names(i)%text
@@ -85,11 +91,17 @@ contains
     character, intent(in) :: separator
     integer, intent(inout) :: n
     type(string), allocatable, intent(out) :: fields(:)
+    integer :: i
     allocate (fields(0))
     do while (n > 1)
       n = n - 1
       if (is_comment(lines(n)%text) .neqv. comments) cycle
       fields = fields_of(uncommented(lines(n)%text), separator)
+      do i = 1, merge(size(fields), 0, separator == blanks)      ! in `time, a` commas follow the names
+        associate (text => fields(i)%text)
+          if (len(text) > 1 .and. scan(text, ',;', back=.true.) == len(text)) fields(i)%text = text(:len(text) - 1)
+        end associate
+      end do
       if (any_text(fields)) return
     end do
     n = 0
