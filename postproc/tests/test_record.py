@@ -88,6 +88,21 @@ def test_an_array_of_numpy_along_its_longer_axis(tmp_path, turned):
     assert ds["acc_1"].attrs["units"] == "g"
 
 
+def test_an_archive_of_numpy_holds_its_time_and_no_unit(tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez(path, t=TIMES, acc=HISTORIES, name="by hand")
+    ds = converted(path)
+    assert_histories(ds, ["acc_1", "acc_2"])
+    assert "units" not in ds["acc_1"].attrs
+
+
+def test_an_array_of_three_dimensions_is_refused_with_its_shape(tmp_path):
+    np.save(tmp_path / "a.npy", np.zeros((2, 30, 3)))
+    for wanted in (Wanted(), Wanted(time="1"), Wanted(variables=["a"])):
+        with pytest.raises(NotARecord, match=r"a has 3 dimensions, \(2, 30, 3\); accepted: two, samples and sensors"):
+            read_channels(tmp_path / "a.npy", wanted)
+
+
 def test_single_precision_stays_single(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, HISTORIES.astype(np.float32))

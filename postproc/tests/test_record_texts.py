@@ -46,6 +46,11 @@ TEXTS = {  # text, names and units, interval of the times
     "ISO times": ("timestamp,acc\n" + rows(lambda n, y: f"2024-02-01T23:59:{40 + n / 4:05.2f}Z,{y}"), [("acc", "")]),
     "across midnight": ("clock\tacc\n" + rows(lambda n, y: f"{midnight(n)}\t{y}"), [("acc", "")]),
     "names in a comment": ("# t a\n# s mm\n" + rows(lambda n, y: f"{n / 4} {y}"), [("a", "mm")]),
+    "names between commas above blanks": (
+        "time(s), x acceleration(g), y\n" + rows(lambda n, y: f"{n / 4} {y} {y}"),
+        [("x acceleration", "g"), ("y", "")],
+    ),
+    "commas and blanks above blanks": ("time(s), a(g)\n" + rows(lambda n, y: f"{n / 4} {y}"), [("a", "g")]),
     "Fortran": ("time a\n" + rows(lambda n, y: f"{n / 4:.3f}D+00 {y}D0"), [("a", "")]),
 }
 
@@ -130,6 +135,35 @@ def test_a_labview_measurement(tmp_path, x_columns, parts, separator, decimal):
     for number, channel in enumerate(found):
         np.testing.assert_array_equal(channel.values, SAMPLES * (1 + number % 2))
         np.testing.assert_allclose(channel.times, number // 2 + np.arange(COUNT) / 4)
+
+
+def portioned(start, heads):
+    """Two portions, the second from `start` samples on, with a head of its own or without."""
+    text = labview("One").rstrip()
+    head = text[text.index("Channels") : text.index("X_Value")].replace("X0\t0\t0", f"X0\t{start / 4}\t{start / 4}")
+    names, *samples = text[text.index("X_Value") :].splitlines()
+    later = [f"{float(row.split(chr(9))[0]) + start / 4}\t" + row.split("\t", 1)[1] for row in samples]
+    return "\r\n".join([text, "", *([head + names] if heads else []), *later, ""])
+
+
+@pytest.mark.parametrize("heads", [True, False])
+def test_portions_of_labview_that_go_on_are_one_record(tmp_path, heads):
+    found = read(tmp_path / "a.lvm", portioned(COUNT, heads))
+    assert [(one.name, one.unit, one.record) for one in found] == [("acc", "g", ""), ("force", "N", "")]
+    np.testing.assert_array_equal(found[0].values, np.tile(SAMPLES, 2))
+    np.testing.assert_allclose(found[0].times, np.arange(2 * COUNT) / 4)
+
+
+def test_portions_of_labview_that_begin_anew_are_records_or_take_a_sampling_rate(tmp_path):
+    assert [one.record for one in read(tmp_path / "a.lvm", portioned(0, True))] == ["1", "1", "2", "2"]
+    with pytest.raises(NotARecord, match="row 21: the time is 0 s after 4.75 s; accepted: times that rise, or --sample-rate"):
+        read(tmp_path / "a.lvm", portioned(0, False))
+    assert read(tmp_path / "a.lvm", portioned(0, False), Wanted(sample_rate=4.0))[0].times[-1] == (2 * COUNT - 1) / 4
+
+
+def test_a_spectrum_of_labview_is_no_record(tmp_path):
+    with pytest.raises(NotARecord, match="its samples are over frequency; accepted: histories in time"):
+        read(tmp_path / "a.lvm", labview("One").replace("X0\t", "X_Dimension\tFrequency\tFrequency\r\nX0\t"))
 
 
 def test_a_labview_measurement_that_is_cut_off_is_refused(tmp_path):

@@ -135,6 +135,8 @@ def _one_record(numbers: Mapping[str, np.ndarray], clock: str, wanted: Wanted, r
         most = max(columns.shape[0] for columns in long.values())
         long = {name: columns for name, columns in long.items() if columns.shape[0] == most}
     left_out = [name for name in wanted.variables if name not in long]
+    if left_out or not long:
+        _refuse_deep(numbers, left_out or names)
     if left_out:
         raise NotARecord(f"{left_out[0]} is not as long as the time, {clock}")
     if not long:
@@ -146,6 +148,15 @@ def _one_record(numbers: Mapping[str, np.ndarray], clock: str, wanted: Wanted, r
         for number, values in enumerate(columns.T, 1):
             found.append(Channel(name if columns.shape[1] == 1 else f"{name}_{number}", values, when, record=record))
     return found
+
+
+def _refuse_deep(numbers: Mapping[str, np.ndarray], names: Iterable[str]) -> None:
+    """Raise `NotARecord` where one of some arrays has more dimensions than samples and sensors."""
+    for name in names:
+        if np.squeeze(numbers[name]).ndim > 2:
+            raise NotARecord(
+                f"{name} has {numbers[name].ndim} dimensions, {numbers[name].shape}; accepted: two, samples and sensors"
+            )
 
 
 def _time_column(numbers: Mapping[str, np.ndarray], wanted: Wanted) -> int | None:
@@ -172,6 +183,7 @@ def _split(numbers: Mapping[str, np.ndarray], column: int, wanted: Wanted) -> li
             label = name if len(others) == 1 else f"{name}_{number}"
             found.append(Channel(label, table[:, number - 1], times, record=name))
     if not found:
+        _refuse_deep(numbers, list(tables))
         raise NotARecord(f"--time is {column}, and no array has columns; accepted: --time NAME, or --sample-rate")
     return found
 

@@ -43,7 +43,7 @@ Reader = Callable[[Path, Wanted], "list[Channel]"]
 
 def _reader(start: bytes, suffix: str) -> tuple[str, Reader]:
     """What a file is by its first bytes, and who reads that."""
-    if start.startswith(b"\x93NUMPY"):
+    if start.startswith(b"\x93NUMPY") or (start.startswith(b"PK") and suffix == ".npz"):
         return "array of numbers", numpy_channels
     if start.startswith((b"RIFF", b"RIFX", b"RF64")):
         return "sound file", sound_channels
@@ -59,11 +59,12 @@ def _reader(start: bytes, suffix: str) -> tuple[str, Reader]:
 
 
 def numpy_channels(path: Path, wanted: Wanted) -> list[Channel]:
-    """An array of histories, named after the file, or with names of its own columns."""
-    array = np.load(path, allow_pickle=False)
-    arrays = {path.stem: array}
-    if array.dtype.names:
-        arrays = {name: array[name] for name in array.dtype.names}
+    """Arrays of histories: one named after the file, those of an archive, or columns with names of their own."""
+    held = np.load(path, allow_pickle=False)
+    arrays = dict(held) if isinstance(held, np.lib.npyio.NpzFile) else {path.stem: held}
+    for name, array in list(arrays.items()):
+        if array.dtype.names:
+            arrays |= {column: array[column] for column in array.dtype.names}
     return channels_of(arrays, wanted, path.name)
 
 

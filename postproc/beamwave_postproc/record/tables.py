@@ -106,7 +106,8 @@ def _tables(lines: Sequence[str], separator: str | None, *, chosen: bool = False
         if chosen and last > first:
             _refuse_words(cells, is_row, first, last, comma)
         if last - first >= LEAST_ROWS:
-            found.append(_table(cells[first:last], cells[max(end, first - NEAR) : first], comma, first + 1))
+            above = lines[max(end, first - NEAR) : first]
+            found.append(_table(cells[first:last], above, separator, comma, first + 1))
             end = last
         first = max(last, first + 1)
     return found
@@ -179,11 +180,14 @@ def _is_clock(cell: str) -> bool:
     return bool(CLOCK.fullmatch(cell))
 
 
-def _table(rows: list[list[str]], header: list[list[str]], comma: bool, line: int) -> Table:
-    """Rows with the names and units that stand above them."""
+def _table(rows: list[list[str]], header: Sequence[str], separator: str | None, comma: bool, line: int) -> Table:
+    """Rows with the names and units that stand above them, which may be parted otherwise than the rows."""
     count = max(column + 1 for row in rows for column, cell in enumerate(row) if cell)  # rows may end in separators
-    above = [(row + [""] * count)[:count] for row in header if len(row) <= len(rows[0])]
-    above = [row for row in above if sum(map(bool, row)) > count // 2][-2:]
+    above: list[list[str]] = []
+    for mark in (separator, *SEPARATORS):
+        split = [row for row in (_cells(line, mark) for line in header) if len(row) <= len(rows[0])]
+        split = [([cell.rstrip(",;") for cell in row] + [""] * count)[:count] for row in split]
+        above = above or [row for row in split if sum(map(bool, row)) > count // 2][-2:]
     names, units = [""] * count, [""] * count
     if len(above) == 2 and all(_is_unit(cell) for cell in above[1]):
         names, units = above[0], [cell.strip("()[]") for cell in above[1]]
@@ -310,26 +314,44 @@ def _year_first(cells: list[str], dates: list[re.Match[str]], column: str, order
 
 
 def _labview(lines: Sequence[str], wanted: Wanted) -> list[Channel]:
-    """A LabVIEW measurement file: each part below a header of its own is a record."""
+    """A LabVIEW measurement file: each part below a header of its own is a record, unless it continues the one before."""
     separator = {"Tab": "\t", "Comma": ","}.get(_said(lines, "Separator", None), "\t")
     split = [line.split(separator) for line in lines]
     comma = _said(lines, "Decimal_Separator", separator) == ","
     x_columns = (_said(lines, "X_Columns", separator) or "One").lower()
     ends = [number for number, row in enumerate(split) if row[0].strip() == END_OF_HEADER][1:]
-    found = []
-    for part, end in enumerate(ends):
+    records: list[list[Channel]] = []
+    for end in ends:
         begin = next(
             (n for n in range(end - 1, -1, -1) if split[n][0].strip() == END_OF_HEADER or not lines[n].strip()), 0
         )
         stride = 2 if x_columns == "multi" else 1
         head = {row[0].strip(): row[1::stride] for row in split[begin + 1 : end]}
         count = int(head["Channels"][0])
-        found += _part(
-            split[end + 1 :], head, count, (comma, x_columns), wanted, "" if len(ends) == 1 else str(part + 1)
-        )
-    if not found:
+        part = _part(split[end + 1 :], head, count, (comma, x_columns), wanted)
+        if records and _goes_on(records[-1], part):
+            for channel, after in zip(records[-1], part):
+                channel.values = np.append(channel.values, after.values)
+                channel.times = np.append(channel.times, after.times)
+        elif part:
+            records.append(part)
+    if not records:
         raise NotARecord("a LabVIEW measurement without samples")
-    return found
+    for number, channels in enumerate(records, 1):
+        for channel in channels:
+            channel.record = "" if len(records) == 1 else str(number)
+    return [channel for channels in records for channel in channels]
+
+
+def _goes_on(before: list[Channel], after: list[Channel]) -> bool:
+    """Whether channels are those of the part before, an interval later, as of a recorder that writes in portions."""
+
+    def follows(first: Channel, then: Channel) -> bool:
+        steps = np.diff(np.append(first.times[-2:], then.times[:1]))
+        even = steps.size == 2 and abs(steps[1] - steps[0]) < 0.5 * steps[0]
+        return even and (first.name, first.unit) == (then.name, then.unit)
+
+    return len(before) == len(after) and all(map(follows, before, after))
 
 
 def _said(lines: Sequence[str], key: str, separator: str | None) -> str | None:
@@ -347,21 +369,24 @@ def _part(
     count: int,
     form: tuple[bool, str],
     wanted: Wanted,
-    record: str,
 ) -> list[Channel]:
     """The channels of one part: times of a column, of a column for each, or of `X0` and `Delta_X`.
 
-    `Samples` is that of the first portion that was written, and tells nothing.
+    `Samples` is that of the first portion that was written, and tells nothing; further ones may follow without a header.
     """
     comma, x_columns = form
+    other = next((cell.strip() for cell in head.get("X_Dimension", []) if cell.strip() not in ("", "Time")), "")
+    if other:
+        raise NotARecord(f"its samples are over {other.lower()}; accepted: histories in time")
     names = [cell.strip() for cell in rows[0]]
     width = 2 * count if x_columns == "multi" else count + 1
     block = []
     for row in rows[1:]:
+        if row[0].strip() and _number(row[0].strip(), comma) is None:
+            break  # the next header
         values = [_number(cell.strip(), comma) for cell in (row + [""] * width)[:width]]
-        if all(value is None for value in values):
-            break
-        block.append([np.nan if value is None else value for value in values])
+        if any(value is not None for value in values):
+            block.append([np.nan if value is None else value for value in values])
     table = np.array(block, dtype=float).reshape(-1, width)
     found = []
     for channel in range(count):
@@ -376,7 +401,7 @@ def _part(
         name = names[column] if column < len(names) and names[column] else f"channel_{channel + 1}"
         if not wanted.variables or name in wanted.variables:
             unit = (head.get("Y_Unit_Label", []) + [""] * count)[channel].strip()
-            found.append(Channel(name, values, wanted.time_scale * times, unit=unit, record=record))
+            found.append(Channel(name, values, own_times(wanted.time_scale * times, wanted, "X_Value"), unit=unit))
     return found
 
 

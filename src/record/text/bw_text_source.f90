@@ -69,8 +69,8 @@ contains
     integer(i1), intent(in) :: bytes(:)                    !! from the beginning of the file
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
-    character(*), parameter :: makes = '; accepted: text or NetCDF, to which beamwave-record converts UFF 58, MATLAB, NumPy, '// &
-                               'WAV and other files'
+    character(*), parameter :: makes = '; accepted: text or NetCDF, to which beamwave-record converts UFF 58, LabVIEW, '// &
+                               'MATLAB, NumPy, WAV and other files'
     character(:), allocatable :: head, problem
     integer :: line
     head = text_between(bytes, 1, min(size(bytes), 40))
@@ -81,6 +81,8 @@ contains
       problem = 'is compressed, or a spreadsheet'//makes
     else if (index(head, 'MATLAB') == 1 .or. index(head, 'RIFF') == 1 .or. any(bytes == 0)) then
       problem = 'is binary'//makes
+    else if (index(head, 'LabVIEW Measurement') == 1) then
+      problem = 'is a LabVIEW measurement'//makes
     else if (index(head, '    -1') == 1) then
       line = index(head, new_line('a')) + 1
       if (line > 7 .and. verify(head(line:min(len(head), line + 5)), ' 0123456789') == 0) problem = &
