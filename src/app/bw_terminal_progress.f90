@@ -121,7 +121,8 @@ contains
   end subroutine tell
 
   subroutine show(self, fraction, now)
-    !! Draw the bar, or write a log line: the fraction done, cases per second, the time left.
+    !! Draw the bar, or write a log line: the fraction done, cases per second, the time left. The search for lines in a spectrum
+    !! counts rounds, which take different times, so that before the first case is done nothing tells how long it takes.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction, now
     real(dp) :: part, new_part
@@ -134,7 +135,8 @@ contains
     if (self%cases > 1) line = line//'  case '//text_of(self%done)//' of '//text_of(self%cases)
     if (self%cases > 1 .and. self%done > self%taken_over) line = line//'  '// &
       shortest(real(self%done - self%taken_over, dp)/(now - self%started), 3)//' cases/s'
-    if (new_part > merge(least_part, 0.0_dp, self%cases == 1)) line = line//'  '// &
+    if (new_part > merge(least_part, 0.0_dp, self%cases == 1) .and. part < 1 .and. &
+        (self%done > self%taken_over .or. self%stage /= 'spectrum')) line = line//'  '// &
       duration_text((now - self%started)*(1.0_dp - part)/new_part)//' left'
     if (self%on_terminal) then
       filled = min(bar_width, int(bar_width*part))

@@ -67,6 +67,7 @@ contains
     samples = samples_of(record)
     call take_force(record, samples, layout, hammer, result)
     call take_values(record, samples)
+    call monitor%enter('spectrum')
     call find_believed_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, believed, monitor)
     if (monitor%stop_requested()) return
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
