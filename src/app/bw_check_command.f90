@@ -18,7 +18,7 @@ module bw_check_command
   use bw_record_summary, only: record_summary
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
-  use bw_scene, only: counts_in_its_run, is_loaded, scene_type
+  use bw_scene, only: converges_in_run, is_loaded, scene_type
   use bw_scene_files, only: read_and_list, refused_type
   use bw_scene_summary, only: bytes_text, case_numbers, cost_summary, disk_bytes, scene_heading, &
     & scene_summary, unknowns_text, working_bytes
@@ -246,7 +246,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     text = ''
     count = first_modes
-    if (counts_in_its_run(scene) .or. .not. takes_at_most(scene, first_modes, most_planning)) return
+    if (converges_in_run(scene) .or. .not. takes_at_most(scene, first_modes, most_planning)) return
     call fix_tolerance(scene, monitor, count, error)
     if (monitor%stop_requested() .or. .not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: the '// &

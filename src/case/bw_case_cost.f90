@@ -9,10 +9,10 @@ module bw_case_cost
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: sum_tolerance
-  use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, counts_in_its_run, has_configurations, &
+  use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, converges_in_run, has_configurations, &
     is_loaded, scene_type
   use bw_sum_choice, only: sum_seconds
-  use bw_timeline, only: comes_back, most_configurations, most_events
+  use bw_timeline, only: is_released, most_configurations, most_events
   implicit none (type, external)
   private
   public :: case_bytes, case_counts, case_shares, modes_seconds, seconds_of, shared_terms, stage_part
@@ -108,7 +108,7 @@ contains
     before = merge(0, scene%modes%before, planning)
     after = merge(merge(planned, scene%modes%after, planning), 0, allocated(scene%capture))
     moving = merge(after, before, allocated(scene%capture))
-    if (counts_in_its_run(scene) .and. planning) then     ! the run itself finds the count of its tolerance
+    if (converges_in_run(scene) .and. planning) then     ! the run itself finds the count of its tolerance
       moving = first_modes*2
       if (allocated(scene%contact)) moving = modes_of_contact(scene)
       before = moving
@@ -120,7 +120,7 @@ contains
       found = before + (most_configurations(scene) - 1)*after
     end if
     ! with shear most plans are made twice
-    if (planning .and. .not. counts_in_its_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned
+    if (planning .and. .not. converges_in_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned
     counts = 0.0_dp
     if (closed) then
       counts(closed_modes) = found
@@ -132,11 +132,11 @@ contains
     if (allocated(scene%impact) .and. .not. planning) &
       & counts(merge(closed_places, other_places, closed)) = before*scene%impact%profile_points
     if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
-      & counts(capture_pairs) = merge(2, 1, comes_back(scene))*before*after
-    if (planning .and. .not. counts_in_its_run(scene)) counts(plans) = 1.0_dp
+      & counts(capture_pairs) = merge(2, 1, is_released(scene))*before*after
+    if (planning .and. .not. converges_in_run(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
-    if (comes_back(scene) .and. (planning .or. closed)) &
+    if (is_released(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
     if (allocated(scene%recontact)) counts(contacts) = scene%recontact%max_contacts*before
     if (allocated(scene%frequency_response)) then
@@ -226,8 +226,8 @@ contains
     real(dp) :: counts(2)
     real(dp) :: count
     counts = 0.0_dp
-    if (before > 0.0_dp) call add(merge(max(before, real(first_modes, dp)), before, comes_back(scene)))
-    if (planning .and. comes_back(scene)) call add(real(first_modes, dp))
+    if (before > 0.0_dp) call add(merge(max(before, real(first_modes, dp)), before, is_released(scene)))
+    if (planning .and. is_released(scene)) call add(real(first_modes, dp))
     if (after == 0.0_dp) return
     count = after
     if (allocated(scene%response)) count = merge(real(first_modes, dp), max(after, real(first_modes, dp)), planning)

@@ -20,7 +20,7 @@ module bw_case_modes
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   use bw_text, only: text_of
-  use bw_timeline, only: carried_type, comes_back, configurations_of, number_of, start_of
+  use bw_timeline, only: carried_type, is_released, configurations_of, number_of, start_of
   implicit none (type, external)
   private
   public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
@@ -196,7 +196,7 @@ contains
     integer :: count
     count = max(1, scene%modes%before)
     if (later) count = scene%modes%after
-    if (allocated(scene%response) .and. (later .or. comes_back(scene))) count = max(count, first_modes)
+    if (allocated(scene%response) .and. (later .or. is_released(scene))) count = max(count, first_modes)
     allocate (found)
     call solve_strains(problem_of(scene, units, carried), count, found, monitor, cache)
     if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(no_basis, modes%notes)

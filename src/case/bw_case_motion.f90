@@ -20,7 +20,7 @@ module bw_case_motion
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: mass_struck
   use bw_segment, only: alone, energy_type, lack_type, move_with_energy, segment_type, state_energy, together
-  use bw_timeline, only: change_type, changes_of, happens, timeline_type
+  use bw_timeline, only: change_type, changes_of, occurs_in_record, timeline_type
   implicit none (type, external)
   private
   public :: follow_motion, start_motion
@@ -91,7 +91,7 @@ contains
     changes = changes_of(scene, motion%units)
     do i = 1, size(changes)
       associate (last => motion%timeline%segments(size(motion%timeline%segments)))
-        if (.not. happens(changes(i)%seconds, scene, changes(i)%time - last%start, &
+        if (.not. occurs_in_record(changes(i)%seconds, scene, changes(i)%time - last%start, &
                           motion%modes%configuration(last%configuration)%set)) then
           call note_no_change(scene, motion)
           cycle

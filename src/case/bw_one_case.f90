@@ -11,7 +11,7 @@ module bw_one_case
   use bw_case_modes, only: find_modes
   use bw_case_moments, only: find_moments
   use bw_case_notes, only: note_relaxed
-  use bw_case_octave, only: drop_undecided
+  use bw_case_octave, only: drop_unresolved
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors, load_result, &
     put_together
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
@@ -22,7 +22,7 @@ module bw_one_case
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
   use bw_modal_model, only: find_modal_model
-  use bw_mode_set, only: attend, search_failure
+  use bw_mode_set, only: observe_searches, search_failure
   use bw_missing, only: is_missing
   use bw_modes_par, only: relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
@@ -149,7 +149,7 @@ contains
       call find_modes(scene, motion%units, part, motion%modes, cache%motion%modes)
       if (monitor%stop_requested()) return
     end if
-    call attend(motion%modes%configuration, failure, monitor)
+    call observe_searches(motion%modes%configuration, failure, monitor)
     call watch%lap(stage_modes)
 
     if (.not. planning) then
@@ -178,7 +178,7 @@ contains
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
       call note_history_errors(scene, histories%response, errors, leading_notes, validity)
-      call drop_undecided(scene, motion, histories, errors)
+      call drop_unresolved(scene, motion, histories, errors)
       call watch%lap(stage_response)
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
     end if

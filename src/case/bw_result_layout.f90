@@ -8,7 +8,7 @@ module bw_result_layout
   use bw_modes_par, only: by_tolerance
   use bw_piece_beam, only: junctions_of
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, changes_in_time, counts_in_its_run, has_configurations, is_loaded, scene_type, &
+  use bw_scene, only: answers_by_modes, changes_in_time, converges_in_run, has_configurations, is_loaded, scene_type, &
     varies_along_pieces
   use bw_scene_cases, only: case_count
   use bw_scene_pieces, only: pieces_of, struck_beam
@@ -155,7 +155,7 @@ contains
     layout%acceleration = scene%response%acceleration
     layout%shear_force = scene%response%shear_force
     layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
-    layout%continuum = (allocated(scene%capture) .and. .not. counts_in_its_run(scene)) .or. &
+    layout%continuum = (allocated(scene%capture) .and. .not. converges_in_run(scene)) .or. &
       (is_loaded(scene) .and. .not. (allocated(scene%impact) .or. changes_in_time(scene)))
     layout%contacts = allocated(scene%recontact) .or. allocated(scene%contact)
     layout%estimates = layout%continuum .or. layout%contacts .or. changes_in_time(scene)
@@ -174,7 +174,7 @@ contains
     before = largest(scene, 'modes', 'before', scene%modes%before)
     after = largest(scene, 'modes', 'after', scene%modes%after)
     layout%modes = merge(after, before, allocated(scene%capture))
-    if (counts_in_its_run(scene) .and. by_tolerance(scene%modes)) layout%modes = after
+    if (converges_in_run(scene) .and. by_tolerance(scene%modes)) layout%modes = after
     if (has_configurations(scene)) layout%modes = max(before, after)
     layout%modes_before = merge(before, 0, allocated(scene%capture))      ! 0 with a tolerance
   end subroutine count_modes

@@ -13,7 +13,8 @@ module bw_beam_states
   use bw_piece_beam, only: beam_joint, beam_root, piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: across, ending, inertia_at, joined, lead_from_root, lead_from_tip, mirrored, motion_within, solve, waves_of
+  public :: propagated, support_states, inertia_at, states_before_joint, lead_from_root, lead_from_tip, mirrored, motion_within, &
+    solve, waves_of
 
   integer, parameter, public :: deflection = 1, turning = 2, moment = 3, shear_force = 4   !! components of a state
 
@@ -97,10 +98,10 @@ contains
     integer :: i
     do i = size(leg), 1, -1
       if (i == size(leg)) then
-        leg(i)%far = joined(beam%joint(from + i), inertia, ending(beam_root(.false., .false.)))
+        leg(i)%far = states_before_joint(beam%joint(from + i), inertia, support_states(beam_root(.false., .false.)))
       else
         call turn_to_motions(leg(i + 1)%near, leg(i)%far, leg(i)%onwards)
-        leg(i)%far = joined(beam%joint(from + i), inertia, leg(i)%far)
+        leg(i)%far = states_before_joint(beam%joint(from + i), inertia, leg(i)%far)
       end if
       leg(i)%piece = waves_of(beam%piece(from + i), inertia)
       call cross(leg(i))
@@ -116,17 +117,17 @@ contains
     integer :: i
     do i = to, 1, -1
       if (i == to) then
-        leg(i)%far = ending(beam%root)
+        leg(i)%far = support_states(beam%root)
       else
         call turn_to_motions(leg(i + 1)%near, leg(i)%far, leg(i)%onwards)
-        leg(i)%far = joined(beam%joint(to - i), inertia, leg(i)%far)
+        leg(i)%far = states_before_joint(beam%joint(to - i), inertia, leg(i)%far)
       end if
       leg(i)%piece = waves_of(beam%piece(to + 1 - i), inertia)
       call cross(leg(i))
     end do
   end subroutine lead_from_root
 
-  pure function ending(root) result(states)
+  pure function support_states(root) result(states)
     !! Return two independent states at an end with given support, as seen towards it.
     type(beam_root), intent(in) :: root
     complex(dp) :: states(4, 2)
@@ -135,9 +136,9 @@ contains
     if (.not. root%holds_deflection) states([1, 4], 1) = [1.0_dp, -root%stiffness%hi]
     states(moment, 2) = 1.0_dp
     if (.not. root%holds_turning) states([2, 3], 2) = [1.0_dp, -root%turning_stiffness%hi]
-  end function ending
+  end function support_states
 
-  pure function joined(joint, inertia, beyond) result(before)
+  pure function states_before_joint(joint, inertia, beyond) result(before)
     !! Return the states before a joint from those beyond it.
     type(beam_joint), intent(in) :: joint
     type(inertia_type), intent(in) :: inertia
@@ -146,7 +147,7 @@ contains
     before = beyond
     before(3, :) = beyond(3, :) - (joint%turning_stiffness%hi - joint%inertia%hi*inertia%square)*beyond(2, :)
     before(4, :) = beyond(4, :) - (joint%stiffness%hi - joint%mass%hi*inertia%lambda)*beyond(1, :)
-  end function joined
+  end function states_before_joint
 
   pure subroutine turn_to_motions(states, unit, amplitudes)
     !! Replace two states by combinations with v, ψ equal to 1, 0 and 0, 1. What a joint adds to M and N, however large,
@@ -179,7 +180,7 @@ contains
     end if
   end subroutine cross
 
-  pure function across(piece, states, way) result(there)
+  pure function propagated(piece, states, way) result(there)
     !! Return combinations of two states at the far end of a piece, propagated by a given distance.
     type(piece_state), intent(in) :: piece
     complex(dp), intent(in) :: states(4, 2)
@@ -191,7 +192,7 @@ contains
     else
       call by_waves(piece, states, way, there, outwards, coming)
     end if
-  end function across
+  end function propagated
 
   pure logical function is_short(piece, way)
     type(piece_state), intent(in) :: piece

@@ -6,7 +6,8 @@ module bw_flexibility
   !!
   !! **Limit**: pieces are uniform. The flexibility of a tapering beam is at most that of many uniform pieces that are
   !! nowhere stiffer or heavier (`softest` of bw_varying_beam), which gives a bound.
-  use bw_beam_states, only: across, crossing_type, deflection, inertia_at, inertia_type, lead_from_root, lead_from_tip, mirrored, &
+  use bw_beam_states, only: propagated, crossing_type, deflection, inertia_at, inertia_type, lead_from_root, lead_from_tip, &
+    mirrored, &
     moment, piece_state, solve, waves_of
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
@@ -113,9 +114,9 @@ contains
       i = min(count(ends < xi(p)) + 1, n)
       outer = max(0.0_dp, ends(i) - xi(p))
       inner = max(0.0_dp, beam%piece(i)%length%hi - outer)
-      beyond = across(to_tip(i)%piece, to_tip(i)%far, outer)
+      beyond = propagated(to_tip(i)%piece, to_tip(i)%far, outer)
       sides(:, :2) = beyond
-      sides(:, 3:) = -mirrored(across(to_root(n + 1 - i)%piece, to_root(n + 1 - i)%far, inner))
+      sides(:, 3:) = -mirrored(propagated(to_root(n + 1 - i)%piece, to_root(n + 1 - i)%far, inner))
       amplitude = jump
       call solve(sides, amplitude)
       values(p) = real(sum(beyond(seen, :)*amplitude(:2)))

@@ -4,7 +4,8 @@ module bw_forced_beam
   !! Undamped, β² = Ω² is real. Mass-proportional Rayleigh damping, a, subtracts iΩa from β²; stiffness-proportional
   !! damping, b, multiplies all elasticity by 1 + iΩb. One damping ratio for all modes has no such operator, and tension
   !! no such waves; bw_modal_response treats them by modal sums. Without dimensions, as the beam.
-  use bw_beam_states, only: crossing_type, ending, inertia_at, inertia_type, joined, lead_from_root, lead_from_tip, mirrored, &
+  use bw_beam_states, only: crossing_type, support_states, inertia_at, inertia_type, states_before_joint, lead_from_root, &
+    lead_from_tip, mirrored, &
     motion_within, solve
   use bw_double_double, only: dd, to_dd
   use bw_kinds, only: dp
@@ -94,7 +95,7 @@ contains
     call lead_from_tip(self%beam, self%forced, inertia, self%to_tip)
     call lead_from_root(self%beam, self%forced, inertia, self%to_root)
     sides(:, :2) = near_end(self%to_tip, beam_root(.false., .false.))
-    if (self%forced > 0) sides(:, :2) = joined(self%beam%joint(self%forced), inertia, sides(:, :2))
+    if (self%forced > 0) sides(:, :2) = states_before_joint(self%beam%joint(self%forced), inertia, sides(:, :2))
     sides(:, 3:) = -mirrored(near_end(self%to_root, self%beam%root))
     amplitude = [0.0_dp, 0.0_dp, 0.0_dp, -1.0_dp]
     equations = sides
@@ -122,7 +123,7 @@ contains
     type(beam_root), intent(in) :: root          !! support of the end, for a leg without pieces
     complex(dp) :: states(4, 2)
     if (size(leg) == 0) then
-      states = ending(root)
+      states = support_states(root)
     else
       states = leg(1)%near
     end if

@@ -5,7 +5,8 @@ module bw_junction_waves
   !! from the root's side. Two waves leave in either piece, e^(∓κx); decaying ones carry no power by themselves. v, ψ, M and N
   !! on the two sides differ by what the junction adds, which gives four equations for four amplitudes. Undamped, the power ½Ω
   !! Im(v*N + ψ*M) is conserved. Outgoing waves are those that decay outwards under vanishing damping.
-  use bw_beam_states, only: deflection, inertia_at, inertia_type, joined, moment, piece_state, shear_force, solve, turning, waves_of
+  use bw_beam_states, only: deflection, inertia_at, inertia_type, states_before_joint, moment, piece_state, shear_force, solve, &
+    turning, waves_of
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
   implicit none (type, external)
@@ -31,7 +32,7 @@ contains
     onwards = running(waves_of(beam%piece(joint + 1), inertia), 1.0_dp)
     incident = back(:, bending)
     incident([turning, shear_force]) = -incident([turning, shear_force])
-    system(:, :2) = joined(beam%joint(joint), inertia, onwards)
+    system(:, :2) = states_before_joint(beam%joint(joint), inertia, onwards)
     system(:, 3:) = -back
     amplitude = incident
     call solve(system, amplitude)

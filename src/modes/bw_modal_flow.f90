@@ -11,7 +11,7 @@ module bw_modal_flow
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: angle_of, flow, turning_square, exponent_of, slow_exponent, fast_exponent, left_beyond, energy_gain
+  public :: angle_of, flow, turning_square, exponent_of, slow_exponent, fast_exponent, damping_factor_beyond, energy_gain
   public :: find_angular_frequencies, find_growth_rates
 
   real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
@@ -54,7 +54,7 @@ contains
     exponent = -(root%hi + 0.5_dp*c)
   end function fast_exponent
 
-  pure real(dp) function left_beyond(beta_squared, c, stiffness, time) result(left)
+  pure real(dp) function damping_factor_beyond(beta_squared, c, stiffness, time) result(left)
     !! Bound the factor (1 + σt)e^(−σt) by which damping reduces β|q| of modes beyond this one, after initial velocity
     !! 1; σ is their slowest decay rate. Exponents of modes overdamped by stiffness damping tend to −1/b.
     type(dd), intent(in) :: beta_squared         !! > 0
@@ -68,7 +68,7 @@ contains
     if (stiffness > 0.0_dp) decayed = min(decayed, time/stiffness)
     decayed = max(0.0_dp, decayed)
     left = (1.0_dp + decayed)*exp(-decayed)
-  end function left_beyond
+  end function damping_factor_beyond
 
   elemental subroutine flow(beta_squared, c, time, q, q_dot)
     !! Move a mode's state forward by a time ≥ 0. **Limit**: e^(rt − ½ct) must not overflow.

@@ -10,7 +10,7 @@ module bw_mode_set
   use bw_scene_pieces, only: struck_beam
   implicit none (type, external)
   private
-  public :: attend, first_failure, first_numbers, first_struck, mean_rate, take_terms, terms_of_set, values_at
+  public :: observe_searches, first_failure, first_numbers, first_struck_mode, mean_rate, take_terms, terms_of_set, values_at
 
   integer, parameter, public :: deflections = 1, curvatures = 2, turns = 3   !! quantities of histories, the last for a free hub
 
@@ -179,7 +179,7 @@ contains
     if (self%failure%first == 0) self%failure = search_failure(number(1), number(size(number)))
   end subroutine note_failure
 
-  subroutine attend(configurations, failure, monitor)
+  subroutine observe_searches(configurations, failure, monitor)
     !! Set where failed searches are recorded, and the monitor of searches without their own. Both outlive the sources.
     type(configuration_type), intent(inout) :: configurations(:)
     type(search_failure), intent(in), target :: failure
@@ -190,7 +190,7 @@ contains
       configurations(i)%source%failure => failure
       configurations(i)%source%monitor => monitor
     end do
-  end subroutine attend
+  end subroutine observe_searches
 
   pure type(search_failure) function first_failure(configurations) result(failure)
     !! Return the first failure that was recorded.
@@ -207,14 +207,14 @@ contains
     number = [(k, k=1, count)]
   end function first_numbers
 
-  pure integer function first_struck(modes) result(k)
+  pure integer function first_struck_mode(modes) result(k)
     !! Return the first mode with motion at the struck place.
     class(mode_set), intent(in) :: modes
     real(dp), parameter :: at_rest = 1.0e-3_dp
     associate (shape => abs(modes%struck))
       k = max(1, findloc(shape > at_rest*maxval(shape), .true., dim=1))
     end associate
-  end function first_struck
+  end function first_struck_mode
 
   pure real(dp) function mean_rate(modes, rate)
     !! Return the angular velocity of the rigid rotation on a free hub; else 0.

@@ -16,12 +16,12 @@ module bw_change_of_bodies
   use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: configuration_type, first_struck, mean_rate, mode_set
+  use bw_mode_set, only: configuration_type, first_struck_mode, mean_rate, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_segment, only: energy_type, known_energy, shape_term, operator(+)
   implicit none (type, external)
   private
-  public :: energy_at, energy_of, hand_over, strike_beam
+  public :: energy_at, energy_of, change_bodies, strike_beam
 
   type, public :: body_type
     !! A body with its springs.
@@ -47,7 +47,7 @@ module bw_change_of_bodies
 
 contains
 
-  subroutine hand_over(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond, &
+  subroutine change_bodies(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond, &
                        unsummed)
     !! Project the state at a change of bodies, and find the event's energies and momenta. Its kind and time are left to
     !! the caller.
@@ -133,7 +133,7 @@ contains
       call find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
       event%momentum_before = missing
       event%momentum_after = missing
-      associate (k => first_struck(after))
+      associate (k => first_struck_mode(after))
         if (abs(after%struck(k)) > epsilon(1.0_dp)) then   ! else the point is held, and shapes have size 1
           event%momentum_before = (momenta(1) + momenta(2))/after%struck(k)
           event%momentum_after = (after%modal_mass(k)*later%rate(k) + momenta(2))/after%struck(k)
@@ -141,7 +141,7 @@ contains
       end associate
       event%hub_rate_change = mean_rate(after, later%rate) - mean_rate(before, state%rate)
     end associate
-  end subroutine hand_over
+  end subroutine change_bodies
 
   function overlaps_with(modes, is, bodies, configuration, terms, monitor) result(sums)
     !! Return ∫ρAΦ_kv dx + Σ mΦ_kv_b + JΨ_kψ_b of a motion, with all bodies after the change, (modes).
@@ -195,7 +195,7 @@ contains
     type(body_type), intent(in) :: bodies(:)
     real(dp), intent(in) :: moving(:, :), push(:, :)
     real(dp), intent(out) :: momenta(2)
-    real(dp) :: gain(size(bodies), 2), shape(after%count, 2), amplitude(first_struck(after))
+    real(dp) :: gain(size(bodies), 2), shape(after%count, 2), amplitude(first_struck_mode(after))
     integer :: b, k
     k = size(amplitude)
     amplitude = 0.0_dp
@@ -385,7 +385,7 @@ contains
     real(dp) :: momentum
     integer :: k, n
     n = state%count
-    k = first_struck(modes)
+    k = first_struck_mode(modes)
     associate (struck => modes%struck(:n), modal => modes%modal_mass(:n))
       event%energy_before = known_energy(energy_of(modes, state) + energy_type(0.5_dp*mass*velocity**2 + place, 0.0_dp))
       momentum = modes%modal_mass(k)*state%rate(k)/modes%struck(k)

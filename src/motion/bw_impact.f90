@@ -13,7 +13,7 @@ module bw_impact
   use bw_double_double, only: accurate_sum
   use bw_event, only: capture_event, event_type, impact_event
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_struck, mode_set
+  use bw_mode_set, only: first_struck_mode, mode_set
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
@@ -68,7 +68,7 @@ contains
     event%energy_after = 0.5_dp*accurate_sum(modes%modal_mass*impact%modal_velocity**2) &
       + 0.5_dp*impact%gamma*impact%mass_velocity**2
     event%momentum_before = impact%gamma
-    k = first_struck(modes)
+    k = first_struck_mode(modes)
     event%momentum_after = modes%modal_mass(k)*impact%modal_velocity(k)/modes%struck(k) &
       + impact%gamma*impact%mass_velocity
   end function impact_balance
@@ -93,7 +93,7 @@ contains
     real(dp), intent(in) :: velocity(:)
     real(dp) :: seen(before%count)             ! overlaps with the first mode after
     integer :: i, k
-    k = first_struck(after)
+    k = first_struck_mode(after)
     seen = before%overlap_of_beam(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)])
     event%kind = capture_event
     event%energy_before = impact%event%energy_after

@@ -14,7 +14,7 @@ module bw_projection
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_missing, only: missing
-  use bw_modal_flow, only: left_beyond
+  use bw_modal_flow, only: damping_factor_beyond
   use bw_mode_set, only: configuration_type, first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
   use bw_segment, only: beam_energy, energy_type, lack_type, move, move_with_energy, segment_type, state_energy
@@ -213,7 +213,7 @@ contains
     left = 1.0_dp
     if (.not. allocated(before%damping)) return
     associate (n => before%count)
-      left = left_beyond(before%beta_squared(n), before%damping(n), real(before%law%stiffness, dp), time%hi)
+      left = damping_factor_beyond(before%beta_squared(n), before%damping(n), real(before%law%stiffness, dp), time%hi)
     end associate
   end function left_of
 

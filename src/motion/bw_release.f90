@@ -8,7 +8,7 @@ module bw_release
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: first_struck, mean_rate, mode_set
+  use bw_mode_set, only: first_struck_mode, mean_rate, mode_set
   use bw_projection, only: projection_type
   use bw_segment, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   implicit none (type, external)
@@ -46,7 +46,7 @@ contains
       event%kind = release_event
       event%energy_before = known_energy(energy)
       event%energy_after = known_energy(left)
-      k = first_struck(after)
+      k = first_struck_mode(after)
       event%momentum_before = dot_product(before%overlap_with_mass(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)]), rate) &
         /after%struck(k)
       event%momentum_after = after%modal_mass(k)*projection%rate_after(k)/after%struck(k) + before%gamma*place(2)

@@ -15,7 +15,7 @@ module bw_segment
   implicit none (type, external)
   private
   public :: beam_energy, growth_ends, growth_error, known_energy, leaves_range, mass_energy, move, move_with_energy
-  public :: sharper, state_energy, operator(+)
+  public :: more_accurate, state_energy, operator(+)
 
   integer, parameter, public :: alone = 1, together = 2
     !! configurations: the beam alone, and with a mass that is captured or pressed against it
@@ -142,12 +142,12 @@ contains
     c = energy_type(a%value + b%value, a%rounding + b%rounding + state_rounding*abs(a%value + b%value))
   end function added
 
-  elemental type(energy_type) function sharper(a, b) result(c)
+  elemental type(energy_type) function more_accurate(a, b) result(c)
     !! Return the more accurate of two values of the same energy.
     type(energy_type), intent(in) :: a, b
     c = b
     if (a%rounding <= b%rounding) c = a
-  end function sharper
+  end function more_accurate
 
   elemental real(dp) function known_energy(energy) result(value)
     !! Return an energy with at least three digits, else `missing`.
@@ -190,7 +190,7 @@ contains
     type(energy_type), intent(inout) :: energy    !! of this state
     energy = energy_later(modes, elapsed, q, rate, energy)
     call move(modes, elapsed, q, rate)
-    energy = sharper(energy, state_energy(modes, q, rate))
+    energy = more_accurate(energy, state_energy(modes, q, rate))
   end subroutine move_with_energy
 
   elemental type(energy_type) function mass_energy(gamma, displacement, velocity, speed) result(energy)

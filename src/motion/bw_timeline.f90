@@ -13,7 +13,8 @@ module bw_timeline
   use bw_segment, only: alone, leaves_range, segment_type
   implicit none (type, external)
   private
-  public :: changes_of, comes_back, configurations_of, happens, most_configurations, most_events, number_of, start_of, steps_of
+  public :: changes_of, is_released, configurations_of, occurs_in_record, most_configurations, most_events, number_of, start_of, &
+    steps_of
 
   type, public :: change_type
     !! A change at a given time.
@@ -150,21 +151,21 @@ contains
     end do
   end function number_of
 
-  pure logical function happens(seconds, scene, since, modes)
+  pure logical function occurs_in_record(seconds, scene, since, modes)
     !! Tell whether a change comes before the end of the record and before a growing mode overflows.
     real(dp), intent(in) :: seconds                 !! its time
     type(scene_type), intent(in) :: scene
     type(dd), intent(in) :: since                   !! since the start of the segment before, l²/h
     class(mode_set), intent(in) :: modes            !! of that segment
-    happens = .not. leaves_range(modes, since)
-    if (allocated(scene%response)) happens = happens .and. seconds < scene%response%duration
-  end function happens
+    occurs_in_record = .not. leaves_range(modes, since)
+    if (allocated(scene%response)) occurs_in_record = occurs_in_record .and. seconds < scene%response%duration
+  end function occurs_in_record
 
-  pure logical function comes_back(scene)
+  pure logical function is_released(scene)
     !! Tell whether a captured mass is released later.
     type(scene_type), intent(in) :: scene
-    comes_back = allocated(scene%release)
-  end function comes_back
+    is_released = allocated(scene%release)
+  end function is_released
 
   pure integer function most_configurations(scene) result(configurations)
     !! Return the most configurations of any case of a scene that changes in time.

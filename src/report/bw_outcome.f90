@@ -13,7 +13,8 @@ module bw_outcome
   implicit none (type, external)
   private
 
-  character(*), parameter, public :: work_taken_away = 'unfinished work, damaged or of another scene or version, was removed'
+  character(*), parameter, public :: unfinished_work_removed = &
+    'unfinished work, damaged or of another scene or version, was removed'
 
   type, public :: outcome_type
     integer :: status = status_done           !! an exit status

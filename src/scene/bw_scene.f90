@@ -38,7 +38,7 @@ module bw_scene
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
   public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, effects_text, &
-    at_start, bodies_change, changes_in_time, counts_in_its_run, has_configurations, has_parts, is_built_up, is_loaded, &
+    at_start, bodies_change, changes_in_time, converges_in_run, has_configurations, has_parts, is_built_up, is_loaded, &
     method_name, unit_velocity
 
   type, public :: scene_type
@@ -433,12 +433,12 @@ contains
     has = changes_in_time(scene) .or. bodies_change(scene)
   end function has_configurations
 
-  pure logical function counts_in_its_run(scene)
+  pure logical function converges_in_run(scene)
     !! Tell whether the number of modes for a tolerance is found during the run, by convergence, and not planned beforehand.
     type(scene_type), intent(in) :: scene
-    counts_in_its_run = allocated(scene%contact) .or. changes_in_time(scene) .or. &
+    converges_in_run = allocated(scene%contact) .or. changes_in_time(scene) .or. &
       (is_loaded(scene) .and. .not. allocated(scene%impact))
-  end function counts_in_its_run
+  end function converges_in_run
 
   pure real(dp) function unit_velocity(scene) result(velocity)
     !! Return the unit of dimensionless velocities, m/s: that of the striking mass, or 1 m/s if something else may move the beam.

@@ -4,7 +4,7 @@ module bw_scene_cases
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
-  use bw_scene, only: build_scene, complete_groups, counts_in_its_run, scene_type
+  use bw_scene, only: build_scene, complete_groups, converges_in_run, scene_type
   use bw_scene_checks, only: check_case
   use bw_scene_messages, only: message_list
   use bw_text, only: shortest, text_of
@@ -161,7 +161,7 @@ contains
     call messages%leave_row()
     if (messages%count > 0) return
     modes = position_of(scene%groups, 'modes')
-    if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. counts_in_its_run(scene))) &
+    if (.not. scene%modes%asked .and. (size(scene%sweeps) > 0 .or. converges_in_run(scene))) &
       & call scene%groups(modes)%drop('tolerance')          ! cases may relax it, and so may a contact of finite duration, or loads
   end subroutine complete
 

@@ -11,7 +11,7 @@ module bw_run_scene
   use bw_monitor, only: monitor_type, progress_type
   use bw_notes, only: notes_type
   use bw_one_case, only: case_cache, run_case
-  use bw_outcome, only: outcome_type, work_taken_away
+  use bw_outcome, only: outcome_type, unfinished_work_removed
   use bw_over_cases, only: over_cases
   use bw_process_group, only: process_group
   use bw_record, only: record_extent, record_type
@@ -116,7 +116,7 @@ contains
     if (allocated(error)) return
     call look()                                 ! a run may have ended just now
     if (.not. (existing%is_there .or. allocated(error))) call work%remove(own=.false., others=.true., error=error)
-    if (work%took_away) call outcome%tell(work_taken_away)
+    if (work%took_away) call outcome%tell(unfinished_work_removed)
     if (existing%is_there .or. allocated(error)) then
       call work%leave()
     else

@@ -23,7 +23,7 @@ module bw_changing_case
   use bw_contact_errors, only: add_rounding
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: attend, deflections, first_numbers, mode_set, search_failure
+  use bw_mode_set, only: observe_searches, deflections, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
@@ -142,7 +142,7 @@ contains
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
-      call attend(motion%modes%configuration, failure, monitor)
+      call observe_searches(motion%modes%configuration, failure, monitor)
       call follow_fewer(counted, handing, limit, motion, watch, monitor, workspace, histories, errors)
       if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
       rounding = rounding_of_turn(counted, motion)

@@ -1,6 +1,6 @@
 module bw_changing_errors
   !! Errors of histories of a beam that changes in time: differences between runs with fewer modes, extrapolated, and
-  !! the effect of errors in the initial states of segments (bw_unhanded).
+  !! the effect of errors in the initial states of segments (bw_unprojected).
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_motion, history_errors
   use bw_contact_errors, only: largest_distance

@@ -3,7 +3,7 @@ module bw_changing_motion
   !! fraction of the modes may take part, so that several runs show their convergence.
   use bw_case_bodies, only: bodies_of, presence, set_pull
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, hand_over, strike_beam
+  use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, change_bodies, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
   use bw_first_motion, only: find_first_motion
@@ -17,7 +17,7 @@ module bw_changing_motion
   use bw_segment, only: energy_type, known_energy, leaves_range, move, segment_type, operator(+)
   use bw_text, only: append, shortest
   use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of, timeline_type
-  use bw_unhanded, only: unhanded_motion
+  use bw_unprojected, only: unprojected_errors
   implicit none (type, external)
   private
   public :: follow_changes, kind_of_change, note_late_change
@@ -208,15 +208,15 @@ contains
     speed = speed_in_plane(scene%rotation, motion%units)
     if (step%is_capture) now%bodies(size(now%bodies))%velocity = motion%initial%impact%tip_velocity
     associate (configuration => motion%modes%configuration)
-      call hand_over(configuration, now%configuration, now%state, now%there, next, &
+      call change_bodies(configuration, now%configuration, now%state, now%there, next, &
                      taking_part(configuration(next)%set, eighths), is, now%bodies, speed**2, later, event, monitor)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
-        now%error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
+        now%error = unprojected_errors(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
                                     configuration(next)%set, now%bodies, now%there, is)
       end associate
       if (present(with_loads)) then
-        if (with_loads) call hand_over(configuration, now%configuration, now%total, now%there, next, &
+        if (with_loads) call change_bodies(configuration, now%configuration, now%total, now%there, next, &
           taking_part(configuration(next)%set, eighths), is, now%stretched, speed**2, whole, event, monitor)
         if (with_loads) now%total = whole
       end if

@@ -8,7 +8,7 @@ module bw_case_contacts
   use bw_contact_bodies, only: first_motion
   use bw_contact_changes, only: follow_contacts
   use bw_contact_force, only: force_at
-  use bw_contact_rates, only: add_rates, driven_type, find_driven, neglected_in, rounding_in, show_in_segments
+  use bw_contact_rates, only: add_rates, driven_histories, find_driven_histories, find_next_octave, rounding_in, store_in_segments
   use bw_event, only: capture_event, contact_event
   use bw_first_motion, only: find_first_motion
   use bw_initial_state, only: initial_state
@@ -61,7 +61,7 @@ contains
     type(lasting_contacts) :: contacts
     type(case_histories) :: histories
     type(history_errors) :: none
-    type(driven_type) :: driven
+    type(driven_histories) :: driven
     logical :: asked(quantities)
     call find_contacts(scene, motion, demand, monitor, contacts, loads)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
@@ -82,12 +82,13 @@ contains
       asked = [.false., .false., response%acceleration, .false., response%shear_force, .false.]
       if (present(loads)) asked = [.true., response%velocity, response%acceleration, response%bending_moment, &
                                    response%shear_force, allocated(scene%hub)]
-      if (any(asked)) call find_driven(scene, motion, demand%modes, asked, samples_before(contacts%known_until, time_grid_of( &
+      if (any(asked)) call find_driven_histories(scene, motion, demand%modes, asked, samples_before(contacts%known_until, &
+        time_grid_of( &
         response%duration, response%samples, motion%units%time)), monitor, driven, loads)
     end associate
     if (monitor%stop_requested()) return
     if (present(loads)) then
-      call show_in_segments(scene, driven, motion)
+      call store_in_segments(scene, driven, motion)
       run%rounding = rounding_in(scene, motion, driven)
     else
       call find_loaded_segments(scene, motion, monitor)
@@ -95,7 +96,7 @@ contains
       call find_neglected(scene, motion, demand%modes, monitor, workspace, run%neglected)
     end if
     if (monitor%stop_requested()) return
-    if (any(asked)) call neglected_in(scene, motion, driven, run%neglected)
+    if (any(asked)) call find_next_octave(scene, motion, driven, run%neglected)
     call sum_histories(scene, motion, deflections, monitor, workspace, histories)
     if (monitor%stop_requested()) return
     if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)

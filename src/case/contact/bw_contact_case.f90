@@ -9,7 +9,7 @@ module bw_contact_case
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: follow_run, run_type
-  use bw_case_loads, only: applied, place_loads
+  use bw_case_loads, only: load_summary, place_loads
   use bw_case_modes, only: case_mode_cache, extend_source, find_modes, most_to_tolerance
   use bw_case_notes, only: note_lasting_contacts
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors, &
@@ -20,7 +20,7 @@ module bw_contact_case
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
   use bw_constants, only: two_pi
   use bw_missing, only: missing
-  use bw_mode_set, only: attend, configuration_type, first_numbers, mode_set, search_failure
+  use bw_mode_set, only: observe_searches, configuration_type, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
   use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors
   use bw_event, only: contact_event
@@ -74,7 +74,7 @@ contains
         call courses_of(scene, units, loads%course, result%error)
         completed = allocated(result%error)
         if (completed) return
-        acted = applied(scene, loads%course, units)
+        acted = load_summary(scene, loads%course, units)
       end associate
       call place_loads(scene, loads)
     end if
@@ -151,7 +151,7 @@ contains
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
-      call attend(motion%modes%configuration, failure, monitor)
+      call observe_searches(motion%modes%configuration, failure, monitor)
       if (grown) then                                ! the previous modes are among these
         call move_alloc(run, half)
       else

@@ -5,10 +5,10 @@ module bw_contact_changes
   use bw_acting_loads, only: acting_loads
   use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, hand_over
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies
   use bw_changing_motion, only: kind_of_change, note_late_change
   use bw_contact_bodies, only: bodies_after, first_motion
-  use bw_contact_flexibility, only: flexibility_of, flexibility_type, show_residual
+  use bw_contact_flexibility, only: flexibility_of, flexibility_type, store_residual
   use bw_contact_law, only: contact_law_of, stored_energy
   use bw_contact_steps, only: contact_run
   use bw_double_double, only: dd, to_dd, operator(-), operator(/)
@@ -19,7 +19,7 @@ module bw_contact_changes
     lasting_contacts
   use bw_load_columns, only: find_drive, placed_loads
   use bw_load_course, only: loads_before
-  use bw_loads_beside, only: beam_of, place_beside, taking_part
+  use bw_loads_beside, only: beam_of, project_loads, modes_taking_part
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
@@ -29,7 +29,7 @@ module bw_contact_changes
   use bw_segment, only: leaves_range, move, segment_type
   use bw_text, only: append
   use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of
-  use bw_unhanded, only: unhanded_motion
+  use bw_unprojected, only: unprojected_errors
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -89,7 +89,7 @@ contains
       if (.not. now%run%captured) then
         call follow_until(now%run, time%hi, contacts, monitor)
         if (monitor%stop_requested()) return
-        call show_residual(now%flexibility, contacts)
+        call store_residual(now%flexibility, contacts)
         if (now%run%failed .or. now%run%cut .or. now%run%in_range < time%hi) exit
         if (now%run%captured) call capture_mass(scene, demand, motion, now, contacts, monitor, loads)
         if (monitor%stop_requested()) return
@@ -139,7 +139,7 @@ contains
     class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
     type(placed_loads), intent(in), optional :: loads
     now%flexibility = flexibility_of(scene, motion, now%configuration, now%carried, summed, now%bodies)
-    if (present(loads)) call place_beside(scene, motion, now%configuration, beam_of(scene, motion, now%configuration), summed, &
+    if (present(loads)) call project_loads(scene, motion, now%configuration, beam_of(scene, motion, now%configuration), summed, &
                                           loads, monitor, now%loads, now%bodies%position, now%flexibility%of_loads)
   end subroutine find_flexibility
 
@@ -168,7 +168,7 @@ contains
       if (.not. advance(motion, time, contacts, now, monitor)) return
       if (monitor%stop_requested()) return
     else
-      now%state = state_of(now%run, taking_part(motion, now%configuration, demand%modes))
+      now%state = state_of(now%run, modes_taking_part(motion, now%configuration, demand%modes))
     end if
     event%kind = kind_of_change(step, now%there, presence(scene, carried))
     event%time = time%hi
@@ -255,7 +255,7 @@ contains
       end associate
     end if
     associate (configuration => motion%modes%configuration)
-      count = taking_part(motion, next, demand%modes)
+      count = modes_taking_part(motion, next, demand%modes)
       wide = configuration
       call wide(next)%source%find(first_numbers(min(2*count, wide(next)%source%highest)), wide(next)%set, monitor=monitor)
       if (monitor%stop_requested()) return
@@ -267,11 +267,11 @@ contains
       call project_octave(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor, beyond)
       if (monitor%stop_requested()) return
       if (allocated(unsummed)) unsummed = unsummed(:configuration(next)%set%count)
-      call hand_over(configuration, now%configuration, now%state, now%there, next, count, is, now%bodies, spin_squared, later, &
+      call change_bodies(configuration, now%configuration, now%state, now%there, next, count, is, now%bodies, spin_squared, later, &
                      event, monitor, unsummed_at, unsummed)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
-        error = unhanded_motion(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
+        error = unprojected_errors(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
                                 now%state%rate(:n) - follows(:, 2), configuration(next)%set, now%bodies, now%there, is)
       end associate
     end associate
@@ -289,15 +289,15 @@ contains
     integer, intent(in) :: count                     !! modes of it that take part
     logical, intent(in) :: is(:)                     !! bodies that the beam carries then, (bodies)
     real(dp), intent(in) :: spin_squared
-    real(dp), intent(in) :: unsummed_at(:, :, :)     !! see `beyond` of `hand_over`
-    real(dp), allocatable, intent(in) :: unsummed(:) !! see `hand_over`
+    real(dp), intent(in) :: unsummed_at(:, :, :)     !! see `beyond` of `change_bodies`
+    real(dp), allocatable, intent(in) :: unsummed(:) !! see `change_bodies`
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     real(dp), allocatable, intent(out) :: beyond(:, :)      !! see segment_type
     type(body_type), allocatable :: bodies(:)
     type(beam_state) :: later
     type(event_type) :: ignored
     bodies = now%bodies
-    call hand_over(wide, now%configuration, now%state, now%there, next, wide(next)%set%count, is, bodies, spin_squared, later, &
+    call change_bodies(wide, now%configuration, now%state, now%there, next, wide(next)%set%count, is, bodies, spin_squared, later, &
                    ignored, monitor, unsummed_at, unsummed)
     if (monitor%stop_requested()) return
     beyond = reshape([later%q(count + 1:), later%rate(count + 1:)], [size(later%q) - count, 2])
@@ -367,7 +367,7 @@ contains
         mass%velocity = run%bodies%state%v(size(run%bodies%state%v))
         mass%beside = run%last_indentation
       end associate
-      now%state = state_of(run, taking_part(motion, now%configuration, demand%modes))
+      now%state = state_of(run, modes_taking_part(motion, now%configuration, demand%modes))
       stored = stored_energy(run%law, run%last_indentation) + 0.5_dp*run%law%residual*run%last_force**2
       call change_configuration(scene, demand, carried_type(now%carried%body, .true.), run%bodies%state%time, motion, now, &
                                 contacts, later, event, error, beyond, monitor, loads)

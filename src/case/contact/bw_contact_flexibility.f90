@@ -13,7 +13,7 @@ module bw_contact_flexibility
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: flexibility_of, show_residual
+  public :: flexibility_of, store_residual
 
   type, public :: flexibility_type
     !! Residual flexibility under a force of 1 at the struck place.
@@ -48,7 +48,7 @@ contains
     end associate
   end function flexibility_of
 
-  pure subroutine show_residual(flexibility, contacts)
+  pure subroutine store_residual(flexibility, contacts)
     !! Set it in those segments with contact that have none yet.
     type(flexibility_type), intent(in) :: flexibility
     type(lasting_contacts), intent(inout) :: contacts
@@ -58,6 +58,6 @@ contains
       if (allocated(contacts%segments(i)%load%residual)) return
       contacts%segments(i)%load%residual = flexibility%seen
     end do
-  end subroutine show_residual
+  end subroutine store_residual
 
 end module bw_contact_flexibility

@@ -10,11 +10,11 @@ module bw_contact_rates
   use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads, quantities
   use bw_load_course, only: load_course, loads_before, scaled_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
-  use bw_loads_beside, only: beam_of, taking_part, unit_force
+  use bw_loads_beside, only: beam_of, modes_taking_part, unit_force
   use bw_missing, only: missing
   use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
-  use bw_neglected_modes, only: hand_on, neglected_type
+  use bw_neglected_modes, only: project_neglected, neglected_type
   use bw_response, only: response_type
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, segment_type
@@ -23,12 +23,12 @@ module bw_contact_rates
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: add_rates, find_driven, neglected_in, rounding_in, show_in_segments
+  public :: add_rates, find_driven_histories, find_next_octave, rounding_in, store_in_segments
 
   integer, parameter :: displacement = 1, velocity = 2, acceleration = 3, bending_moment = 4, shear_force = 5, turn_of_hub = 6
     !! quantities of bw_load_columns
 
-  type, public :: driven_type
+  type, public :: driven_histories
     !! Histories of given quantities, in units of bw_segment.
     integer, allocatable :: quantity(:), point(:)  !! (columns)
     integer :: samples = 0                         !! known samples
@@ -36,7 +36,7 @@ module bw_contact_rates
     real(dp), allocatable :: rounding(:)           !! rounding error, (columns)
     real(dp), allocatable :: neglected(:) !! largest contribution of the next octave of modes, (columns); unallocated: no such modes
     real(dp) :: struck = 0.0_dp                    !! the same for the velocity of the struck place
-  end type driven_type
+  end type driven_histories
 
   type :: wide_type
     !! Up to twice the summed modes, and their state.
@@ -48,7 +48,7 @@ module bw_contact_rates
 
 contains
 
-  subroutine find_driven(scene, motion, summed, asked, samples, monitor, driven, loads)
+  subroutine find_driven_histories(scene, motion, summed, asked, samples, monitor, driven, loads)
     !! Find histories of the modes under the force of all contacts and under other loads.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion        !! with contacts
@@ -56,7 +56,7 @@ contains
     logical, intent(in) :: asked(quantities)       !! requested quantities
     integer, intent(in) :: samples                 !! known samples
     class(monitor_type), intent(inout) :: monitor  !! the histories are invalid if it requests a stop
-    type(driven_type), intent(out) :: driven
+    type(driven_histories), intent(out) :: driven
     type(placed_loads), intent(in), optional :: loads   !! besides the contacts, N
     type(time_grid) :: grid
     type(wide_type) :: wide
@@ -78,7 +78,7 @@ contains
       if (monitor%stop_requested()) return
       i = last + 1
     end do
-  end subroutine find_driven
+  end subroutine find_driven_histories
 
   subroutine drive_stretch(scene, motion, these, summed, grid, monitor, wide, driven, loads)
     !! Find histories from one change of bodies to the next.
@@ -89,7 +89,7 @@ contains
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor  !! the histories are invalid if it requests a stop
     type(wide_type), intent(inout) :: wide
-    type(driven_type), intent(inout) :: driven
+    type(driven_histories), intent(inout) :: driven
     type(placed_loads), intent(in), optional :: loads
     type(wide_type) :: now
     type(placed_loads) :: acting
@@ -110,7 +110,7 @@ contains
           acting = placed_loads([acting%course, scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))], &
                                 [acting%place, loads%place], loads%accelerated, [1, loads%kind + 1])
         end if
-        now%summed = taking_part(motion, segments(1)%configuration, summed)
+        now%summed = modes_taking_part(motion, segments(1)%configuration, summed)
         now%number = segments(1)%configuration
         samples = [first_sample(segments(1)%start, grid), driven%samples]
         until = to_dd(driven%samples*grid%step%hi)
@@ -143,7 +143,7 @@ contains
           allocate (pair(2)%set, source=set)
           now%q = wide%q
           now%v = wide%v
-          call hand_on(scene, motion%units, pair, [1, 2], [wide%number, now%number], now%q, now%v, monitor)
+          call project_neglected(scene, motion%units, pair, [1, 2], [wide%number, now%number], now%q, now%v, monitor)
           if (monitor%stop_requested()) return
           if (allocated(segments(1)%beyond)) then
             now%q(n + 1:) = now%q(n + 1:) + segments(1)%beyond(:, 1)
@@ -201,10 +201,10 @@ contains
     largest = maxval(abs(history), 1)
   end subroutine follow_missing
 
-  subroutine show_in_segments(scene, driven, motion)
+  subroutine store_in_segments(scene, driven, motion)
     !! Store histories of displacements, velocities, curvatures and hub rotation in the segments.
     type(scene_type), intent(in) :: scene
-    type(driven_type), intent(in) :: driven
+    type(driven_histories), intent(in) :: driven
     type(case_motion), intent(inout) :: motion
     type(time_grid) :: grid
     real(dp), allocatable :: turned(:, :)
@@ -229,13 +229,13 @@ contains
       integer :: c
       rows = driven%history(samples(1):samples(2), pack([(c, c=1, size(driven%quantity))], driven%quantity == which))
     end function of_quantity
-  end subroutine show_in_segments
+  end subroutine store_in_segments
 
   subroutine add_rates(scene, motion, driven, response)
     !! Add requested accelerations and shear forces to the histories of a motion, and rounding to their errors.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(driven_type), intent(in) :: driven
+    type(driven_histories), intent(in) :: driven
     type(response_type), intent(inout) :: response !! with displacements
     call take(acceleration, response%acceleration, response%acceleration_error)
     call take(shear_force, response%shear_force, response%shear_force_error)
@@ -254,11 +254,11 @@ contains
     end subroutine take
   end subroutine add_rates
 
-  subroutine neglected_in(scene, motion, driven, neglected)
+  subroutine find_next_octave(scene, motion, driven, neglected)
     !! Set the contribution of the next octave of modes to each quantity in SI.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(driven_type), intent(in) :: driven
+    type(driven_histories), intent(in) :: driven
     type(neglected_type), intent(inout) :: neglected
     if (.not. allocated(driven%neglected)) return
     neglected%struck = max(neglected%struck, abs(unit_velocity(scene))*driven%struck)
@@ -276,7 +276,7 @@ contains
         if (size(columns) > 0) largest = abs(factor_of(scene, motion, which))*driven%neglected(columns)
       end associate
     end subroutine take
-  end subroutine neglected_in
+  end subroutine find_next_octave
 
   pure real(dp) function factor_of(scene, motion, quantity) result(factor)
     !! Return the factor to SI units.
@@ -290,7 +290,7 @@ contains
     !! Return the rounding errors of histories, SI, (points, quantities).
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(driven_type), intent(in) :: driven
+    type(driven_histories), intent(in) :: driven
     real(dp) :: rounding(size(scene%response%points), quantities)
     integer :: c
     rounding = 0.0_dp

@@ -10,13 +10,13 @@ module bw_neglected_modes
   use bw_case_histories, only: find_loaded_segments, sum_histories
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_histories, case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, hand_over
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies
   use bw_double_double, only: operator(-)
   use bw_event, only: event_type
   use bw_first_motion, only: find_first_motion
-  use bw_force_step, only: drive, find_step_end, force_in_step, polynomial_of
+  use bw_force_step, only: advance_state, find_step_end, force_in_step, polynomial_of
   use bw_kinds, only: dp
-  use bw_loads_beside, only: taking_part
+  use bw_loads_beside, only: modes_taking_part
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set, turns, values_at
@@ -28,7 +28,7 @@ module bw_neglected_modes
   use bw_timeline, only: carried_type, configurations_of
   implicit none (type, external)
   private
-  public :: find_neglected, hand_on
+  public :: find_neglected, project_neglected
 
   type, public :: neglected_type
     !! Largest contribution of the next octave of modes, SI; unallocated if there are no more modes.
@@ -95,7 +95,7 @@ contains
     do c = 1, size(configuration)
       associate (segments => motion%timeline%segments, source => motion%modes%configuration(c)%source)
         if (c /= alone .and. .not. any(segments%configuration == c)) cycle
-        n = taking_part(motion, c, summed)
+        n = modes_taking_part(motion, c, summed)
         more = min(n, source%highest - n)
         if (more <= 0) then
           first(c) = 0
@@ -157,7 +157,8 @@ contains
       type(segment_type), intent(in) :: next
       q = q - force(1)*soft                          ! less the quasi-static part, which the summed motion projects
       rate = rate - force(2)*soft
-      call hand_on(scene, beyond%units, beyond%modes%configuration, [now, next%configuration], [now, next%configuration], q, rate, &
+      call project_neglected(scene, beyond%units, beyond%modes%configuration, [now, next%configuration], [now, &
+        next%configuration], q, rate, &
                    monitor)
       if (monitor%stop_requested()) return
       call begin(next%configuration)
@@ -194,7 +195,7 @@ contains
           call update_speed(load%force(:, j), load%length(j))
         end do
         if (last == 0) return
-        call drive(parts, set%struck, set%modal_mass, load%length(last), 1.0_dp, load%force(:, last), q, rate)
+        call advance_state(parts, set%struck, set%modal_mass, load%length(last), 1.0_dp, load%force(:, last), q, rate)
         call update_speed(load%force(:, last), load%length(last))
       end associate
     end subroutine move_in_contact
@@ -230,7 +231,7 @@ contains
     end do
   end function what_follows
 
-  subroutine hand_on(scene, units, configuration, which, number, q, rate, monitor)
+  subroutine project_neglected(scene, units, configuration, which, number, q, rate, monitor)
     !! Project the motion of omitted modes, less its quasi-static part, onto other modes. Springs and the motion that
     !! bodies bring are left out, as the summed motion includes them.
     type(scene_type), intent(in) :: scene
@@ -253,10 +254,10 @@ contains
     if (carried(number(2))%captured) bodies(size(bodies))%velocity = 0.0_dp
     beyond = beam_state(size(q), q, rate)
     allocate (beyond%shape(0))
-    call hand_over(configuration, which(1), beyond, presence(scene, carried(number(1))), which(2), &
+    call change_bodies(configuration, which(1), beyond, presence(scene, carried(number(1))), which(2), &
                    configuration(which(2))%set%count, presence(scene, carried(number(2))), bodies, 0.0_dp, later, ignored, monitor)
     q = later%q
     rate = later%rate
-  end subroutine hand_on
+  end subroutine project_neglected
 
 end module bw_neglected_modes

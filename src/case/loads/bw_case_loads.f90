@@ -24,7 +24,7 @@ module bw_case_loads
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
-  public :: add_loads, applied, place_loads, without_tolerance
+  public :: add_loads, load_summary, place_loads, without_tolerance
 
   integer, parameter :: first_count = 32           !! modes that a tolerance starts with
   integer, parameter :: most_count = 1024          !! limit of modes for a default tolerance; four times as many for a requested one
@@ -60,7 +60,7 @@ contains
     integer :: most, summed(2)
     call courses_of(scene, motion%units, loads%course, error)
     if (allocated(error)) return
-    found = applied(scene, loads%course, motion%units)
+    found = load_summary(scene, loads%course, motion%units)
     call add_notes(errors%notes, found%notes)
     call place_loads(scene, loads)
     counted = scene
@@ -121,7 +121,7 @@ contains
     loads%kind = [(min(l, size(loads%place) + 1), l=1, size(loads%course))]
   end subroutine place_loads
 
-  pure type(load_result) function applied(scene, courses, units) result(loads)
+  pure type(load_result) function load_summary(scene, courses, units) result(loads)
     !! Summarise the applied loads, and note impulses before t = 0.
     type(scene_type), intent(in) :: scene
     type(load_course), intent(in) :: courses(:)    !! forces, then base accelerations as forces on the beam
@@ -148,7 +148,7 @@ contains
                     '0, and is ignored; a later start includes all of it')
       end associate
     end do
-  end function applied
+  end function load_summary
 
   pure real(dp) function part_of_peak(run) result(part)
     !! Return the largest error of any quantity over its peak; for displacements also the bound over `bound_times`.

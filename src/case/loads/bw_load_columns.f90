@@ -4,7 +4,7 @@ module bw_load_columns
   use bw_case_moments, only: scale_of_moments
   use bw_kinds, only: dp
   use bw_load_course, only: load_course
-  use bw_load_modes, only: carried_mass, find_residuals, find_shears, total_mass
+  use bw_load_modes, only: effective_mass, find_residuals, find_shears, total_mass
   use bw_load_sum, only: load_view
   use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
@@ -95,7 +95,7 @@ contains
         if (kind(l) <= size(loads%place)) then
           flexibility(size(points) + l) = soft(size(points) + kind(l))
         else
-          flexibility(size(points) + l) = max(0.0_dp, total_mass(given) - carried_mass(modes, drive(:view%summed, kind(l)))) &
+          flexibility(size(points) + l) = max(0.0_dp, total_mass(given) - effective_mass(modes, drive(:view%summed, kind(l)))) &
             /max(modes%beta_squared(view%summed)%hi, 1.0_dp)
         end if
       end do

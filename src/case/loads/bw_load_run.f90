@@ -5,7 +5,7 @@ module bw_load_run
   use bw_case_bodies, only: bodies_of, presence
   use bw_case_result, only: case_modes
   use bw_changing_errors, only: error_of_state
-  use bw_change_of_bodies, only: beam_state, body_type, hand_over
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: event_type
   use bw_kinds, only: dp
@@ -20,8 +20,8 @@ module bw_load_run
   use bw_scene_pieces, only: pieces_of, varying_of
   use bw_segment, only: growth_ends
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_timeline, only: carried_type, configurations_of, happens, number_of, step_type, steps_of
-  use bw_unhanded, only: unhanded_motion
+  use bw_timeline, only: carried_type, configurations_of, occurs_in_record, number_of, step_type, steps_of
+  use bw_unprojected, only: unprojected_errors
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -94,7 +94,7 @@ contains
         until = whole
         next = 0
         if (i <= size(steps)) then
-          if (happens(steps(i)%seconds, scene, to_dd(steps(i)%seconds)/units%time - start, set)) then
+          if (occurs_in_record(steps(i)%seconds, scene, to_dd(steps(i)%seconds)/units%time - start, set)) then
             next = number_of(configurations, steps(i)%carried)
             until = to_dd(steps(i)%seconds)/units%time
           end if
@@ -273,13 +273,14 @@ contains
       soft = 0.0_dp*before%modal_mass
       where (before%beta_squared%hi > 1.0_dp) soft = 1.0_dp/(before%modal_mass*before%beta_squared%hi)
       follows = spread(soft, 2, 2)*matmul(drive(:, loads%kind), load)
-      doubt = unhanded_motion(configuration(from)%set, state%q - follows(:n, 1), state%rate - follows(:n, 2), after, bodies, was, &
+      doubt = unprojected_errors(configuration(from)%set, state%q - follows(:n, 1), state%rate - follows(:n, 2), after, bodies, &
+        was, &
                               is)
       follows(:, 1) = soft*matmul(drive(:, loads%kind), load(:, 1) - since(:, 1))
       state%count = before%count
       state%q = [state%q, follows(n + 1:, 1)]
       state%rate = [state%rate, follows(n + 1:, 2)]
-      call hand_over(wide, from, state, was, aside, after%count, is, bodies, 0.0_dp, later, ignored, monitor, beyond)
+      call change_bodies(wide, from, state, was, aside, after%count, is, bodies, 0.0_dp, later, ignored, monitor, beyond)
       if (monitor%stop_requested()) return
       later%q = later%q(:after%count)
       later%rate = later%rate(:after%count)

@@ -15,7 +15,7 @@ module bw_loads_beside
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: beam_of, place_beside, taking_part, unit_force
+  public :: beam_of, project_loads, modes_taking_part, unit_force
 
 contains
 
@@ -26,7 +26,7 @@ contains
     newton = motion%units%mass*unit_velocity(scene)/motion%units%time%hi
   end function unit_force
 
-  pure integer function taking_part(motion, configuration, summed) result(count)
+  pure integer function modes_taking_part(motion, configuration, summed) result(count)
     !! Return how many modes of a configuration take part: the same fraction as of the first.
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: configuration
@@ -34,7 +34,7 @@ contains
     associate (all => motion%modes%configuration)
       count = (summed*all(configuration)%set%count + all(1)%set%count - 1)/all(1)%set%count
     end associate
-  end function taking_part
+  end function modes_taking_part
 
   type(varying_beam) function beam_of(scene, motion, configuration) result(given)
     !! Return the beam of a configuration.
@@ -48,7 +48,7 @@ contains
     end associate
   end function beam_of
 
-  subroutine place_beside(scene, motion, configuration, given, summed, loads, monitor, acting, places, at_places)
+  subroutine project_loads(scene, motion, configuration, given, summed, loads, monitor, acting, places, at_places)
     !! Express loads in terms of the beam's modes and of the mass beside it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
@@ -90,6 +90,6 @@ contains
         at_places(p, :, :) = residual_at(given, set, summed, loads, drive, places(p))
       end do
     end associate
-  end subroutine place_beside
+  end subroutine project_loads
 
 end module bw_loads_beside

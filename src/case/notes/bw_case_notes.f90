@@ -17,7 +17,7 @@ module bw_case_notes
   use bw_segment, only: together
   use bw_strain_set, only: strain_set
   use bw_text, only: append, shortest, string, text_of
-  use bw_timeline, only: comes_back
+  use bw_timeline, only: is_released
   implicit none (type, external)
   private
   public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
@@ -266,7 +266,7 @@ contains
     associate (plan => motion%plan, source => motion%modes%configuration(together)%source)
       text = repeat('the default ', merge(0, 1, scene%modes%asked))//shortest(scene%modes%tolerance, 6)// &
         ' cannot be reached with '//text_of(min(most_of(scene, source), source%highest))//' modes'
-      if (comes_back(scene)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
+      if (is_released(scene)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
       if (plan%drift > 0.5_dp*plan%reached) text = text//': in so long a record most of the error is due to the rounding of '// &
         'their frequencies under tension'
       if (.not. is_missing(relaxed_tolerance(plan%surely))) then

@@ -18,7 +18,7 @@ module bw_case_validity
   use bw_response, only: response_type
   use bw_rotation, only: speed_in_plane
   use bw_sampled_peak, only: hidden_share, known_samples
-  use bw_scene, only: changes_in_time, counts_in_its_run, has_configurations, is_loaded, scene_type, unit_velocity
+  use bw_scene, only: changes_in_time, converges_in_run, has_configurations, is_loaded, scene_type, unit_velocity
   use bw_text, only: append, shortest, string, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
@@ -357,7 +357,7 @@ contains
     character(:), allocatable :: words
     if (allocated(scene%recontact)) then
       words = 'contacts amplify every error, and a shorter duration has fewer of them'
-    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. counts_in_its_run(scene)) then
+    else if (quantity == 'displacement' .or. allocated(scene%damping) .or. converges_in_run(scene)) then
       words = 'more modes reduce it: a smaller tolerance, as '//shortest(0.1_dp*scene%modes%tolerance, 2)
       if (.not. by_tolerance(scene%modes)) words = 'more modes reduce it: larger counts, as before = '// &
         shortest(2.0_dp*scene%modes%before, 15)

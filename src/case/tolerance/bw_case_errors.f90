@@ -20,7 +20,7 @@ module bw_case_errors
   use bw_segment_samples, only: samples_of_segment, stretch_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation_error, only: block_ends, displacement_error, falling_part, fewest, find_rates, find_tail, no_bound, &
-    part_shown, rate_error, tail_type, times_shown
+    phase_agreement, rate_error, tail_type, crest_factor
   implicit none (type, external)
   private
   public :: drop_errors, estimate_errors, errors_of_quantity
@@ -154,9 +154,9 @@ contains
       value = block%value/(speed*motion%units%time%hi)
       rate = block%rate/speed
       if (quantity == curvatures) rate = value
-      part = part_shown(survey, segment%count, samples, value)
+      part = phase_agreement(survey, segment%count, samples, value)
       if (segment%count >= fewest) part = max(part, falling_part(tail, value))
-      times = times_shown(survey, segment%count, samples, rate)
+      times = crest_factor(survey, segment%count, samples, rate)
       error = segment_error(tail%bound, displacement_error(tail, part), 0.0_dp*part, part)
       if (scene%response%velocity .or. quantity == curvatures) then
         call find_rates(survey, moving%source%pieces%beam, moving%source%damping, energy, tail)

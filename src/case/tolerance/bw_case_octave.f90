@@ -9,11 +9,11 @@ module bw_case_octave
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
-  public :: drop_undecided
+  public :: drop_unresolved
 
 contains
 
-  subroutine drop_undecided(scene, motion, histories, errors)
+  subroutine drop_unresolved(scene, motion, histories, errors)
     !! Replace such histories by fill, at points where the estimated error also exceeds the history, and note it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
@@ -52,7 +52,7 @@ contains
         if (lost(p)) history(:, p) = missing
       end do
     end subroutine drop
-  end subroutine drop_undecided
+  end subroutine drop_unresolved
 
   function is_doubtful(history, error) result(doubtful)
     !! Tell whether the estimated error exceeds the peak of a history and the rounding of a point at rest, (points).

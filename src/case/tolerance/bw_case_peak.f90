@@ -16,11 +16,11 @@ module bw_case_peak
   use bw_timeline, only: changes_of
   implicit none (type, external)
   private
-  public :: later_peak, previewed_peak
+  public :: peak_after_changes, previewed_peak
 
 contains
 
-  real(dp) function later_peak(scene, motion, segment, grid, samples, monitor) result(peak)
+  real(dp) function peak_after_changes(scene, motion, segment, grid, samples, monitor) result(peak)
     !! Return a lower estimate of the largest displacement after changes, V l²/h.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
@@ -49,7 +49,7 @@ contains
                                              motion%units%time%hi, monitor))
       end do
     end associate
-  end function later_peak
+  end function peak_after_changes
 
   real(dp) function previewed_peak(scene, configuration, segment, count, grid, unit_time, monitor) result(peak)
     !! Return the largest displacement of the first modes at some samples, V l²/h; at all samples if a mode grows, whose

@@ -4,7 +4,7 @@ module bw_first_count
   use bw_case_drift, only: drift_of_state
   use bw_case_modes, only: case_mode_cache, extend_source, first_modes
   use bw_case_notes, only: most_modes, most_of
-  use bw_case_peak, only: later_peak, previewed_peak
+  use bw_case_peak, only: peak_after_changes, previewed_peak
   use bw_case_result, only: case_motion
   use bw_kinds, only: dp
   use bw_mode_set, only: configuration_type, deflections, mode_source
@@ -14,8 +14,8 @@ module bw_first_count
   use bw_segment, only: segment_type
   use bw_segment_samples, only: stretch_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_timeline, only: change_type, changes_of, happens
-  use bw_truncation_error, only: agree_beyond, displacement_error, find_tail, tail_type
+  use bw_timeline, only: change_type, changes_of, occurs_in_record
+  use bw_truncation_error, only: lowest_cutoff, displacement_error, find_tail, tail_type
   implicit none (type, external)
   private
   public :: choose_first, next_count, steepest
@@ -62,7 +62,7 @@ contains
     samples = grid%samples
     changes = changes_of(scene, motion%units)
     do i = 1, size(changes)
-      if (happens(changes(i)%seconds, scene, changes(i)%time, moving%set)) &
+      if (occurs_in_record(changes(i)%seconds, scene, changes(i)%time, moving%set)) &
         samples = min(samples, first_sample(changes(i)%time, grid) - 1)
     end do
   end function samples_of_first
@@ -88,7 +88,7 @@ contains
         count = 4*count                          ! truncation error as large as the peak: little has moved yet
         call plan%survey(1)%add_source(moving%source, segment%force, 2*count, monitor)
       end do
-      if (samples < grid%samples) plan%peak = max(plan%peak, later_peak(scene, motion, segment, grid, samples, monitor))
+      if (samples < grid%samples) plan%peak = max(plan%peak, peak_after_changes(scene, motion, segment, grid, samples, monitor))
     end associate
   end subroutine find_peak
 
@@ -218,7 +218,7 @@ contains
     real(dp) :: power(2)
     associate (beam => source%pieces%beam)
       power = merge(1.0_dp, 2.0_dp, any(beam%piece%compliance%hi > 0.0_dp))
-      if (.not. agree_beyond(beam) < square) power(1) = power(1) + 0.5_dp
+      if (.not. lowest_cutoff(beam) < square) power(1) = power(1) + 0.5_dp
     end associate
   end function steepest
 

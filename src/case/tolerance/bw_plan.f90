@@ -3,7 +3,7 @@ module bw_plan
   use bw_kinds, only: dp
   use bw_mode_survey, only: mode_survey
   use bw_piece_beam, only: piece_beam
-  use bw_truncation_error, only: agree_beyond, part_shown
+  use bw_truncation_error, only: lowest_cutoff, phase_agreement
   implicit none (type, external)
   private
 
@@ -78,8 +78,8 @@ contains
     type(piece_beam), intent(in) :: beam
     real(dp), allocatable :: part(:)
     associate (survey => self%survey(i))
-      associate (dispersing => findloc(survey%bin(:survey%bins)%square <= agree_beyond(beam), .true., dim=1, back=.true.))
-        part = part_shown(survey, min(count, survey%bin(max(1, dispersing))%last), samples)
+      associate (dispersing => findloc(survey%bin(:survey%bins)%square <= lowest_cutoff(beam), .true., dim=1, back=.true.))
+        part = phase_agreement(survey, min(count, survey%bin(max(1, dispersing))%last), samples)
       end associate
     end associate
     if (allocated(self%part)) part = max(part, self%part(:, i))

@@ -10,11 +10,11 @@ module bw_strain_critical
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: critical_speed_of, first_guess
+  public :: critical_speed_of, initial_basis_sizes
 
 contains
 
-  pure function first_guess(given, count, wanted) result(functions)
+  pure function initial_basis_sizes(given, count, wanted) result(functions)
     !! Estimate the functions for the shortest wave, which pieces share as in a beam without tension, and for boundary
     !! layers of thickness δ = √(B(1 + sT)/T) due to tension, unless these are separate pieces (bw_tension_layers).
     type(varying_beam), intent(in) :: given
@@ -28,7 +28,7 @@ contains
       layers = piece%length%hi*sqrt(pull/piece%stiffness%hi/(1.0_dp + piece%compliance%hi*pull))
       functions = wanted%functions(pi*count*waves/sum(waves), merge(layers, 0.0_dp, layers <= most_layers))
     end associate
-  end function first_guess
+  end function initial_basis_sizes
 
   pure function pulls(given) result(pull)
     !! Return T/Ω² at the inner ends of the pieces.
@@ -47,7 +47,7 @@ contains
     integer, parameter :: most_times = 4           ! functions over the first guess
     real(dp) :: square, before, rounding
     integer, dimension(size(given%beam%piece)) :: functions, first
-    first = first_guess(given, 1, mode_demand())
+    first = initial_basis_sizes(given, 1, mode_demand())
     functions = first
     call find_critical_square(given, functions, square, rounding)
     do

@@ -19,7 +19,7 @@ module bw_strain_modes
   use bw_piece_strains, only: ends_of, motions_of, piece_motions, strains_inside
   use bw_singular_values, only: singular_values
   use bw_strain_basis, only: basis_values
-  use bw_strain_critical, only: critical_speed_of, first_guess
+  use bw_strain_critical, only: critical_speed_of, initial_basis_sizes
   use bw_strain_set, only: strain_set
   use bw_strain_squares, only: find_squares
   use bw_strain_system, only: build_system, strain_system, turn_of_piece, unfactored
@@ -45,7 +45,7 @@ contains
     integer :: functions(size(given%beam%piece))
     real(dp) :: last
     if (present(demand)) wanted = demand
-    functions = first_guess(given, count, wanted)
+    functions = initial_basis_sizes(given, count, wanted)
     do
       call modes_with(given, count, functions, struck, set, last, monitor)
       if (stops(monitor) .or. .not. set%resolved .or. last < wanted%negligible()) exit

@@ -4,7 +4,7 @@ module bw_extended_residual
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
   use bw_kinds, only: dp
-  use bw_mode_probe, only: mode_probe, piece_system, set_frequency, weigh, works_on
+  use bw_mode_probe, only: mode_probe, piece_system, set_frequency, find_modal_mass, work_of_drive
   implicit none (type, external)
   private
   public :: find_drive, refine
@@ -32,8 +32,8 @@ contains
     type(dd), intent(inout) :: lambda
     call set_frequency(system, lambda, probe)
     call find_drive(system, probe)
-    call weigh(system, probe)
-    lambda = lambda + sum(works_on(probe, probe))/probe%mass
+    call find_modal_mass(system, probe)
+    lambda = lambda + sum(work_of_drive(probe, probe))/probe%mass
   end subroutine correct
 
   pure subroutine find_drive(system, probe)

@@ -11,12 +11,12 @@ module bw_mode_cluster
   use bw_kinds, only: dp
   use bw_lapack, only: dsyev
   use bw_mode_probe, only: improve_drive, mode_probe, piece_system, probe_at, probe_for, respond, set_frequency, start_bodies, &
-    weigh, works_on
+    find_modal_mass, work_of_drive
   use bw_piece_beam, only: joint_position, piece_beam
   use bw_piece_products, only: part_of, piece_product
   implicit none (type, external)
   private
-  public :: find_resting, find_together, polish
+  public :: find_rigid_modes, find_clustered_modes, refine_cluster
 
   type, public :: mode_cluster
     integer :: first = 0, last = -1                !! numbers of the modes
@@ -25,11 +25,11 @@ module bw_mode_cluster
 
 contains
 
-  subroutine find_together(system, x, apart, probe, lambda)
+  subroutine find_clustered_modes(system, x, apart, probe, lambda)
     !! Find modes that counts cannot separate, all at one frequency.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: x                      !! near them
-    real(dp), intent(in) :: apart                  !! see `polish`
+    real(dp), intent(in) :: apart                  !! see `refine_cluster`
     type(mode_probe), intent(out) :: probe(:)
     type(dd), intent(out) :: lambda(:)
     integer, parameter :: most_rounds = 40
@@ -45,7 +45,7 @@ contains
       call take_apart(system, x, probe, lambda)
       if (maxval(abs(gap(lambda, before))) < apart) exit
     end do
-  end subroutine find_together
+  end subroutine find_clustered_modes
 
   subroutine take_apart(system, x, probe, lambda)
     !! Do one inverse iteration with every drive, and separate the modes of the space spanned.
@@ -62,11 +62,11 @@ contains
     end do
     do a = 1, size(probe)
       call find_drive(system, probe(a))
-      call weigh(system, probe(a))
+      call find_modal_mass(system, probe(a))
     end do
     do b = 1, size(probe)
       do a = 1, size(probe)
-        h(a, b) = sum(works_on(probe(a), probe(b)))
+        h(a, b) = sum(work_of_drive(probe(a), probe(b)))
       end do
     end do
     h = 0.5_dp*(h + transpose(h))                  ! they differ by the square of the residuals
@@ -79,7 +79,7 @@ contains
     end do
   end subroutine take_apart
 
-  subroutine polish(system, apart, probe, lambda)
+  subroutine refine_cluster(system, apart, probe, lambda)
     !! Repeat this with each neighbour at its own frequency, and make them mutually orthogonal.
     type(piece_system), intent(in) :: system
     real(dp), intent(in) :: apart
@@ -102,7 +102,7 @@ contains
     do first = 1, size(probe)
       call set_frequency(system, lambda(first), probe(first))
     end do
-  end subroutine polish
+  end subroutine refine_cluster
 
   pure subroutine purify(system, lambda, first, last, probe)
     !! Remove components of other modes from some motions, as shown by their residuals.
@@ -117,13 +117,13 @@ contains
       call find_drive(system, probe(a))
       do b = 1, size(probe)
         if (b >= first .and. b <= last) cycle
-        share(b) = sum(works_on(probe(b), probe(a)))/(gap(lambda(b), probe(a)%frequency%lambda)*probe(b)%mass)
+        share(b) = sum(work_of_drive(probe(b), probe(a)))/(gap(lambda(b), probe(a)%frequency%lambda)*probe(b)%mass)
       end do
       do b = 1, size(probe)
         call add(probe(b), -share(b), probe(a))
       end do
       call find_drive(system, probe(a))
-      call weigh(system, probe(a))
+      call find_modal_mass(system, probe(a))
       call improve_drive(probe(a))
     end do
   end subroutine purify
@@ -149,7 +149,7 @@ contains
       do b = 1, size(probe)
         if (b /= a) call add(given(b), share(b, a), probe(a))
       end do
-      call weigh(system, probe(a))
+      call find_modal_mass(system, probe(a))
     end do
   end subroutine mix
 
@@ -182,10 +182,10 @@ contains
       do b = 1, n - 1
         call add(probe(b), -mass_product(system, probe(n), probe(b)), probe(n))
       end do
-      call weigh(system, probe(n))
+      call find_modal_mass(system, probe(n))
       call multiply(1.0_dp/sqrt(mass_product(system, probe(n), probe(n))), probe(n))
     end do
-    call weigh(system, probe(n))
+    call find_modal_mass(system, probe(n))
   end subroutine orthogonalize
 
   pure real(dp) function mass_product(system, one, other) result(product)
@@ -203,7 +203,7 @@ contains
     end do
   end function mass_product
 
-  pure subroutine find_resting(system, first, last, cluster)
+  pure subroutine find_rigid_modes(system, first, last, cluster)
     !! Find the modes known to have λ = 0: the beam moves as a whole, or rotates about its centre of mass or its support.
     type(piece_system), intent(in) :: system       !! of pieces that are short at λ = 0
     integer, intent(in) :: first, last             !! their numbers
@@ -227,10 +227,10 @@ contains
           if (turns) probe%amplitude(3, i) = 1.0_dp/probe%frequency%unit(2)
         end do
         probe%drive = 0.0_dp
-        call weigh(system, probe)
+        call find_modal_mass(system, probe)
       end associate
     end do
-  end subroutine find_resting
+  end subroutine find_rigid_modes
 
   pure logical function moves_freely(beam)
     !! Tell whether deflection is free.

@@ -19,8 +19,8 @@ module bw_mode_probe
   use bw_piece_waves, only: frequency_at, numbers_of, piece_frequency, piece_numbers
   implicit none (type, external)
   private
-  public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve
-  public :: improve_drive, keep_in_range, respond, weigh, works_on
+  public :: system_of, probe_for, set_random_drive, start_bodies, set_frequency, probe_at, count_below, iterate_inverse
+  public :: improve_drive, keep_in_range, respond, find_modal_mass, work_of_drive
 
   type, public :: piece_system
     !! A beam and the wave parameters of its pieces.
@@ -62,23 +62,23 @@ contains
     allocate (probe%ends(n), probe%loads(0:n), probe%unit(4, 0:n), probe%drive(3, 2, 0:n), probe%amplitude(4, n))
     allocate (probe%jump(2, 2, 0:n), probe%push(2, 0:n), probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
     call size_elimination(n, probe%factors)
-    call start_anew(1, probe)
+    call set_random_drive(1, probe)
   end function probe_for
 
-  pure subroutine start_anew(number, probe)
+  pure subroutine set_random_drive(number, probe)
     !! Set a pseudo-random drive, which excites all modes.
     integer, intent(in) :: number
     type(mode_probe), intent(inout) :: probe
     integer :: i
     probe%drive = reshape([(sin(real(1 + 7*number*i*i, dp)), i=1, size(probe%drive))], shape(probe%drive))
     probe%drive(1, :, [0, size(probe%ends)]) = 0.0_dp      ! root and tip have a piece on one side only
-  end subroutine start_anew
+  end subroutine set_random_drive
 
   pure subroutine start_bodies(number, probe)
     !! Set the same with drives of bodies in proportion to their mass, for modes in which hardly anything else moves.
     integer, intent(in) :: number
     type(mode_probe), intent(inout) :: probe       !! with a frequency
-    call start_anew(number, probe)
+    call set_random_drive(number, probe)
     probe%drive(2, :, :) = probe%drive(2, :, :)*(probe%push/probe%unit(4:3:-1, :))
   end subroutine start_bodies
 
@@ -202,7 +202,7 @@ contains
     call modes_below(system%beam%root, probe%loads, probe%ends, probe%factors, number, regular)
   end subroutine count_below
 
-  pure subroutine improve(system, probe, correction, mixture)
+  pure subroutine iterate_inverse(system, probe, correction, mixture)
     !! Do one inverse iteration at the frequency of a probe, and return the correction of β² and λ to those of the mode.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
@@ -210,11 +210,11 @@ contains
     real(dp), intent(out) :: mixture  !! the same with magnitudes summed over joints: contributions of two modes may cancel
     real(dp) :: works(3, 2, 0:size(probe%ends))
     call respond(system, probe)
-    works = works_on(probe, probe)
+    works = work_of_drive(probe, probe)
     correction = sum(works)/probe%mass
     mixture = sum(abs(works))/probe%mass
     call improve_drive(probe)
-  end subroutine improve
+  end subroutine iterate_inverse
 
   pure subroutine respond(system, probe)
     !! Find the motion that the drive of a probe excites.
@@ -222,7 +222,7 @@ contains
     type(mode_probe), intent(inout) :: probe
     call solve(probe%factors, probe%ends, probe%amplitude)
     call keep_in_range(probe)
-    call weigh(system, probe)
+    call find_modal_mass(system, probe)
   end subroutine respond
 
   pure subroutine keep_in_range(probe)
@@ -256,7 +256,7 @@ contains
     probe%drive(1, :, [0, n]) = 0.0_dp
   end subroutine improve_drive
 
-  pure function works_on(probe, driven) result(works)
+  pure function work_of_drive(probe, driven) result(works)
     !! Return the work of each drive of one probe on the motion of another: forces on deflections, jumps on forces.
     type(mode_probe), intent(in) :: probe, driven
     real(dp) :: works(3, 2, 0:size(probe%ends))
@@ -270,9 +270,9 @@ contains
     end do
     works(1, :, [0, n]) = 0.0_dp
     works = works*driven%drive
-  end function works_on
+  end function work_of_drive
 
-  pure subroutine weigh(system, probe)
+  pure subroutine find_modal_mass(system, probe)
     !! Find the modal mass of a motion, and its values at the joints.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
@@ -298,7 +298,7 @@ contains
       squares = mean_squares(system%piece(i + 1), probe%frequency, probe%ends(i + 1), probe%amplitude(:, i + 1))
       probe%mass = probe%mass + system%piece(i + 1)%mass%hi*squares(1) + system%piece(i + 1)%rotary%hi*squares(2)
     end do
-  end subroutine weigh
+  end subroutine find_modal_mass
 
   pure function joint_motion(probe, i, before, after) result(motion)
     !! Return deflection and rotation of joint i with its attachments: those of an adjacent piece less the jump between

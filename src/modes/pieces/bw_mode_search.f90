@@ -6,15 +6,15 @@ module bw_mode_search
   !! the wanted mode even if inverse iteration strays to others: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
-  use bw_mode_cluster, only: find_resting, find_together, mode_cluster, polish
+  use bw_mode_cluster, only: find_rigid_modes, find_clustered_modes, mode_cluster, refine_cluster
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
-  use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, &
+  use bw_mode_probe, only: count_below, iterate_inverse, mode_probe, piece_system, probe_at, probe_for, set_random_drive, &
     start_bodies, system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
   use bw_modes_below_rest, only: growing_modes, may_grow
   use bw_piece_dispersion, only: mean_waves, next_half_wave
   use bw_piece_waves, only: frequency_at, parts_at_rest
-  use bw_tip_phase, only: foresee
+  use bw_tip_phase, only: estimate_distance
   implicit none (type, external)
   private
   public :: search_in, find_mode
@@ -89,7 +89,7 @@ contains
     alone = .false.
     if (k < search%cluster%first .or. k > search%cluster%last) then
       if (k > search%growing .and. k <= search%growing + search%resting) then
-        call find_resting(search%system, search%growing + 1, search%growing + search%resting, search%cluster)
+        call find_rigid_modes(search%system, search%growing + 1, search%growing + search%resting, search%cluster)
       else
         call locate(search, k, lambda, alone, found)
         alone = alone .and. found
@@ -128,7 +128,7 @@ contains
     alone = .false.
     do i = 1, most_steps
       call probe_at(search%system, x, search%probe, rough=.not. (before < rough_until*mode_distance(k, x)))
-      call improve(search%system, search%probe, correction, mixture)
+      call iterate_inverse(search%system, search%probe, correction, mixture)
       search%evaluations = search%evaluations + 1
       lambda = x + correction
       room = min(mode_distance(k, x), width(search%bracket))
@@ -139,7 +139,7 @@ contains
       if (search%roughly .and. i > 1) final = final .or. (gains .and. mixture < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
-        if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it strayed to another mode
+        if (mod(strays, 4) == 2) call set_random_drive(i, search%probe)      ! it strayed to another mode
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
       else if (final) then
         call verify_mode(search, k, lambda, alone)
@@ -173,12 +173,12 @@ contains
     integer, parameter :: far = 4                  !! modes
     real(dp) :: step
     integer :: n
-    x = first_guess(search, k)
+    x = initial_guess(search, k)
     search%probe%drive = search%any_drive
     if (.not. x%hi > 0.0_dp) return
     call count_with_scout(search, k, x, n)
     if (abs(k - n) > far) return
-    call foresee(search%system, search%scout, k - n, step)
+    call estimate_distance(search%system, search%scout, k - n, step)
     if (.not. inside(search%bracket, x + step, 0.0_dp) .or. abs(step) > x%hi) return
     x = x + step
     if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
@@ -249,12 +249,12 @@ contains
           last = high%below
           found = low%below == j - 1 .and. last <= group%last
           if (.not. found) return
-          call find_together(search%system, low%lambda + (-width(search%bracket)), apart, group%mode(j:last), lambda(j:last))
+          call find_clustered_modes(search%system, low%lambda + (-width(search%bracket)), apart, group%mode(j:last), lambda(j:last))
         end associate
       end if
       j = last + 1
     end do
-    call polish(search%system, apart, group%mode, lambda)
+    call refine_cluster(search%system, apart, group%mode, lambda)
     search%cluster = group
   end subroutine find_group
 
@@ -318,7 +318,7 @@ contains
     call counted(search%bracket, k, probe%frequency%lambda, n)
   end subroutine count_at
 
-  pure type(dd) function first_guess(search, k) result(x)
+  pure type(dd) function initial_guess(search, k) result(x)
     !! Advance from the last mode, or the lower end of the bracket, by as many half waves as modes.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: k
@@ -332,7 +332,7 @@ contains
       end if
     end associate
     if (.not. inside(search%bracket, x, 0.0_dp)) x = middle(search%bracket)
-  end function first_guess
+  end function initial_guess
 
   pure type(dd) function next_guess(search, k, n, x, correction, gains) result(guess)
     !! Take the step of inverse iteration if it stays in the bracket and converges; else go by half waves or bisection.

@@ -9,15 +9,15 @@ module bw_tip_phase
   use bw_constants, only: pi
   use bw_joint_elimination, only: joint_loads, solve
   use bw_kinds, only: dp
-  use bw_mode_probe, only: improve_drive, keep_in_range, mode_probe, piece_system, weigh
+  use bw_mode_probe, only: improve_drive, keep_in_range, mode_probe, piece_system, find_modal_mass
   implicit none (type, external)
   private
-  public :: foresee
+  public :: estimate_distance
 
 
 contains
 
-  pure subroutine foresee(system, probe, more, step)
+  pure subroutine estimate_distance(system, probe, more, step)
     !! Estimate the distance of a mode in β² from a frequency set up without drive. Its motion, as far as visible at the
     !! tip, becomes the drive.
     type(piece_system), intent(in) :: system
@@ -39,7 +39,7 @@ contains
     call mode_steps(phase, fall, more, step, which)
     if (which == 2) call move_freely(system, share(:, 2), probe)
     call improve_drive(probe)
-  end subroutine foresee
+  end subroutine estimate_distance
 
   pure subroutine move_freely(system, share, probe)
     !! Find a motion that satisfies all conditions except those at the tip.
@@ -56,7 +56,7 @@ contains
     probe%drive(2, :, n) = [(tip(4) + probe%loads(n)%deflection*tip(1))/probe%unit(4, n), &
                             (tip(3) + probe%loads(n)%turning*tip(2))/probe%unit(3, n)]
     call keep_in_range(probe)
-    call weigh(system, probe)
+    call find_modal_mass(system, probe)
   end subroutine move_freely
 
   pure subroutine tip_phases(state, load, unit, phase, share, turned)

@@ -6,7 +6,7 @@ module bw_contact_bodies
   use bw_change_of_bodies, only: beam_state
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_struck, mean_rate, mode_set
+  use bw_mode_set, only: first_struck_mode, mean_rate, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
   use bw_segment, only: shape_term
@@ -63,7 +63,7 @@ contains
     if (allocated(free%damping)) damping = free%damping
     struck = free%struck
     struck(taking_part + 1:) = 0.0_dp
-    bodies%first = first_struck(free)
+    bodies%first = first_struck_mode(free)
     bodies%turn_of_hub = mean_rate(free, [1.0_dp])
     bodies%inertia = [free%modal_mass, mass_ratio]
     bodies%weight = [struck, -1.0_dp]

@@ -12,7 +12,7 @@ module bw_contact_law
   use bw_lapack, only: dgetrf, dgetrs
   implicit none (type, external)
   private
-  public :: contact_law_of, held_force, solve_contact, stored_energy, usual_contact
+  public :: contact_law_of, undamped_force, solve_contact, stored_energy, contact_with_fixed_point
 
   type, public :: contact_law
     real(dp) :: stiffness = 0.0_dp                 !! K
@@ -35,7 +35,7 @@ contains
     law%damping = contact%damping*speed
   end function contact_law_of
 
-  pure subroutine usual_contact(law, mass_ratio, speed, indentation, force)
+  pure subroutine contact_with_fixed_point(law, mass_ratio, speed, indentation, force)
     !! Find the largest indentation and force of a mass striking a fixed point.
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: mass_ratio
@@ -43,7 +43,7 @@ contains
     real(dp), intent(out) :: indentation, force
     indentation = (0.5_dp*(law%exponent + 1.0_dp)*mass_ratio*speed**2/law%stiffness)**(1.0_dp/(law%exponent + 1.0_dp))
     force = law%stiffness*indentation**law%exponent
-  end subroutine usual_contact
+  end subroutine contact_with_fixed_point
 
   pure real(dp) function stored_energy(law, indentation) result(energy)
     !! Return the recoverable energy Kδ^(p+1)/(p + 1).
@@ -53,7 +53,7 @@ contains
     if (indentation > 0.0_dp) energy = law%stiffness*indentation**(law%exponent + 1.0_dp)/(law%exponent + 1.0_dp)
   end function stored_energy
 
-  pure real(dp) function held_force(law, approach) result(force)
+  pure real(dp) function undamped_force(law, approach) result(force)
     !! Return the force of a contact without damping, F = K(δ_n − RF)^p, by bisection.
     type(contact_law), intent(in) :: law
     real(dp), intent(in) :: approach               !! δ_n
@@ -73,7 +73,7 @@ contains
       end if
     end do
     force = law%stiffness*middle**law%exponent
-  end function held_force
+  end function undamped_force
 
   elemental subroutine find_force(law, indentation, rate, force, by_indentation, by_rate)
     !! Return the force and its derivatives.

@@ -6,9 +6,9 @@ module bw_contact_motion
   use bw_kinds, only: dp
   use bw_missing, only: scaled
   use bw_modal_flow, only: energy_gain
-  use bw_mode_set, only: first_struck, mode_set
+  use bw_mode_set, only: first_struck_mode, mode_set
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
-  use bw_segment, only: alone, energy_type, known_energy, sharper, together, operator(+)
+  use bw_segment, only: alone, energy_type, known_energy, more_accurate, together, operator(+)
   implicit none (type, external)
   private
   public :: motion_of
@@ -52,7 +52,7 @@ contains
     damping = 0.0_dp
     if (allocated(free%damping)) damping = free%damping
     motion%modes = n
-    motion%first = first_struck(free)
+    motion%first = first_struck_mode(free)
     motion%restitution = restitution
     motion%inertia = [free%modal_mass, min(mass_ratio, heaviest)]
     motion%heavier = max(1.0_dp, mass_ratio/heaviest)
@@ -142,7 +142,7 @@ contains
     moving = 0.5_dp*self%inertia*self%state%v**2
     bent = 0.5_dp*self%inertia*self%parts(alone)%beta_squared%hi*self%state%u**2
     of_state = energy_type(accurate_sum(moving + bent), 16*epsilon(moving)*sum(moving + abs(bent)))
-    energy = scaled(known_energy(sharper(self%energy_left, of_state)), self%heavier)
+    energy = scaled(known_energy(more_accurate(self%energy_left, of_state)), self%heavier)
   end function energy
 
   pure real(dp) function momentum(self)

@@ -11,7 +11,7 @@ module bw_contact_segments
   use bw_signal, only: signal_of, signal_type
   implicit none (type, external)
   private
-  public :: elapsed, follow_contact, follow_flight, left_out, mass_stays
+  public :: elapsed, follow_contact, follow_flight, rebound_error, mass_stays
 
   real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: smaller rebounds are neglected
   real(dp), parameter :: slow = 1.0e-9_dp         !! of V: smaller separation speeds count as 0
@@ -106,7 +106,7 @@ contains
                                 [matmul(modes%mixing, to%v), dot_product(modes%struck, to%v)], to%time)
   end subroutine follow_contact
 
-  pure function left_out(motion) result(change)
+  pure function rebound_error(motion) result(change)
     !! Bound the velocity errors due to neglected rebounds. Their impulses and those of a lasting contact have the same sum and
     !! the same first moment about the time of final closure; their second moments differ by sR²(1−e)/3(1+e+e²) over the
     !! mobility. With damping the contact modes define the motion from the first neglected rebound on, and the error is 0.
@@ -122,7 +122,7 @@ contains
       change = 0.5_dp*(change*sum(motion%gap%a*motion%share()*square) - change*square) &
         *time**2*(1.0_dp - e)/(3.0_dp*(1.0_dp + e + e**2))
     end associate
-  end function left_out
+  end function rebound_error
 
   pure function integral(parts, from, to) result(sums)
     !! Return ∫u dt = −(Δv + cΔu)/β².

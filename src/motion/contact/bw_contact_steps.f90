@@ -3,7 +3,7 @@ module bw_contact_steps
   !! record. bw_lasting_contact explains their lengths. Units of bw_segment.
   use bw_contact_bodies, only: contact_bodies
   use bw_contact_force, only: end_in_step, first_zero
-  use bw_contact_law, only: contact_law, held_force, solve_contact
+  use bw_contact_law, only: contact_law, undamped_force, solve_contact
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_force_response, only: force_degree
   use bw_force_step, only: add_loads, force_in_step, find_force_step, force_step, last_coefficient, mean_force, node_places, &
@@ -13,16 +13,16 @@ module bw_contact_steps
   use bw_segment, only: alone, load_type
   implicit none (type, external)
   private
-  public :: press
+  public :: step_through_contact
 
-  integer, parameter, public :: levels = 20       !! halvings from the longest step to the shortest
+  integer, parameter, public :: most_halvings = 20       !! halvings from the longest step to the shortest
 
   type, public :: contact_run
     !! The current state of contacts and flights.
     integer :: configuration = alone              !! that moves
     type(contact_bodies) :: bodies
     type(contact_law) :: law
-    type(force_step) :: ladder(0:levels)          !! those in use have a length
+    type(force_step) :: ladder(0:most_halvings)          !! those in use have a length
     real(dp) :: unit = 0.0_dp                     !! the longest step
     real(dp) :: typical = 0.0_dp                  !! force scale of tolerances
     real(dp) :: tolerance = 0.0_dp
@@ -49,7 +49,7 @@ module bw_contact_steps
 
 contains
 
-  subroutine press(run, steps, monitor)
+  subroutine step_through_contact(run, steps, monitor)
     !! Step through a contact to the end of its force, or to the end of the search.
     type(contact_run), intent(inout) :: run
     type(load_type), intent(inout) :: steps
@@ -73,7 +73,7 @@ contains
     run%changed = .false.
     closing(0) = -run%bodies%separation()
     level = 0                                        ! a force starting with zero closing speed is smooth: t^3
-    if (run%goes_on .or. closing(0)*run%unit*0.5_dp**levels > run%bodies%rounding()) level = levels
+    if (run%goes_on .or. closing(0)*run%unit*0.5_dp**most_halvings > run%bodies%rounding()) level = most_halvings
     largest = run%typical
     run%steps = 0
     run%ended = .false.
@@ -95,7 +95,7 @@ contains
         end if
         if (allocated(load)) then
           call run%bodies%loads%in_step(state%time%hi, merge(left, run%unit*0.5_dp**level, is_last), load, slope, lack)
-          if (level < levels .and. lack > run%tolerance) then
+          if (level < most_halvings .and. lack > run%tolerance) then
             level = level + 1
             cycle
           end if
@@ -114,7 +114,7 @@ contains
         lack = last_coefficient(force)
         largest = max(largest, maxval(force))
         ends = any(indentation <= 0.0_dp .or. force(1:) <= 0.0_dp)
-        if (level < levels .and. (ends .or. .not. converged .or. lack > run%tolerance*largest)) then
+        if (level < most_halvings .and. (ends .or. .not. converged .or. lack > run%tolerance*largest)) then
           level = level + 1
           cycle
         end if
@@ -191,14 +191,14 @@ contains
       call find_force_step(run%bodies%parts, run%bodies%weight, run%bodies%inertia, length, step)
       if (allocated(run%bodies%loads)) call add_loads(run%bodies%parts, run%bodies%weight, run%bodies%loads%drive, step)
     end subroutine find_step
-  end subroutine press
+  end subroutine step_through_contact
 
   pure real(dp) function force_after_jump(run, before) result(force)
     !! Return the force where loads, and omitted modes with them, may have jumped. With damping it is kept, and short steps follow.
     type(contact_run), intent(in) :: run
     real(dp), intent(in) :: before
     force = before
-    if (run%law%damping == 0.0_dp) force = held_force(run%law, -run%bodies%gap())
+    if (run%law%damping == 0.0_dp) force = undamped_force(run%law, -run%bodies%gap())
   end function force_after_jump
 
   pure subroutine append_step(run, load, length, level, force, indentation)

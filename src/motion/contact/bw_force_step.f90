@@ -10,7 +10,7 @@ module bw_force_step
   use bw_oscillators, only: oscillators
   implicit none (type, external)
   private
-  public :: add_loads, drive, force_in_step, find_force_step, find_step_end, last_coefficient, mean_force, polynomial_of
+  public :: add_loads, advance_state, force_in_step, find_force_step, find_step_end, last_coefficient, mean_force, polynomial_of
 
   integer :: point, term
   real(dp), parameter :: quarter_turn = acos(0.0_dp)
@@ -167,7 +167,7 @@ contains
     pushed_rate = driven*pushed_rate
   end subroutine move_and_push
 
-  pure subroutine drive(parts, a, inertia, length, place, force, u, v)
+  pure subroutine advance_state(parts, a, inertia, length, place, force, u, v)
     !! Move the state to a place in a step, from 0 to 1.
     type(oscillators), intent(in) :: parts
     real(dp), intent(in) :: a(:), inertia(:)       !! see `find_force_step`
@@ -185,7 +185,7 @@ contains
       u(k) = moved(1, 1)*start + moved(1, 2)*v(k) + dot_product(pushed(1, :), coefficients)
       v(k) = moved(1, 3)*start + moved(1, 4)*v(k) + dot_product(pushed_rate(1, :), coefficients)
     end do
-  end subroutine drive
+  end subroutine advance_state
 
   pure subroutine approach(self, u, v, value, rate)
     !! Return the approach and its rate at the points without a force.

@@ -12,8 +12,8 @@ module bw_lasting_contact
   !! interrupted: `follow_until` ends there, and `go_on` continues with the state of the modes after it. Units of bw_segment.
   use bw_contact_bodies, only: bodies_of, contact_bodies, first_motion
   use bw_contact_force, only: find_largest
-  use bw_contact_law, only: contact_law, held_force, stored_energy, usual_contact
-  use bw_contact_steps, only: contact_run, levels, press
+  use bw_contact_law, only: contact_law, undamped_force, stored_energy, contact_with_fixed_point
+  use bw_contact_steps, only: contact_run, most_halvings, step_through_contact
   use bw_double_double, only: dd, operator(+)
   use bw_event, only: contact_event, event_type
   use bw_force_response, only: force_degree
@@ -73,14 +73,14 @@ contains
     run%law = law
     pace = 1.0_dp
     if (present(first)) pace = hypot(run%bodies%pace(), first%others)
-    call usual_contact(law, mass_ratio, pace, run%unit, run%typical)
+    call contact_with_fixed_point(law, mass_ratio, pace, run%unit, run%typical)
     run%unit = run%unit/pace*demand%tolerance**(1.0_dp/(force_degree + 1))
     run%tolerance = demand%tolerance
     run%captures = demand%captures
     run%most_contacts = demand%most_contacts
     run%typical = 1.0e-3_dp*run%typical           ! negligible contacts
     run%in_range = range_of(free, omega)
-    allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0), contacts%ladder(0:levels, configurations))
+    allocate (contacts%events(0), contacts%segments(0), contacts%event_of(0), contacts%ladder(0:most_halvings, configurations))
     run%ended = .true.
     call check_closing(run)
   end subroutine begin_contacts
@@ -157,7 +157,7 @@ contains
       run%found = .true.
       law = run%law
       if (law%damping > 0.0_dp) law%stiffness = run%last_force/max(run%last_indentation, tiny(residual))**law%exponent
-      run%last_force = held_force(law, -bodies%gap())
+      run%last_force = undamped_force(law, -bodies%gap())
       run%last_indentation = -bodies%gap() - residual*run%last_force
       run%gained = run%gained + (balance_of(run) - before)
       run%captured = run%captures .and. run%bodies%separation() >= 0.0_dp   ! past its largest indentation
@@ -183,7 +183,7 @@ contains
     type(lasting_contacts), intent(inout) :: contacts
     type(force_step) :: none
     integer :: i
-    do i = 0, levels
+    do i = 0, most_halvings
       if (run%ladder(i)%length > 0.0_dp) contacts%ladder(i, run%configuration) = run%ladder(i)%step_end
       run%ladder(i) = none
     end do
@@ -242,7 +242,7 @@ contains
     end if
     allocate (segment%load)
     segment%load%taking_part = count_taking_part(run%bodies)
-    call press(run, segment%load, monitor)
+    call step_through_contact(run, segment%load, monitor)
     if (stops(monitor) .or. run%failed) return
     run%indentation = max(run%indentation, run%deepest)
     if (run%ended .and. run%deepest <= unseen .and. .not. (run%goes_on .or. run%captured)) then

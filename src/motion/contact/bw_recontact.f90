@@ -10,7 +10,7 @@ module bw_recontact
   !! The gap is v_tip − y ≥ 0. Units of bw_segment: times in l²/h, velocities in V, displacements in V l²/h.
   use bw_contact_modes, only: contact_set, find_contact_modes
   use bw_contact_motion, only: contact_motion, motion_of
-  use bw_contact_segments, only: elapsed, follow_contact, follow_flight, left_out, mass_stays
+  use bw_contact_segments, only: elapsed, follow_contact, follow_flight, rebound_error, mass_stays
   use bw_double_double, only: dd
   use bw_event, only: contact_event, event_type, impact_event, no_event
   use bw_kinds, only: dp
@@ -137,7 +137,7 @@ contains
       if (stops(monitor)) return
       call ensemble%scatter%press(contacts%modes, ensemble%run)
     end if
-    call ensemble%scatter%push(left_out(ensemble%run(0)), ensemble%run)
+    call ensemble%scatter%push(rebound_error(ensemble%run(0)), ensemble%run)
     do i = neighbours, 0, -1
       call follow_contact(ensemble%run(i), contacts%modes, ensemble%last, ensemble%from(i), ensemble%to(i), impulse, &
                           ensemble%ended(i), monitor)

@@ -16,7 +16,7 @@ module bw_load_modes
   use bw_varying_beam, only: pull_at, value_of, varying_beam
   implicit none (type, external)
   private
-  public :: carried_mass, find_residuals, find_shears, total_mass
+  public :: effective_mass, find_residuals, find_shears, total_mass
 
   integer, parameter, public :: frame_motion = -1 !! replaces a position if the frame is accelerated
 
@@ -276,11 +276,11 @@ contains
     end do
   end function total_mass
 
-  pure real(dp) function carried_mass(modes, participation) result(mass)
+  pure real(dp) function effective_mass(modes, participation) result(mass)
     !! Return the effective mass of the modes in base motion, Σp²/M.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: participation(:)       !! of the first modes
     mass = sum(participation**2/modes%modal_mass(:size(participation)))
-  end function carried_mass
+  end function effective_mass
 
 end module bw_load_modes

@@ -20,15 +20,15 @@ module bw_truncation_error
   use bw_double_double, only: dd
   use bw_flexibility, only: mean_square_curvature, mean_square_shape
   use bw_kinds, only: dp
-  use bw_modal_flow, only: left_beyond
+  use bw_modal_flow, only: damping_factor_beyond
   use bw_mode_set, only: curvatures
   use bw_mode_survey, only: mode_survey
   use bw_piece_beam, only: piece_beam
   use bw_reach, only: turns
   implicit none (type, external)
   private
-  public :: agree_beyond, block_ends, displacement_error, falling_part, find_rates, find_tail, part_shown, rate_error
-  public :: spread_of_samples, times_shown
+  public :: lowest_cutoff, block_ends, displacement_error, falling_part, find_rates, find_tail, phase_agreement, rate_error
+  public :: spread_of_samples, crest_factor
 
   real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums may be so many times what blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same for velocities, in root mean squares
@@ -219,7 +219,7 @@ contains
     integer, intent(in) :: b
     left = 1.0_dp
     if (.not. present(law)) return
-    left = left_beyond(dd(survey%bin(b)%square), survey%bin(b)%damping, law%stiffness, survey%stretch%start)
+    left = damping_factor_beyond(dd(survey%bin(b)%square), survey%bin(b)%damping, law%stiffness, survey%stretch%start)
   end function left_by_damping
 
   pure function mobility_beyond(survey, beam, b) result(mobility)
@@ -266,7 +266,7 @@ contains
   pure function displacement_error(tail, part) result(error)
     !! Estimate the largest displacement due to modes beyond the first n, (points).
     type(tail_type), intent(in) :: tail
-    real(dp), intent(in) :: part(:)                !! from `part_shown`, (points)
+    real(dp), intent(in) :: part(:)                !! from `phase_agreement`, (points)
     real(dp) :: error(size(part))
     error = min(tail%bound, tail%largest + likely*part*tail%reach)
   end function displacement_error
@@ -275,7 +275,7 @@ contains
     !! Estimate the same for velocities, or for curvatures. If samples are instants at which waves of all lengths meet,
     !! octaves hardly fall, and add up.
     type(tail_type), intent(in) :: tail
-    real(dp), intent(in) :: times(:)               !! from `times_shown`, (points)
+    real(dp), intent(in) :: times(:)               !! from `crest_factor`, (points)
     real(dp), intent(in) :: largest(:, :)          !! of each block, (points, 2)
     real(dp) :: error(size(times)), falling(size(times))
     integer :: i
@@ -285,14 +285,14 @@ contains
     if (allocated(tail%rate_bound)) error = min(error, tail%rate_bound)
   end function rate_error
 
-  pure real(dp) function agree_beyond(beam) result(square)
+  pure real(dp) function lowest_cutoff(beam) result(square)
     !! Return β² of the lowest cutoff of a beam with shear. Beyond it waves hardly disperse and phases agree: a block
     !! has the same ratio of sum to sum of amplitudes as at the cutoff.
     type(piece_beam), intent(in) :: beam
     square = 1.0_dp/max(maxval(beam%piece%compliance%hi*beam%piece%rotary%hi), tiny(1.0_dp))
-  end function agree_beyond
+  end function lowest_cutoff
 
-  pure function part_shown(survey, count, samples, largest) result(part)
+  pure function phase_agreement(survey, count, samples, largest) result(part)
     !! Return the ratio of sum to sum of amplitudes for modes beyond the first `count`, extrapolated from the blocks
     !! before them, (points). With random phases it falls by √½ per octave; as far as blocks exceed random sums, phases
     !! agree, and it falls less. With fewer than four modes it is 1.
@@ -325,7 +325,7 @@ contains
     less = min(least_fall, part_of(reach(:, 2), reach(:, 1)))    ! ratio of amplitude sums per octave
     part = max(random(:, 2), shown(:, 2), fall*shown(:, 1))
     part = min(1.0_dp, part*fall*(1.0_dp - less)/(1.0_dp - less*fall))
-  end function part_shown
+  end function phase_agreement
 
   pure function falling_part(tail, largest) result(part)
     !! Return the same if octaves continue to fall as the last two, by half or more, (points). This is larger if damping
@@ -337,10 +337,10 @@ contains
     part = min(1.0_dp, part_of(steady/likely*largest(:, 2)*fall/(1.0_dp - fall), tail%reach))
   end function falling_part
 
-  pure function times_shown(survey, count, samples, largest) result(times)
+  pure function crest_factor(survey, count, samples, largest) result(times)
     !! Return velocities or curvatures of a block over their root mean square, (points).
     type(mode_survey), intent(in) :: survey
-    integer, intent(in) :: count, samples          !! see `part_shown`
+    integer, intent(in) :: count, samples          !! see `phase_agreement`
     real(dp), intent(in), optional :: largest(:, :)
     real(dp) :: times(size(survey%points))
     integer :: ends(3)
@@ -351,7 +351,7 @@ contains
     if (.not. present(largest)) return
     times = max(times, times_of(largest(:, 1), half_squares(survey, ends(1) + 1, ends(2))), &
                 times_of(largest(:, 2), half_squares(survey, ends(2) + 1, ends(3))))
-  end function times_shown
+  end function crest_factor
 
   pure function half_squares(survey, first, last) result(squares)
     !! Return ½ΣA² of velocities, or of curvatures, over some bins.

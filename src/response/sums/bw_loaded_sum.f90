@@ -1,7 +1,7 @@
 module bw_loaded_sum
   !! Histories of modes under a contact force, exact in each step, with the quasi-static contribution of omitted modes.
   use bw_double_double, only: dd, operator(*), operator(-)
-  use bw_force_step, only: drive, force_in_step, polynomial_of, step_end
+  use bw_force_step, only: advance_state, force_in_step, polynomial_of, step_end
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
@@ -59,7 +59,7 @@ contains
           force = 0.0_dp                           ! after the contact, by rounding, or in the last sample of a record
           slope = 0.0_dp
           if (left <= length) call force_in_step(polynomial_of(load%force(:, i)), max(0.0_dp, left/length), force, slope)
-          if (left > 0.0_dp) call drive(parts, a, modes%modal_mass, length, min(1.0_dp, left/length), load%force(:, i), &
+          if (left > 0.0_dp) call advance_state(parts, a, modes%modal_mass, length, min(1.0_dp, left/length), load%force(:, i), &
                                     u_there, v_there)
           call put_sample(sample - samples(1) + 1)
           sample = sample + 1

@@ -12,7 +12,7 @@ module bw_accuracy
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_above_estimate, price_list, rung_out_of_reach, rung_type
   use bw_price_report, only: price_report
-  use bw_scene, only: counts_in_its_run, scene_type
+  use bw_scene, only: converges_in_run, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, shortest, string, text_of
   use bw_timed_runs, only: repeat_runs, run_first, timed_run
@@ -69,7 +69,7 @@ contains
     if (.not. allocated(scene%response)) then
       call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
                 'could be measured'//accepted)
-    else if (.not. (counts_in_its_run(scene) .or. allocated(scene%capture))) then
+    else if (.not. (converges_in_run(scene) .or. allocated(scene%capture))) then
       call fail(error, status_bad_input, scene%file//': &capture: is absent: after an instantaneous rebound the motion depends '// &
                 'on the number of modes (its impulse tends to 0 as modes are added), so that it does not converge'// &
                 accepted//'; instead: &sweep parameter=''modes%before'', which shows what changes with their number')

@@ -12,7 +12,7 @@ module bw_converged
   use bw_one_case, only: case_cache, run_case
   use bw_response, only: response_type
   use bw_result_layout, only: layout_of
-  use bw_scene, only: counts_in_its_run, is_loaded, scene_type
+  use bw_scene, only: converges_in_run, is_loaded, scene_type
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
   use bw_timed_runs, only: run_once, timed_run
@@ -46,7 +46,7 @@ contains
     logical, intent(out) :: whole               !! false if the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(in), optional :: longest   !! longest run allowed beside that of the scene itself, s; absent: `patience`
-    run%bounds_all = counts_in_its_run(scene) .or. is_loaded(scene)
+    run%bounds_all = converges_in_run(scene) .or. is_loaded(scene)
     if (run%bounds_all) then
       call converge_by_runs(scene, monitor, run, whole, error, longest)
     else

@@ -1,7 +1,7 @@
 module bw_beam_fit
   !! The best fit of the unknowns to the lines, from several starts, and other fits that are as good.
   use bw_fit_problem, only: fit_problem, position_in
-  use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, polish, search, choose_fit, unlikely
+  use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, refine_fits, search, choose_fit, misfit_chance
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -30,7 +30,7 @@ contains
     allocate (fits(0))
     if (present(near)) then
       problem%v = near
-      call polish(problem, fits)
+      call refine_fits(problem, fits)
     end if
     do i = 1, searched_on
       problem%v = starts(:, i)
@@ -106,7 +106,7 @@ contains
       call place(problem, without)
       problem%scatter = fit%scatter
       call problem%minimise(residuals, .true.)
-      call polish(problem, fits)
+      call refine_fits(problem, fits)
     end do
     if (minval(fits%penalty) < least) call choose_fit(problem, fits, fit)
   end subroutine leave_out_each
@@ -114,7 +114,7 @@ contains
   pure logical function is_doubtful(fit)
     !! Return whether noise does not explain a fit, or it explains no more lines than it has unknowns and omits others.
     type(fit_type), intent(in) :: fit
-    is_doubtful = fit%tail < unlikely .or. (fit%spare < 1 .and. any(fit%mode_of == 0))
+    is_doubtful = fit%tail < misfit_chance .or. (fit%spare < 1 .and. any(fit%mode_of == 0))
   end function is_doubtful
 
   subroutine refit_from(problem, v, fit)
@@ -125,7 +125,7 @@ contains
     type(fit_type), allocatable :: fits(:)
     allocate (fits(0))
     problem%v = v
-    call polish(problem, fits)
+    call refine_fits(problem, fits)
     call choose_fit(problem, fits, fit)
   end subroutine refit_from
 

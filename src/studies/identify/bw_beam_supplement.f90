@@ -3,12 +3,12 @@ module bw_beam_supplement
   !! result of a record.
   use bw_corrected_models, only: find_corrections, corrected_model
   use bw_measured_state, only: measured_state, state_of
-  use bw_calibration, only: calibration_text, factor_type, find_factors, knows_blows
+  use bw_calibration, only: calibration_text, factor_type, find_factors, has_modal_constants
   use bw_classic_head, only: classic_head
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
   use bw_fit_problem, only: is_at_end
-  use bw_fit_search, only: misfit_type, unlikely
+  use bw_fit_search, only: misfit_type, misfit_chance
   use bw_identification, only: identification, identify
   use bw_identified_scene, only: identified_attribute, identified_path, identified_room, identified_text
   use bw_identified_waves, only: put_identified_waves
@@ -223,12 +223,12 @@ contains
         call own(c)%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
         states(1) = state
-        if (knows_blows(states)) then
+        if (has_modal_constants(states)) then
           call find_factors(states, nothing, factors)
-          calibration(1)%text = calibration_text(factors, set%sensors, .not. misfit%tail < unlikely)
+          calibration(1)%text = calibration_text(factors, set%sensors, .not. misfit%tail < misfit_chance)
           if (calibration(1)%text /= '') call calibrations%add(int(c, i8), calibration)
         end if
-        if (.not. misfit%tail < unlikely) cycle
+        if (.not. misfit%tail < misfit_chance) cycle
         found%fit%mode_of = state%mode_of
         found%fit%misfit_type = misfit
         call find_corrections(set%measured(c:c), found, corrections)
@@ -336,7 +336,7 @@ contains
     character(:), allocatable, intent(inout) :: notes
     type(factor_type), allocatable :: factors(:)
     character(:), allocatable :: text
-    if (.not. knows_blows(set%states(:set%own))) return
+    if (.not. has_modal_constants(set%states(:set%own))) return
     call find_factors(set%states(:set%own), found%values, factors)
     text = calibration_text(factors, set%sensors, found%explained)
     if (text == '') return

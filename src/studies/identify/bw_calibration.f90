@@ -2,7 +2,7 @@ module bw_calibration
   !! Detection of sensors and hammers that are reversed or of another scale: the real factor between modal constants
   !! measured by a sensor and those of the model, by least squares.
   use bw_measured_state, only: amplitude_weights, measured_state, sensor_error, state_modes
-  use bw_fit_search, only: unlikely
+  use bw_fit_search, only: misfit_chance
   use bw_kinds, only: dp
   use bw_quantile, only: normal_quantile
   use bw_record, only: sensor_type
@@ -10,7 +10,7 @@ module bw_calibration
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: calibration_text, find_factors, knows_blows
+  public :: calibration_text, find_factors, has_modal_constants
 
   type, public :: factor_type
     !! The ratio of measured to modelled modal constants of a sensor.
@@ -21,12 +21,12 @@ module bw_calibration
 
 contains
 
-  pure logical function knows_blows(states)
+  pure logical function has_modal_constants(states)
     !! Return whether all states have modal constants.
     type(measured_state), intent(in) :: states(:)
     integer :: i
-    knows_blows = size(states) > 0 .and. all([(states(i)%lines%over_blow, i=1, size(states))])
-  end function knows_blows
+    has_modal_constants = size(states) > 0 .and. all([(states(i)%lines%over_blow, i=1, size(states))])
+  end function has_modal_constants
 
   subroutine find_factors(states, values, factors)
     !! Find the factors of all sensors: the mean over repeats, which share the errors of model and positions.
@@ -80,7 +80,7 @@ contains
     !! Return whether a factor differs from a number by more than its error and that of calibration.
     type(factor_type), intent(in) :: factor
     real(dp), intent(in) :: from
-    differs = abs(factor%value - from) > normal_quantile(1 - unlikely/2)*hypot(factor%deviation, sensor_error*from)
+    differs = abs(factor%value - from) > normal_quantile(1 - misfit_chance/2)*hypot(factor%deviation, sensor_error*from)
   end function differs
 
   function calibration_text(factors, sensors, explained) result(text)

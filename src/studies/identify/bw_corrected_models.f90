@@ -8,7 +8,7 @@ module bw_corrected_models
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
-  use bw_correction_candidates, only: correction_candidate, list_candidates, put_in
+  use bw_correction_candidates, only: correction_candidate, list_candidates, apply_correction
   use bw_scene_states, only: all_unknowns, measured_scene, states_of
   use bw_text, only: text_of
   implicit none (type, external)
@@ -24,7 +24,7 @@ module bw_corrected_models
     integer, private :: candidate = 0
   end type corrected_model
 
-  real(dp), parameter, public :: helpful = 0.9_dp  !! chosen: of τ; a correction that leaves more does not help
+  real(dp), parameter, public :: accepted_share = 0.9_dp  !! chosen: of τ; a correction that leaves more does not help
 
 contains
 
@@ -44,7 +44,7 @@ contains
     allocate (corrections(0))
     call list_candidates(measured(1)%scene, candidates)
     do i = 1, size(candidates)
-      call put_in(candidates(i), measured, variant, possible)
+      call apply_correction(candidates(i), measured, variant, possible)
       if (.not. possible) cycle
       call fit_again(candidates(i), variant, found, found%fit, measured, corrected)
       corrected%candidate = i
@@ -54,11 +54,11 @@ contains
     if (any(single%fit%scatter <= 0.0_dp)) return
     do i = 1, size(single)
       do j = i + 1, size(single)
-        if (single(j)%fit%scatter > helpful*found%fit%scatter) exit
+        if (single(j)%fit%scatter > accepted_share*found%fit%scatter) exit
         call fit_two(measured, candidates(single(i)%candidate), candidates(single(j)%candidate), single(i), found, corrected, &
                      possible)
         if (.not. possible .or. corrected%fit%freedom < 1) cycle
-        if (corrected%fit%scatter <= helpful*single(i)%fit%scatter) call insert(corrections, corrected)
+        if (corrected%fit%scatter <= accepted_share*single(i)%fit%scatter) call insert(corrections, corrected)
       end do
     end do
   end subroutine find_corrections
@@ -74,11 +74,11 @@ contains
     type(correction_candidate), allocatable :: further(:)
     type(measured_scene), allocatable :: variant(:), both(:)
     integer :: k
-    call put_in(first, measured, variant, possible)
+    call apply_correction(first, measured, variant, possible)
     call list_candidates(variant(1)%scene, further)            ! a body has another number after one was added
     k = findloc(further%effect, second%effect, dim=1)
     possible = possible .and. k > 0
-    if (possible) call put_in(further(k), variant, both, possible)
+    if (possible) call apply_correction(further(k), variant, both, possible)
     if (.not. possible) return
     call fit_again(further(k), both, found, one%fit, measured, corrected)
     corrected%effect = one%effect//' and '//corrected%effect

@@ -16,7 +16,7 @@ module bw_correction_candidates
   use bw_text, only: string, text_of, words_of
   implicit none (type, external)
   private
-  public :: list_candidates, put_in
+  public :: list_candidates, apply_correction
 
   character, parameter :: nl = new_line('a')
 
@@ -119,7 +119,7 @@ contains
     end associate
   end subroutine toggle
 
-  subroutine put_in(candidate, measured, variant, possible)
+  subroutine apply_correction(candidate, measured, variant, possible)
     !! Put a correction into all scenes, if all allow it.
     type(correction_candidate), intent(in) :: candidate
     type(measured_scene), intent(in) :: measured(:)
@@ -143,7 +143,7 @@ contains
       variant(i)%lines = measured(i)%lines
       variant(i)%monitor => measured(i)%monitor
     end do
-  end subroutine put_in
+  end subroutine apply_correction
 
   function changed(candidate, text) result(edited)
     !! Return a scene's text with the group or the values. The value of an unknown is arbitrary, but it must be present.

@@ -6,7 +6,7 @@ module bw_fit_problem
   !! Decays have residuals if damping is unknown. Complex amplitudes of a line at several sensors have residuals against
   !! the mode's shape times the complex factor that fits best; modal constants of a measured blow need no such factor.
   !! Amplitudes have an error relative to the largest one beside their noise, as frequencies have τ.
-  use bw_measured_state, only: amplitude_weights, measured_state, sensor_error, state_modes, vague
+  use bw_measured_state, only: amplitude_weights, measured_state, sensor_error, state_modes, vague_deviation
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
@@ -256,7 +256,7 @@ contains
         end do
         records(i)%line = frequency
         records(i)%deviation = state%lines%deviation/frequency
-        records(i)%spurious = state%is_harmonic .or. records(i)%deviation > vague
+        records(i)%spurious = state%is_harmonic .or. records(i)%deviation > vague_deviation
         records(i)%chance = state%chance
         records(i)%mode = modes%frequency
         if (.not. modes%found) records(i)%mode = -records(i)%mode

@@ -12,9 +12,9 @@ module bw_fit_search
   use bw_quantile, only: chi_squared_tail
   implicit none (type, external)
   private
-  public :: add_fit, explain, is_near, misfit_of, place, polish, search, choose_fit
+  public :: add_fit, estimate_model_error, is_near, misfit_of, place, refine_fits, search, choose_fit
 
-  real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
+  real(dp), parameter, public :: misfit_chance = 1.0e-3_dp    !! probability below which noise does not explain a misfit
   real(dp), parameter, public :: first_scatter = 0.05_dp !! lower bound of τ at the start of a search
   integer, parameter :: halvings = 40            !! of a logarithmic interval
   real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are the same
@@ -55,10 +55,10 @@ contains
       call explain_amplitudes(problem)
       call problem%minimise(residuals, .true.)
     end do
-    call polish(problem, fits)
+    call refine_fits(problem, fits)
   end subroutine search
 
-  subroutine polish(problem, fits)
+  subroutine refine_fits(problem, fits)
     !! Do the same from a place where the assignment is nearly right.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), allocatable, intent(inout) :: fits(:)
@@ -75,7 +75,7 @@ contains
     end do
     call place_at(problem, fit)
     call add_fit(fits, fit)
-  end subroutine polish
+  end subroutine refine_fits
 
   subroutine choose_fit(problem, fits, fit)
     !! Choose the fit of least penalty with τ = 0 or, if noise does not explain its residuals, with the τ that does.
@@ -95,7 +95,7 @@ contains
     do round = 1, most_rounds
       before = [problem%scatter, problem%amplitude_error]
       call explain_amplitudes(problem)
-      if (fit%tail < unlikely) call explain(problem)
+      if (fit%tail < misfit_chance) call estimate_model_error(problem)
       if (all(abs([problem%scatter, problem%amplitude_error] - before) <= same*before)) exit
       if (round == 1) call take_least(problem, fits, fit)
       if (round > 1) call problem%minimise(fit%residuals, .false.)
@@ -140,7 +140,7 @@ contains
     misfit%tail = chi_squared_tail(misfit%chi_squared, max(1, misfit%freedom))
   end function misfit_of
 
-  subroutine explain(problem)
+  subroutine estimate_model_error(problem)
     !! Set τ so that the sum of squares of the tested residuals equals its degrees of freedom.
     type(fit_problem), intent(inout) :: problem
     real(dp) :: low, high, residuals(problem%count())
@@ -154,7 +154,7 @@ contains
       if (sum(residuals(:problem%count_tested())**2) > freedom) low = log(problem%scatter)
       if (sum(residuals(:problem%count_tested())**2) <= freedom) high = log(problem%scatter)
     end do
-  end subroutine explain
+  end subroutine estimate_model_error
 
   subroutine explain_amplitudes(problem)
     !! Set the error of amplitudes likewise; at least that of sensors.

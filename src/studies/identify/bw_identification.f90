@@ -5,7 +5,7 @@ module bw_identification
   use bw_measured_state, only: measured_state
   use bw_fit_intervals, only: belief_type, find_intervals, interval_type
   use bw_fit_problem, only: fit_problem, is_at_end, problem_of, value_at
-  use bw_fit_search, only: fit_type, place, unlikely
+  use bw_fit_search, only: fit_type, place, misfit_chance
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -16,12 +16,12 @@ module bw_identification
   real(dp), parameter :: hardly_fixed = 0.25_dp  !! fraction of its range from which an unknown counts as undetermined
   real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns cannot be separated
 
-  type, public :: loose_direction
+  type, public :: undetermined_direction
     !! An unknown that the record does not determine, and another that compensates for it.
     integer :: unknown = 0
     integer :: partner = 0                       !! 0: none compensates, the record is insensitive to it
     real(dp), allocatable :: one(:), other(:)    !! all unknowns at two places that fit equally well, (unknowns)
-  end type loose_direction
+  end type undetermined_direction
 
   type, public :: identification
     type(identify_par), allocatable :: unknowns(:)
@@ -30,7 +30,7 @@ module bw_identification
     real(dp), allocatable :: values(:)           !! of the unknowns
     real(dp), allocatable :: low(:), high(:)     !! ends of their intervals; missing at an end of the range
     real(dp), allocatable :: others(:, :)        !! other places that fit as well, (unknowns, places)
-    type(loose_direction), allocatable :: loose(:)
+    type(undetermined_direction), allocatable :: loose(:)
     logical :: explained = .true.                !! by noise
     integer :: evaluations = 0
   contains
@@ -58,7 +58,7 @@ contains
     end do
     found%unknowns = unknowns
     found%values = problem%values()
-    found%explained = .not. found%fit%tail < unlikely
+    found%explained = .not. found%fit%tail < misfit_chance
     found%evaluations = problem%evaluations
     call widen(found%belief%intervals)
     call reach_others(problem, others, quantile, found)
@@ -151,7 +151,7 @@ contains
   subroutine find_loose(found)
     !! Find unknowns whose intervals fill much of their ranges, each with the most correlated one.
     type(identification), intent(inout) :: found
-    type(loose_direction), allocatable :: loose(:)
+    type(undetermined_direction), allocatable :: loose(:)
     real(dp) :: others(size(found%values))
     integer :: i, j, n
     n = size(found%values)

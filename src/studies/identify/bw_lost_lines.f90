@@ -1,7 +1,7 @@
 module bw_lost_lines
   !! Lines none of which is a mode of the beam, so that nothing is identified. Their frequencies beside those of modes,
   !! and the factor between them, indicate the cause: 1000 is a wrong unit of time.
-  use bw_measured_state, only: measured_state, state_modes, vague
+  use bw_measured_state, only: measured_state, state_modes, vague_deviation
   use bw_constants, only: two_pi
   use bw_kinds, only: dp
   use bw_line_assignment, only: assign, frequency_band, pairing
@@ -42,7 +42,7 @@ contains
     call best_factor(state%lines%frequency, modes%frequency, factor, fitting)
     if (fitting < 2 .or. 2*fitting < size(state%lines%frequency)) return
     text = text//'; if frequencies were '//shortest(factor, 3)//' times as high, '//text_of(fitting)//' of '// &
-      text_of(size(state%lines%frequency))//' would be modes to '//shortest(100*vague, 2)//' %'//unit_text(factor)
+      text_of(size(state%lines%frequency))//' would be modes to '//shortest(100*vague_deviation, 2)//' %'//unit_text(factor)
   end function lost_text
 
   pure subroutine best_factor(line, mode, factor, fitting)
@@ -66,7 +66,7 @@ contains
       do j = 1, size(mode)
         if (.not. mode(j) > 0) cycle
         record%line = line*(mode(j)/line(i))
-        call assign(record, decade, vague/2, penalty)
+        call assign(record, decade, vague_deviation/2, penalty)
         if (.not. penalty < least) cycle
         least = penalty
         associate (found => pack([(k, k=1, size(line))], record%mode_of > 0))

@@ -17,7 +17,7 @@ module bw_measured_state
   private
   public :: amplitude_weights, state_of
 
-  real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation from which a line may be any mode
+  real(dp), parameter, public :: vague_deviation = 0.05_dp !! chosen: relative deviation from which a line may be any mode
   real(dp), parameter, public :: sensor_error = 0.01_dp
     !! chosen: relative to the largest amplitude: sensors are seldom calibrated or placed better
 
@@ -115,7 +115,7 @@ contains
     class(measured_state), intent(in) :: self
     real(dp), allocatable :: odds(:)
     odds = pack((1 - self%chance)/self%chance, self%mode_of == 0 .and. self%chance < 0.5_dp .and. .not. self%is_harmonic &
-                .and. self%lines%deviation <= vague*self%lines%frequency)
+                .and. self%lines%deviation <= vague_deviation*self%lines%frequency)
   end function odds_left
 
   subroutine modes_at(self, values, number, modes, roughly)

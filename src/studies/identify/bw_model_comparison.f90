@@ -1,8 +1,8 @@
 module bw_model_comparison
   !! The lines of records beside the modes of their beams: assignment and misfit.
-  use bw_measured_state, only: measured_state, state_modes, vague
+  use bw_measured_state, only: measured_state, state_modes, vague_deviation
   use bw_fit_problem, only: fit_problem, problem_of
-  use bw_fit_search, only: explain, misfit_of, misfit_type, unlikely
+  use bw_fit_search, only: estimate_model_error, misfit_of, misfit_type, misfit_chance
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -40,7 +40,7 @@ contains
     problem%scatter = 0
     call problem%minimise(residuals, .false.)
     misfit = misfit_of(problem, residuals)
-    if (misfit%tail < unlikely) call explain(problem)
+    if (misfit%tail < misfit_chance) call estimate_model_error(problem)
     misfit%scatter = problem%scatter
     state = problem%states(1)
   end subroutine match_lines
@@ -87,7 +87,7 @@ contains
     character(24) :: words
     words = ''
     if (state%chance(k) > 0.5_dp) words = 'a tone, or a multiple'
-    if (state%lines%deviation(k) > vague*state%lines%frequency(k)) words = 'not known to 5 %'
+    if (state%lines%deviation(k) > vague_deviation*state%lines%frequency(k)) words = 'not known to 5 %'
     if (state%is_harmonic(k)) words = 'a harmonic'
   end function why_none
 

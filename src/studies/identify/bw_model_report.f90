@@ -1,10 +1,10 @@
 module bw_model_report
   !! The printed report of a beam compared with its record, and of identified values.
-  use bw_corrected_models, only: helpful, corrected_model
+  use bw_corrected_models, only: accepted_share, corrected_model
   use bw_measured_state, only: sensor_error
   use bw_columns, only: right, short, table_of, text_table, to_its_error, to_width
   use bw_constants, only: two_pi
-  use bw_fit_search, only: misfit_type, unlikely
+  use bw_fit_search, only: misfit_type, misfit_chance
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
@@ -57,7 +57,7 @@ contains
     type(misfit_type), intent(in) :: misfit
     character(:), allocatable :: text
     real(dp), parameter :: never = 1.0e-12_dp
-    if (misfit%freedom < 1 .and. .not. misfit%tail < unlikely) then
+    if (misfit%freedom < 1 .and. .not. misfit%tail < misfit_chance) then
       text = 'there are no more lines than unknowns, so that the model is not tested'
       return
     end if
@@ -68,7 +68,7 @@ contains
     if (misfit%tail < never) text = text//'less than one of '//shortest(1/never, 2)//' records'
     if (.not. misfit%tail < never) text = text//shortest(100*misfit%tail, 2)//' % of records'
     if (misfit%aside > 0) text = text//'; lines assigned to no mode: '//text_of(misfit%aside)
-    if (misfit%tail < unlikely) then
+    if (misfit%tail < misfit_chance) then
       text = 'the model does not explain the lines: '//text//'. Frequencies are off by '//shortest(100*misfit%scatter, 2)// &
         ' % (one standard deviation)'
     else
@@ -193,7 +193,7 @@ contains
     real(dp), intent(in) :: scatter              !! τ without corrections
     type(text_builder), intent(inout) :: lines
     integer :: i, helping
-    helping = count(corrections%fit%scatter < helpful*scatter)
+    helping = count(corrections%fit%scatter < accepted_share*scatter)
     if (helping > 0) call lines%append_line('  Fitted again with an effect that the model leaves out, or with another value, '// &
                                             'frequencies would be off by')
     do i = 1, helping

@@ -1,4 +1,4 @@
-module bw_unhanded
+module bw_unprojected
   !! Errors of the state after a change of bodies, as only finitely many modes before it are projected. The omitted
   !! modes k lie far above the modes j after the change that matter, and each contributes an impulse (m −
   !! k_v/β_k²)Φ̄_jΦ_kq̇_k of an arriving or leaving body with mass m and stiffness k_v, and likewise for rotation. Their
@@ -14,11 +14,11 @@ module bw_unhanded
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: unhanded_motion
+  public :: unprojected_errors
 
 contains
 
-  pure function unhanded_motion(before, q, rate, after, bodies, was, is) result(doubt)
+  pure function unprojected_errors(before, q, rate, after, bodies, was, is) result(doubt)
     !! Return twice the rms errors of modal displacements and velocities after the change, (modes after, 2).
     class(mode_set), intent(in) :: before, after
     real(dp), intent(in) :: q(:), rate(:)          !! of the projected modes before
@@ -50,7 +50,7 @@ contains
       end do
     end associate
     doubt = doubt/spread(after%modal_mass, 2, 2)
-  end function unhanded_motion
+  end function unprojected_errors
 
   pure real(dp) function rms_of_omitted(amplitude) result(sum_of_others)
     !! Return twice the rms of the sum of all terms beyond the given ones, with random phases.
@@ -67,4 +67,4 @@ contains
     sum_of_others = sqrt(2.0_dp*last*ratio/(1.0_dp - ratio))
   end function rms_of_omitted
 
-end module bw_unhanded
+end module bw_unprojected
