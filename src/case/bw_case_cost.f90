@@ -10,7 +10,7 @@ module bw_case_cost
   use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: sum_tolerance
   use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, converges_in_run, has_configurations, &
-    is_loaded, scene_type
+    is_loaded, is_planned, scene_type
   use bw_sum_choice, only: sum_seconds
   use bw_timeline, only: is_released, most_configurations, most_events
   implicit none (type, external)
@@ -120,7 +120,7 @@ contains
       found = before + (most_configurations(scene) - 1)*after
     end if
     ! with shear most plans are made twice
-    if (planning .and. .not. converges_in_run(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned
+    if (is_planned(scene)) found = first_modes + merge(6.0_dp, 3.0_dp, allocated(scene%shear))*planned
     counts = 0.0_dp
     if (closed) then
       counts(closed_modes) = found
@@ -133,7 +133,7 @@ contains
       & counts(merge(closed_places, other_places, closed)) = before*scene%impact%profile_points
     if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
       & counts(capture_pairs) = merge(2, 1, is_released(scene))*before*after
-    if (planning .and. .not. converges_in_run(scene)) counts(plans) = 1.0_dp
+    if (is_planned(scene)) counts(plans) = 1.0_dp
     if (allocated(scene%contact)) counts(contacts) = contact_passes*before
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (is_released(scene) .and. (planning .or. closed)) &

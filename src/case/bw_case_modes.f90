@@ -23,7 +23,7 @@ module bw_case_modes
   use bw_timeline, only: carried_type, is_released, configurations_of, number_of, start_of
   implicit none (type, external)
   private
-  public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
+  public :: extend_source, find_modes, find_sources, largest_phase_error, most_in_run, most_to_tolerance, record_stretch
 
   type, public :: case_mode_cache
     !! Modes shared by the cases of a sweep.
@@ -260,6 +260,14 @@ contains
       source = more
     end select
   end subroutine extend_source
+
+  pure integer function most_in_run(scene, otherwise) result(most)
+    !! Return how many modes a run may sum to meet a tolerance: fewer than `otherwise` under tension.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: otherwise
+    most = otherwise
+    if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
+  end function most_in_run
 
   pure real(dp) function record_stretch(scene) result(stretch)
     !! Return for how many record lengths roots keep phases to `least_phase`; that decides which need extended

@@ -5,7 +5,6 @@ module bw_result_layout
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_line_windows, only: window_start
-  use bw_modes_par, only: by_tolerance
   use bw_piece_beam, only: junctions_of
   use bw_record, only: sensor_type
   use bw_scene, only: answers_by_modes, changes_in_time, converges_in_run, has_configurations, is_loaded, scene_type, &
@@ -173,9 +172,8 @@ contains
     integer :: before, after
     before = largest(scene, 'modes', 'before', scene%modes%before)
     after = largest(scene, 'modes', 'after', scene%modes%after)
-    layout%modes = merge(after, before, allocated(scene%capture))
-    if (converges_in_run(scene) .and. by_tolerance(scene%modes)) layout%modes = after
-    if (has_configurations(scene)) layout%modes = max(before, after)
+    layout%modes = max(before, after)
+    if (allocated(scene%capture) .and. .not. has_configurations(scene)) layout%modes = after
     layout%modes_before = merge(before, 0, allocated(scene%capture))      ! 0 with a tolerance
   end subroutine count_modes
 

@@ -20,7 +20,7 @@ module bw_scene
   use bw_load_par, only: build_load, check_load, complete_loads, force_par, load_par, loads_text
   use bw_mass_or_ratio, only: check_mass
   use bw_missing, only: is_missing
-  use bw_modes_par, only: build_modes, modes_par, complete_modes
+  use bw_modes_par, only: build_modes, by_tolerance, modes_par, complete_modes
   use bw_record_par, only: build_record, check_record, record_par, complete_record
   use bw_recontact_par, only: recontact_par
   use bw_release_par, only: release_par, release_text
@@ -38,7 +38,7 @@ module bw_scene
   private
   public :: build_scene, check_rules, check_rules_together, complete_groups
   public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, effects_text, &
-    at_start, bodies_change, changes_in_time, converges_in_run, has_configurations, has_parts, is_built_up, is_loaded, &
+    at_start, bodies_change, changes_in_time, converges_in_run, has_configurations, has_parts, is_built_up, is_loaded, is_planned, &
     method_name, unit_velocity
 
   type, public :: scene_type
@@ -432,6 +432,12 @@ contains
     type(scene_type), intent(in) :: scene
     has = changes_in_time(scene) .or. bodies_change(scene)
   end function has_configurations
+
+  pure logical function is_planned(scene)
+    !! Tell whether the number of modes for a tolerance is found before the run.
+    type(scene_type), intent(in) :: scene
+    is_planned = by_tolerance(scene%modes) .and. .not. converges_in_run(scene)
+  end function is_planned
 
   pure logical function converges_in_run(scene)
     !! Tell whether the number of modes for a tolerance is found during the run, by convergence, and not planned beforehand.

@@ -9,7 +9,7 @@ module bw_changing_case
   use bw_beam_units, only: in_joules, units_of
   use bw_case_histories, only: add_hub_angle, sum_histories
   use bw_case_loads, only: add_loads
-  use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
+  use bw_case_modes, only: case_mode_cache, find_modes, most_in_run
   use bw_case_moments, only: find_moments
   use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, case_result, case_spectrum, &
     history_errors, load_result, put_together
@@ -22,7 +22,7 @@ module bw_changing_case
     rounding_of_turn
   use bw_contact_errors, only: add_rounding
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: is_missing
   use bw_mode_set, only: observe_searches, deflections, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes
   use bw_monitor, only: monitor_type
@@ -30,15 +30,14 @@ module bw_changing_case
   use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
-  use bw_reached_tolerance, only: judge_tolerance, part_of_peak
-  use bw_scene, only: by_pieces, changes_shapes, is_loaded, scene_type
+  use bw_reached_tolerance, only: is_met, judge_tolerance, part_of_peak, with_counts
+  use bw_scene, only: is_loaded, scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: shortest, string
   implicit none (type, external)
   private
   public :: compose_modes, run_changing_case
 
-  integer, parameter :: first_count = 32           !! modes that a tolerance starts with
   integer, parameter :: most_count = 2048          !! and the most that it may sum
   real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, left to errors of the states after changes
 
@@ -74,18 +73,15 @@ contains
       completed = allocated(result%error)
       if (completed) return
       if (monitor%stop_requested()) return
-      call follow_changes(times_as_many(counted, handing), 8, handing, by_tolerance(scene%modes), motion, monitor, before_event)
+      call follow_changes(times_as_many(counted, handing), 8, handing, motion, monitor, before_event)
       if (monitor%stop_requested()) return
     end if
     if (motion%modes%resolved) then
       call note_validity(counted, motion, histories%response, validity)
       call note_losses(motion)
       if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, leading_notes, validity)
-      if (by_tolerance(scene%modes) .and. errors%status == case_done) then
-        motion%plan%within = motion%plan%reached <= scene%modes%tolerance
-        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', &
-                             histories%response, errors)
-      end if
+      if (errors%status == case_done) motion%plan%within = is_met(scene%modes, motion%plan%reached)
+      call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', histories%response, errors)
     else
       errors%status = case_not_converged
     end if
@@ -124,34 +120,27 @@ contains
     type(history_errors), intent(out) :: errors
     integer, intent(out) :: handing                  !! how many times the summed modes are projected at changes
     real(dp), allocatable :: rounding(:, :)
-    logical :: limit, enough
+    logical :: enough
     integer :: most
-    limit = by_tolerance(scene%modes)
     handing = 1
-    most = most_count
-    if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
-    counted = scene
-    if (limit) then
-      counted%modes%tolerance = missing
-      counted%modes%before = first_count
-      counted%modes%after = first_count
-    end if
+    most = most_in_run(scene, most_count)
+    counted = with_counts(scene)
     do
       motion = case_motion(units=units_of(scene%beam))
+      if (by_tolerance(scene%modes)) motion%plan%tolerance = scene%modes%tolerance
       call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
       if (monitor%stop_requested()) return
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
       call observe_searches(motion%modes%configuration, failure, monitor)
-      call follow_fewer(counted, handing, limit, motion, watch, monitor, workspace, histories, errors)
+      call follow_fewer(counted, handing, motion, watch, monitor, workspace, histories, errors)
       if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
       rounding = rounding_of_turn(counted, motion)
       call leave_out_rounding(rounding, errors)
       enough = part_of_peak(histories%response, errors) <= (1.0_dp - state_share)*scene%modes%tolerance
       call join_state_errors(counted, motion, errors)
       motion%plan%reached = part_of_peak(histories%response, errors)
-      if (.not. limit .or. histories%status /= case_done) exit
-      if (motion%plan%reached <= scene%modes%tolerance) exit
+      if (histories%status /= case_done .or. is_met(scene%modes, motion%plan%reached)) exit
       if (enough) then
         if (2*handing*counted%modes%before > most) exit
         handing = 2*handing
@@ -176,12 +165,11 @@ contains
     more%modes%after = times*scene%modes%after
   end function times_as_many
 
-  subroutine follow_fewer(scene, handing, limit, motion, watch, monitor, workspace, histories, errors)
+  subroutine follow_fewer(scene, handing, motion, watch, monitor, workspace, histories, errors)
     !! Follow the motion with all modes and with fewer, and extrapolate the differences to the truncation error (`extrapolate`).
     !! After later arrivals of bodies differences vary irregularly with the count, so the largest of several is taken.
     type(scene_type), intent(in) :: scene            !! with mode counts
     integer, intent(in) :: handing                   !! how many times the summed modes are projected at changes
-    logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
@@ -193,17 +181,17 @@ contains
     type(history_errors) :: before, early            ! differences of half and a quarter, and of a quarter and an eighth
     integer :: eighths
     if (allocated(scene%response)) then
-      call run_eighths(scene, 4, handing, limit, motion, watch, monitor, workspace, half)
+      call run_eighths(scene, 4, handing, motion, watch, monitor, workspace, half)
       if (monitor%stop_requested()) return
     end if
-    call run_eighths(scene, 8, handing, limit, motion, watch, monitor, workspace, histories)
+    call run_eighths(scene, 8, handing, motion, watch, monitor, workspace, histories)
     if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
     errors = history_errors(status=histories%status)
     call add_difference(histories%response, half%response, errors)
     reduced = motion
     do eighths = 7, 3, -1
       if (eighths == 4 .or. size(motion%timeline%events) == 0) cycle
-      call run_eighths(scene, eighths, handing, limit, reduced, watch, monitor, workspace, other)
+      call run_eighths(scene, eighths, handing, reduced, watch, monitor, workspace, other)
       if (monitor%stop_requested()) return
       if (eighths > 4) then
         call add_difference(histories%response, other%response, errors)
@@ -211,10 +199,10 @@ contains
         call add_difference(half%response, other%response, before)
       end if
     end do
-    call run_eighths(scene, 2, handing, limit, reduced, watch, monitor, workspace, quarter)
+    call run_eighths(scene, 2, handing, reduced, watch, monitor, workspace, quarter)
     if (monitor%stop_requested()) return
     call add_difference(half%response, quarter%response, before)
-    call run_eighths(scene, 1, handing, limit, reduced, watch, monitor, workspace, other)
+    call run_eighths(scene, 1, handing, reduced, watch, monitor, workspace, other)
     if (monitor%stop_requested()) return
     call add_difference(quarter%response, other%response, early)
     call watch%lap(stage_response)
@@ -223,18 +211,17 @@ contains
     if (allocated(errors%bending_moment)) call extrapolate(early%bending_moment, before%bending_moment, errors%bending_moment)
   end subroutine follow_fewer
 
-  subroutine run_eighths(scene, eighths, handing, limit, motion, watch, monitor, workspace, found)
+  subroutine run_eighths(scene, eighths, handing, motion, watch, monitor, workspace, found)
     !! Follow the motion with some eighths of the modes, and sum its histories. `motion` is that of this run afterwards.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: eighths, handing
-    logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(out) :: found
     type(history_errors) :: none
-    call follow_changes(scene, eighths, handing, limit, motion, monitor)
+    call follow_changes(scene, eighths, handing, motion, monitor)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
     call watch%lap(stage_events)
     if (.not. allocated(scene%response)) return
@@ -310,9 +297,9 @@ contains
             call shown%forget_rigid_waves()
             call move_alloc(shown, configuration(c)%set)
           end do
-        end if
-        if (allocated(scene%capture) .and. .not. by_tolerance(scene%modes)) &
+        else if (allocated(scene%capture)) then
           allocate (result%before, source=configuration(1)%set)
+        end if
       end if
       if (allocated(configuration(moving)%set)) allocate (result%modes, source=configuration(moving)%set)
     end associate

@@ -35,13 +35,12 @@ module bw_changing_motion
 
 contains
 
-  subroutine follow_changes(scene, eighths, handing, limit, motion, monitor, loaded)
+  subroutine follow_changes(scene, eighths, handing, motion, monitor, loaded)
     !! Follow the motion to the last event. Loads are superposed elsewhere; given theirs, energies and momenta are those
     !! of the sum.
     type(scene_type), intent(in) :: scene          !! without sweeps, with mode counts
     integer, intent(in) :: eighths                 !! of the modes of each configuration take part, the first
     integer, intent(in) :: handing                 !! how many times the summed modes are projected at changes
-    logical, intent(in) :: limit                   !! a captured mass strikes the continuum, not a finite number of modes
     type(case_motion), intent(inout) :: motion     !! its modes are known
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(beam_state), intent(in), optional :: loaded(:)     !! motion under loads before each event after t = 0
@@ -57,7 +56,7 @@ contains
     call begin(scene, motion, eighths, steps(1)%carried, now)
     do first = 2, size(steps)
       if (steps(first)%seconds > 0.0_dp) exit
-      call apply_event(scene, steps(first), eighths, limit, motion, now, monitor)
+      call apply_event(scene, steps(first), eighths, motion, now, monitor)
       if (monitor%stop_requested()) return
     end do
     if (present(loaded)) then
@@ -76,7 +75,7 @@ contains
         if (i - first + 1 > size(loaded)) exit       ! a mode under loads has overflowed
         call add_loaded(loaded(i - first + 1), now)
       end if
-      call apply_event(scene, steps(i), eighths, limit, motion, now, monitor, present(loaded))
+      call apply_event(scene, steps(i), eighths, motion, now, monitor, present(loaded))
       if (monitor%stop_requested()) return
       call add_segment(time, handing, motion, now)
     end do
@@ -181,12 +180,11 @@ contains
     end associate
   end subroutine add_loaded
 
-  subroutine apply_event(scene, step, eighths, limit, motion, now, monitor, with_loads)
+  subroutine apply_event(scene, step, eighths, motion, now, monitor, with_loads)
     !! Apply one event: an impact, or bodies that come and leave.
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
     integer, intent(in) :: eighths
-    logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     class(monitor_type), intent(inout), target :: monitor
@@ -199,7 +197,7 @@ contains
     event%time = step%seconds
     event%end_time = step%seconds
     if (step%is_impact) then
-      call apply_impact(scene, limit, motion, now, event, monitor)
+      call apply_impact(scene, motion, now, event, monitor)
       motion%timeline%events = [motion%timeline%events, event]
       return
     end if
@@ -239,10 +237,10 @@ contains
     if (step%is_capture) kind = capture_event
   end function kind_of_change
 
-  subroutine apply_impact(scene, limit, motion, now, event, monitor)
-    !! Apply the impact. In the limit of infinitely many modes only the struck place changes its velocity, which takes no impulse.
+  subroutine apply_impact(scene, motion, now, event, monitor)
+    !! Apply the impact. With a tolerance a captured mass strikes the continuum, not a finite number of modes: only the struck place
+    !! changes its velocity, which takes no impulse.
     type(scene_type), intent(in) :: scene
-    logical, intent(in) :: limit
     type(case_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     type(event_type), intent(inout) :: event
@@ -261,7 +259,7 @@ contains
       call set_pull(scene, motion%units, mass)
       speed = speed_in_plane(scene%rotation, motion%units)
       place = sum(energy_at(modes, state%q(:state%count), mass(1), [dot_product(modes%struck, state%q), 0.0_dp], speed**2))
-      if (limit) then
+      if (motion%plan%tolerance > 0.0_dp) then
         energy = energy_of(modes, state) &
           + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2 + place, 0.0_dp)
         event%energy_before = known_energy(energy)

@@ -10,7 +10,7 @@ module bw_contact_case
   use bw_beam_units, only: units_of
   use bw_case_contacts, only: follow_run, run_type
   use bw_case_loads, only: load_summary, place_loads
-  use bw_case_modes, only: case_mode_cache, extend_source, find_modes, most_to_tolerance
+  use bw_case_modes, only: case_mode_cache, extend_source, find_modes, most_in_run
   use bw_case_notes, only: note_lasting_contacts
   use bw_case_result, only: add_notes, case_done, case_motion, case_not_converged, case_result, case_spectrum, history_errors, &
     load_result, put_together
@@ -19,7 +19,6 @@ module bw_contact_case
   use bw_changing_errors, only: join_state_errors
   use bw_case_validity, only: note_contact, note_history_errors, note_validity
   use bw_constants, only: two_pi
-  use bw_missing, only: missing
   use bw_mode_set, only: observe_searches, configuration_type, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
   use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors
@@ -31,8 +30,8 @@ module bw_contact_case
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
-  use bw_reached_tolerance, only: judge_tolerance, part_of_peak
-  use bw_scene, only: bodies_change, by_pieces, changes_shapes, is_loaded, scene_type, unit_velocity
+  use bw_reached_tolerance, only: first_count, is_met, judge_tolerance, part_of_peak, with_counts
+  use bw_scene, only: bodies_change, is_loaded, scene_type, unit_velocity
   use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: string
@@ -40,7 +39,6 @@ module bw_contact_case
   private
   public :: run_contact_case
 
-  integer, parameter :: first_count = 32           !! modes that a tolerance starts with
   integer, parameter :: most_count = 4096          !! and the most that it may sum,
   integer, parameter :: most_by_default = 1024     !! or the default tolerance if accelerations are requested
 
@@ -85,11 +83,8 @@ contains
       call note_contact(counted, motion%units, run%result, motion%timeline%events, validity)
       call note_history_errors(counted, run%response, errors, leading_notes, validity)
       call note_lasting_contacts(scene, motion, run%result, run%cut, run%out_of_range, run%failed)
-      if (by_tolerance(scene%modes) .and. errors%status == case_done) then
-        motion%plan%within = motion%plan%reached <= scene%modes%tolerance
-        call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'a shorter duration', run%response, &
-                             errors)
-      end if
+      if (errors%status == case_done) motion%plan%within = is_met(scene%modes, motion%plan%reached)
+      call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'a shorter duration', run%response, errors)
     end if
     call watch%lap(stage_response)
     if (motion%modes%resolved .and. allocated(scene%spectrum)) then
@@ -134,12 +129,8 @@ contains
     most = most_count
     if (scene%response%acceleration .and. .not. scene%modes%asked) most = most_by_default   ! accelerations converge slowly
     before = huge(before)
-    if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
-    counted = scene
-    if (by_tolerance(scene%modes)) then
-      counted%modes%tolerance = missing
-      counted%modes%before = first_count
-    end if
+    most = most_in_run(scene, most)
+    counted = with_counts(scene)
     octaves = 1
     grown = .false.
     do
@@ -165,9 +156,9 @@ contains
       call find_history_errors(run, half, errors)
       call join_state_errors(counted, motion, errors)
       call watch%lap(stage_response)
-      if (.not. by_tolerance(scene%modes) .or. run%failed .or. counted%modes%before >= most) exit
+      if (run%failed .or. counted%modes%before >= most) exit
       motion%plan%reached = part_of_peak(run%response, errors)
-      if (motion%plan%reached <= scene%modes%tolerance) exit
+      if (is_met(scene%modes, motion%plan%reached)) exit
       if (resolves_contacts(motion, run)) then
         fall = fall_of_force(run, half)
         if (is_unreachable(motion%plan%reached, before, scene%modes%tolerance, counted%modes%before, most, octaves, fall)) exit

@@ -6,7 +6,7 @@ module bw_case_loads
   !! omitted modes is included; the truncation error is how much they lag behind it. It is estimated with twice the
   !! modes, and bounded for displacements.
   use bw_beam_units, only: beam_units
-  use bw_case_modes, only: case_mode_cache, find_modes, most_to_tolerance
+  use bw_case_modes, only: case_mode_cache, find_modes, most_in_run
   use bw_case_result, only: add_notes, case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
     history_errors, load_result
   use bw_change_of_bodies, only: beam_state
@@ -17,16 +17,15 @@ module bw_case_loads
   use bw_load_courses, only: courses_of
   use bw_load_run, only: follow_loads, largest_of, loaded_run
   use bw_missing, only: is_missing, missing
-  use bw_modes_par, only: by_tolerance
+  use bw_modes_par, only: shown_modes
   use bw_monitor, only: monitor_type
-  use bw_reached_tolerance, only: judge_tolerance
-  use bw_scene, only: by_pieces, changes_in_time, changes_shapes, scene_type
+  use bw_reached_tolerance, only: is_met, judge_tolerance, with_counts
+  use bw_scene, only: changes_in_time, scene_type
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
   public :: add_loads, load_summary, place_loads, without_tolerance
 
-  integer, parameter :: first_count = 32           !! modes that a tolerance starts with
   integer, parameter :: most_count = 1024          !! limit of modes for a default tolerance; four times as many for a requested one
   real(dp), parameter :: bound_times = 100.0_dp    !! a proved bound may be so many tolerances
 
@@ -36,9 +35,7 @@ contains
     !! Return a scene with mode counts, if only loads move the beam: this module chooses the number under a tolerance.
     type(scene_type), intent(in) :: scene
     counted = scene
-    if (allocated(scene%impact) .or. .not. by_tolerance(scene%modes)) return
-    counted%modes%tolerance = missing
-    counted%modes%before = scene%modes%after
+    if (.not. allocated(scene%impact)) counted = with_counts(scene, shown_modes)
   end function without_tolerance
 
   subroutine add_loads(scene, motion, monitor, cache, histories, errors, found, error, before_event)
@@ -56,22 +53,16 @@ contains
     type(loaded_run) :: run
     type(case_modes) :: modes
     type(scene_type) :: counted
-    real(dp) :: reached, tolerance
+    real(dp) :: reached
     integer :: most, summed(2)
     call courses_of(scene, motion%units, loads%course, error)
     if (allocated(error)) return
     found = load_summary(scene, loads%course, motion%units)
     call add_notes(errors%notes, found%notes)
     call place_loads(scene, loads)
-    counted = scene
-    most = most_count
-    if (scene%modes%asked) most = 4*most_count
-    if (changes_shapes(scene) .and. .not. by_pieces(scene)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
-    if (by_tolerance(scene%modes)) then
-      counted%modes%tolerance = missing
-    end if
-    summed = [scene%modes%before, scene%modes%after]
-    if (by_tolerance(scene%modes)) summed = first_count
+    most = most_in_run(scene, merge(4*most_count, most_count, scene%modes%asked))
+    counted = with_counts(scene)
+    summed = [counted%modes%before, counted%modes%after]
     do
       counted%modes%before = twice(summed(1))
       counted%modes%after = twice(summed(2))
@@ -83,10 +74,8 @@ contains
       end if
       call follow_loads(counted, motion%units, modes, summed, loads, monitor, run)
       if (monitor%stop_requested()) return
-      if (.not. by_tolerance(scene%modes)) exit
-      tolerance = scene%modes%tolerance
       reached = part_of_peak(run)
-      if (reached <= tolerance .or. summed(1) >= most) exit
+      if (is_met(scene%modes, reached) .or. summed(1) >= most) exit
       summed = min(most, 2*summed)
     end do
     call take_run(scene, run, histories, errors)
@@ -95,18 +84,15 @@ contains
       call append(errors%notes, 'overflow: a mode grows beyond the range of double precision at t = '// &
         shortest(run%samples*(scene%response%duration/scene%response%samples), 6)//' s; the histories are missing from there on')
     end if
-    if (by_tolerance(scene%modes)) call judge_tolerance(scene%modes, reached, run%count, &
-                                                         'fewer quantities, loads without jumps', &
-                                                         histories%response, errors)
+    call judge_tolerance(scene%modes, reached, run%count, 'fewer quantities, loads without jumps', histories%response, errors)
     found%count = run%count
     if (present(before_event)) call move_alloc(run%before_event, before_event)
-    motion%plan%reached = max(motion%plan%reached, part_of_peak(run))
+    motion%plan%reached = max(motion%plan%reached, reached)
   contains
     pure integer function twice(count)
       !! Return twice a count, as far as there are modes.
       integer, intent(in) :: count
-      twice = max(count, min(2*count, 4*most_count))
-      if (changes_shapes(scene) .and. .not. by_pieces(scene)) twice = max(count, min(2*count, most))
+      twice = max(count, min(2*count, most_in_run(scene, 4*most_count)))
     end function twice
   end subroutine add_loads
 

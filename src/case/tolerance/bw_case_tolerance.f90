@@ -11,10 +11,10 @@ module bw_case_tolerance
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
   use bw_mode_set, only: observe_searches, search_failure
-  use bw_modes_par, only: by_tolerance, relaxed_tolerance
+  use bw_modes_par, only: relaxed_tolerance
   use bw_monitor, only: monitor_type
   use bw_plan, only: plan_type
-  use bw_scene, only: converges_in_run, scene_type
+  use bw_scene, only: is_planned, scene_type
   use bw_scene_cases, only: case_scene, case_words, few_corners
   use bw_text, only: text_of
   implicit none (type, external)
@@ -33,7 +33,7 @@ contains
     real(dp), intent(out), optional :: reached     !! estimated error over the peak
     type(case_motion), allocatable :: motion
     count = 0
-    if (.not. by_tolerance(scene%modes) .or. converges_in_run(scene)) return
+    if (.not. is_planned(scene)) return
     call plan_motion(scene, monitor, motion, count, error)
     if (present(reached)) reached = motion%plan%reached
   end subroutine plan_case
@@ -122,7 +122,7 @@ contains
     integer(i8), allocatable :: corners(:)
     integer :: i, ignored
     count = 0
-    if (.not. by_tolerance(scene%modes) .or. converges_in_run(scene)) return     ! the run finds the number
+    if (.not. is_planned(scene)) return
     if (size(scene%sweeps) == 0) then
       call plan_relaxed(scene, monitor, planned, count, error)
       if (present(motion) .and. count > 0 .and. .not. allocated(error)) call move_alloc(planned, motion)

@@ -1,22 +1,45 @@
 module bw_reached_tolerance
-  !! The final judgement of a tolerance if the run chooses the number of modes: met, missed, or relaxed if it is the default.
+  !! A tolerance whose number of modes the run finds: the counts to begin with, and whether it is met, missed, or relaxed if it
+  !! is the default. Counts that are given are always enough.
   use bw_case_result, only: case_done, case_not_converged, history_errors
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
-  use bw_missing, only: is_missing
-  use bw_modes_par, only: modes_par, relaxed_tolerance
+  use bw_missing, only: is_missing, missing
+  use bw_modes_par, only: by_tolerance, modes_par, relaxed_tolerance
   use bw_note, only: remark
   use bw_response, only: response_type
+  use bw_scene, only: scene_type
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
-  public :: judge_tolerance, part_of_peak
+  public :: is_met, judge_tolerance, part_of_peak, with_counts
+
+  integer, parameter, public :: first_count = 32   !! modes that a run with a tolerance begins with
 
 contains
 
+  pure type(scene_type) function with_counts(scene, count) result(counted)
+    !! Return a scene with counts: those given, or with a tolerance those that its run begins with.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in), optional :: count           !! with a tolerance; absent: `first_count`
+    counted = scene
+    if (.not. by_tolerance(scene%modes)) return
+    counted%modes%tolerance = missing
+    counted%modes%before = first_count
+    if (present(count)) counted%modes%before = count
+    counted%modes%after = counted%modes%before
+  end function with_counts
+
+  pure logical function is_met(modes, reached)
+    !! Tell whether no more modes are needed.
+    type(modes_par), intent(in) :: modes
+    real(dp), intent(in) :: reached                  !! largest error over its peak
+    is_met = .not. by_tolerance(modes) .or. reached <= modes%tolerance
+  end function is_met
+
   subroutine judge_tolerance(modes, reached, count, instead, response, errors)
     !! Note a tolerance that is not met, and set the status if it is missed.
-    type(modes_par), intent(in) :: modes             !! with a tolerance
+    type(modes_par), intent(in) :: modes
     real(dp), intent(in) :: reached                  !! largest error over its peak
     integer, intent(in) :: count                     !! modes summed
     character(*), intent(in) :: instead              !! what else would give histories
@@ -24,7 +47,7 @@ contains
     type(history_errors), intent(inout) :: errors
     character(*), parameter :: name(*) = [character(14) :: 'displacement', 'velocity', 'bending moment', 'acceleration', &
                                           'shear force']
-    if (errors%status /= case_done .or. reached <= modes%tolerance) return
+    if (errors%status /= case_done .or. is_met(modes, reached)) return
     if (modes%asked) then
       errors%status = case_not_converged
       call append(errors%notes, 'tolerance: '//shortest(modes%tolerance, 6)//' is not met with '//text_of(count)// &
