@@ -3,10 +3,9 @@ and where all were measured. `PYTHONPATH=bench python -m overview` writes both."
 
 from __future__ import annotations
 
-import json
-from typing import Any
+from typing import Any, Callable
 
-from common.bench import BENCH, PROJECT
+from common.bench import BENCH, PROJECT, Measured, Rows, read
 from common.document import put_section, table
 from common.growing import slope
 from peers.comparison import seconds_to_reach
@@ -37,71 +36,61 @@ def put_overview() -> None:
 
 def sections() -> dict[str, str]:
     """Both, by their marks, from the committed data of all benches and from the document itself."""
-    files = {name: BENCH / name / "measured.json" for name in NAMES}
-    measured = {name: json.loads(path.read_text(encoding="utf-8")) for name, path in files.items() if path.is_file()}
-    return {FIRST: what_matters(measured, DOCUMENT.read_text(encoding="utf-8")), LAST: machines(measured)}
-
-
-def what_matters(measured: dict[str, Any], document: str) -> str:
-    """A list with a line for each section that has data."""
-    writers = {
-        "peers": speed, "contact": contact, "price": digits, "growth": sizes, "throughput": sweeps,
-        "effects": effects, "records": lines, "large_records": large,
-    }
-    points = [hard_cases(document), *(write(measured[name]) for name, write in writers.items() if name in measured)]
-    return "\n".join([WHAT_MATTERS, "", *(point for point in points if point)])
+    measured = {name: read(path) for name in NAMES if (path := BENCH / name / "measured.json").is_file()}
+    points = [hard_cases(DOCUMENT.read_text(encoding="utf-8")), *(POINTS[name](measured[name]) for name in POINTS if name in measured)]
+    return {FIRST: "\n".join([WHAT_MATTERS, "", *(f"- {point}" for point in points if point)]), LAST: machines(measured)}
 
 
 def hard_cases(document: str) -> str:
     """How many there are, and some of them; nothing where the document has none."""
-    lines = [line for line in document.partition("\n## Hard cases\n")[2].partition("<!--")[0].splitlines() if line.startswith("| ")]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    lines = document.partition("\n## Hard cases\n")[2].partition("<!--")[0].splitlines()
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
     worst = {row[0]: row[1] for row in rows if len(row) == 5 and row[3] != "measured as" and not row[1].startswith("-")}
-    root, shape, motion = (find(worst, start) for start in ("α_k", "shapes Φ_k", "displacement to t = 1"))
+    starts = ("α_k", "shapes Φ_k", "displacement to t = 1")
+    root, shape, motion = (next((worst[name] for name in worst if name.startswith(start)), "") for start in starts)
     if not (root and shape and motion):
         return ""
     return (
-        f"- **Digits.** [{len(worst)} hard cases](#hard-cases) are compared with references of 50 digits or more, and all errors are within their bounds. "
-        f"Roots of modes 1 to 10⁸ are off by at most {root} units in the last place, shapes by {shape}, and the displacement "
-        f"up to 10⁹ s by {motion} of its peak."
+        f"**Digits.** [{len(worst)} hard cases](#hard-cases) are compared with references of 50 digits or more, and all errors are "
+        f"within their bounds. Roots of modes 1 to 10⁸ are off by at most {root} units in the last place, shapes by {shape}, and the "
+        f"displacement up to 10⁹ s by {motion} of its peak."
     )
 
 
-def find(worst: dict[str, str], start: str) -> str:
-    """The error of the first case whose name begins so."""
-    return next((error for name, error in worst.items() if name.startswith(start)), "")
+def known(data: Measured, chosen: Callable[[str], bool]) -> Rows:
+    """The rows of peers whose error is known."""
+    return [row for row in data["rows"] if row.get("error") is not None and chosen(row["peer"])]
 
 
-def speed(data: dict[str, Any]) -> str:
+def smallest(rows: Rows) -> dict[str, Any]:
+    """The row with the smallest error."""
+    return min(rows, key=lambda row: row["error"])
+
+
+def speed(data: Measured) -> str:
     """Seconds to an error, of the program and of the best of the others."""
 
-    def curve(name: str) -> list[dict[str, Any]]:
-        return [row for row in data["rows"] if row["peer"] == name and row.get("error") is not None]
+    def milliseconds(name: str, *levels: float) -> str:
+        seconds = [seconds_to_reach(known(data, name.__eq__), level) for level in levels]
+        return " and ".join("–" if time is None else f"{1e3 * time:.3g} ms" for time in seconds)
 
-    def milliseconds(name: str, level: float) -> str:
-        seconds = seconds_to_reach(curve(name), level)
-        return "–" if seconds is None else f"{1e3 * seconds:.3g} ms"
-
-    elements = min((row for name in {row["peer"] for row in data["rows"]} if "Hermite" in name for row in curve(name)), key=lambda row: row["error"])
-    ours, best = "beamwave", "numpy + FINUFFT"
+    elements, best = smallest(known(data, lambda name: "Hermite" in name)), "numpy + FINUFFT"
     return (
-        f"- **Time to an answer.** [The paper's beam after the capture](#comparison-with-other-methods), two points, "
-        f"{grouped(data['problem']['samples'])} times: beamwave takes {milliseconds(ours, 1e-6)} for an error of 1e-6 and {milliseconds(ours, 1e-9)} for 1e-9; "
-        f"the whole process, including its file, takes {milliseconds('beamwave, whole process', 1e-9)}. A careful program in {best} takes "
-        f"{milliseconds(best, 1e-6)} and {milliseconds(best, 1e-9)}. Finite elements reach {short(elements['error'])} at best, "
-        f"in {1e3 * elements['cpu_seconds']:.3g} ms."
+        f"**Time to an answer.** [The paper's beam after the capture](#comparison-with-other-methods), two points, "
+        f"{grouped(data['problem']['samples'])} times: beamwave takes {milliseconds('beamwave', 1e-6)} for an error of 1e-6 and "
+        f"{milliseconds('beamwave', 1e-9)} for 1e-9; the whole process, including its file, takes "
+        f"{milliseconds('beamwave, whole process', 1e-9)}. A careful program in {best} takes {milliseconds(best, 1e-6, 1e-9)}. "
+        f"Finite elements reach {short(elements['error'])} at best, in {1e3 * elements['cpu_seconds']:.3g} ms."
     )
 
 
-def contact(data: dict[str, Any]) -> str:
+def contact(data: Measured) -> str:
     """The smallest errors of the program and of the others, and what they take."""
-    known = [row for row in data["rows"] if row.get("error") is not None]
-    own = min((row for row in known if row["peer"] == "beamwave, whole process"), key=lambda row: row["error"])
-    other = min((row for row in known if not row["peer"].startswith("beamwave")), key=lambda row: row["error"])
+    own, other = smallest(known(data, "beamwave, whole process".__eq__)), smallest(known(data, lambda name: "beamwave" not in name))
     return (
-        f"- **Contact of finite duration.** [With a linear stop](#contact-of-finite-duration-opensees-and-exudyn) beamwave reaches an error of {short(own['error'])} "
-        f"of the displacement's peak in {1e3 * own['cpu_seconds']:.3g} ms, files included; {other['peer'].split(',')[0]}, with finite elements and time steps, "
-        f"{short(other['error'])} in {other['cpu_seconds']:.2g} s."
+        f"**Contact of finite duration.** [With a linear stop](#contact-of-finite-duration-opensees-and-exudyn) beamwave reaches an error "
+        f"of {short(own['error'])} of the displacement's peak in {1e3 * own['cpu_seconds']:.3g} ms, files included; "
+        f"{other['peer'].split(',')[0]}, with finite elements and time steps, {short(other['error'])} in {other['cpu_seconds']:.2g} s."
     )
 
 
@@ -115,7 +104,7 @@ def short(value: float) -> str:
     return f"{value:.0e}".replace("e-0", "e-")
 
 
-def digits(data: dict[str, Any]) -> str:
+def digits(data: Measured) -> str:
     """What a further digit costs on average."""
     means = []
     for samples in data["against"]:
@@ -124,65 +113,68 @@ def digits(data: dict[str, Any]) -> str:
         if 1e-3 in seconds and 1e-11 in seconds:
             growth = (seconds[1e-11] / seconds[1e-3]) ** (1.0 / 8.0) - 1.0
             means.append(f"{100 * growth:.0f} % more time with {grouped(int(samples))} samples")
-    return "- **A further digit** [from 1e-3 to 1e-11](#what-accuracy-costs) costs on average " + " and ".join(means) + "."
+    return "**A further digit** [from 1e-3 to 1e-11](#what-accuracy-costs) costs on average " + " and ".join(means) + "."
 
 
-def sizes(data: dict[str, Any]) -> str:
+def of_last(row: dict[str, Any]) -> str:
+    """What the largest size takes."""
+    return f"{row['cpu_seconds']:.2g} s and {row['memory_bytes'] / 1e9:.2g} GB"
+
+
+def sizes(data: Measured) -> str:
     """The largest size of each axis that grows in proportion."""
-    said, powers = [], []
-    for axis in ("modes", "samples", "points"):
-        own = [row for row in data["rows"] if row["axis"] == axis]
-        last = own[-1]
-        said.append(f"{grouped(last['size'])} {axis} take {last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB")
-        powers.append(f"{slope(own, 'cpu_seconds'):.2f}")
-    growth = f"Time grows as these numbers to the powers {', '.join(powers)}"
-    return "- **Size.** [Large scenes](#how-time-and-memory-grow): " + "; ".join(said) + f". {growth}."
+    own = {axis: [row for row in data["rows"] if row["axis"] == axis] for axis in ("modes", "samples", "points")}
+    said = "; ".join(f"{grouped(rows[-1]['size'])} {axis} take {of_last(rows[-1])}" for axis, rows in own.items())
+    powers = ", ".join(f"{slope(rows, 'cpu_seconds'):.2f}" for rows in own.values())
+    return f"**Size.** [Large scenes](#how-time-and-memory-grow): {said}. Time grows as these numbers to the powers {powers}."
 
 
-def sweeps(data: dict[str, Any]) -> str:
+def sweeps(data: Measured) -> str:
     """Cases per second beside a loop in numpy, and what a second process brings."""
     rates, ranks = ([row for row in data["rows"] if row["part"] == part] for part in ("rates", "ranks"))
     said = [f"{grouped(round(1 / row['beamwave']))} with {kind} ({row['numpy loop'] / row['beamwave']:.0f})"
             for row, kind in zip(rates, ("frequencies", "histories", "spectra"))]  # fmt: skip
     shares = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
     return (
-        "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), in brackets over those of a loop in numpy: "
-        + ", ".join(said)
-        + f". Two MPI processes take {', '.join(shares[::2])} of the time of one, two parts without MPI {', '.join(shares[1::2])}."
+        f"**Sweeps.** Cases per second [of one core](#throughput-of-sweeps), in brackets over those of a loop in numpy: {', '.join(said)}. "
+        f"Two MPI processes take {', '.join(shares[::2])} of the time of one, two parts without MPI {', '.join(shares[1::2])}."
     )
 
 
-def effects(data: dict[str, Any]) -> str:
+def effects(data: Measured) -> str:
     """How much longer a scene takes with them."""
-    known = {row["variant"]: row for row in data["rows"]}
-    said = [f"{name.removeprefix('with ')} {row['seconds'] / known[row['beside']]['seconds']:.2g}"
-            for name, row in known.items() if name in ("with damping", "with stiffening", "with shear")]  # fmt: skip
+    rows = {row["variant"]: row for row in data["rows"]}
+    said = [f"{name.removeprefix('with ')} {row['seconds'] / rows[row['beside']]['seconds']:.2g}"
+            for name, row in rows.items() if name in ("with damping", "with stiffening", "with shear")]  # fmt: skip
     return (
-        "- **Effects.** Run time of [the paper's scene](#what-each-effect-costs) with one more effect, over that without: " + ", ".join(said) + ". "
-        "An absent effect costs nothing."
+        f"**Effects.** Run time of [the paper's scene](#what-each-effect-costs) with one more effect, over that without: "
+        f"{', '.join(said)}. An absent effect costs nothing."
     )
 
 
-def lines(data: dict[str, Any]) -> str:
+def lines(data: Measured) -> str:
     """Errors and intervals of lines in noise, and the records in which more than a hundredth of the lines are missed."""
     own = [row for row in data["rows"] if row["peer"] == "beamwave" and "missed" in row]  # with lines
     found = [row for row in own if row["missed"] <= 0.01]
     missed = [f"{100 * row['missed']:.0f} % in the cell '{row['cell']}'" for row in own if row["missed"] > 0.01]
-    worst = max(max(row["over_bound"]) for row in found)
     inside = [part for row in found for part in row["inside"]]
     return (
-        f"- **Lines of records.** In {len(found)} of [{len(own)} kinds of noisy records](#lines-in-noise) the mean square errors of "
-        f"frequency and decay are at most {worst:.3g} times the Cramér–Rao bound, and {100 * min(inside):.3g} to "
-        f"{100 * max(inside):.3g} % of the 95 % intervals contain the true value. "
+        f"**Lines of records.** In {len(found)} of [{len(own)} kinds of noisy records](#lines-in-noise) the mean square errors of "
+        f"frequency and decay are at most {max(max(row['over_bound']) for row in found):.3g} times the Cramér–Rao bound, and "
+        f"{100 * min(inside):.3g} to {100 * max(inside):.3g} % of the 95 % intervals contain the true value. "
         + ("Missed lines: " + ", ".join(missed) + "." if missed else "Nowhere are more than 1 % of the lines missed.")
     )
 
 
-def large(data: dict[str, Any]) -> str:
+def large(data: Measured) -> str:
     """The largest record."""
-    last = data["rows"][-1]
-    took = f"{last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB"
-    return f"- **Large records.** 1 048 576 samples of 64 sensors with 20 lines [take](#large-records) {took}."
+    return f"**Large records.** 1 048 576 samples of 64 sensors with 20 lines [take](#large-records) {of_last(data['rows'][-1])}."
+
+
+POINTS = {
+    "peers": speed, "contact": contact, "price": digits, "growth": sizes, "throughput": sweeps, "effects": effects, "records": lines,
+    "large_records": large,
+}  # fmt: skip
 
 
 def machines(measured: dict[str, Any]) -> str:
