@@ -76,7 +76,17 @@ def test_a_peak_that_noise_alone_seldom_has_is_a_rejected_candidate(here):
     result = here.run("weak")
     assert (result["peak_count"], result["candidate_count"]) == (1, 1)
     assert abs(result["candidate_angular_frequency"][0] / (2 * np.pi) - 333.2) < 0.5  # what the record resolves
-    assert 10.7 < result["candidate_ordinate"][0] < 15.3
+    assert 10.7 < result["candidate_ordinate"][0] < 15.3 and result["candidate_reason"][0] == 1
+
+
+def test_a_peak_that_white_noise_does_not_explain_is_not_called_insignificant(here):
+    """A hammer's force that is 0 but for one sample, taken for a sensor: no lines, although much is in its spectrum."""
+    time = np.arange(2000) / 1000.0
+    ring = 100 * np.exp(-2 * time) * np.cos(2 * np.pi * 40 * time) + 0.5 * np.random.default_rng(3).standard_normal(time.size)
+    here.write("force.csv", as_text(time, np.array([100.0 * (time == time[3]), ring]), "time [s],force,tip [m/s2]"))
+    here.scene("force", {"record": {"file": "force.csv"}, "spectrum": {}})
+    result = here.run("force")
+    assert result["candidate_ordinate"][0] > 100 and result["candidate_reason"][0] == 2
 
 
 def test_a_sweep_of_a_shaker_is_no_free_decay(here):

@@ -27,6 +27,7 @@ module bw_found_lines
     type(line_outcome) :: outcome
     type(distinct_type) :: distinct              !! the model is that of the sensors kept
     real(dp), allocatable :: deviation(:)        !! standard deviation of the residual of each sensor kept
+    real(dp) :: needed = 0                       !! penalty of a line
   end type found_lines
 
 contains
@@ -49,20 +50,22 @@ contains
       call take_lines(samples, lines, found)
     else
       call find_lines(samples, false_alarm, found%model, found%outcome, monitor)
-      if (.not. found%outcome%driven) call find_rejected(samples, found)
+      if (.not. found%outcome%driven) call find_rejected(samples, false_alarm, found)
     end if
     found%deviation = deviations_of(samples, found%model)
   end subroutine find_record_lines
 
-  subroutine find_rejected(samples, found)
-    !! Find the peaks of the spectrum that are no lines: those that the lines leave and that noise alone exceeds in less than half of
-    !! all records.
+  subroutine find_rejected(samples, false_alarm, found)
+    !! Find the peaks of the spectrum that are no lines: those that the lines leave and that noise alone exceeds in less than half
+    !! of all records.
     type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
     type(found_lines), intent(inout) :: found
     type(decay_candidate), allocatable :: peaks(:)
     call find_candidates(found%model, penalty_of_line(samples, even_odds, found%model), most_rejected, peaks)
     found%outcome%poles = peaks%pole
     found%outcome%gains = peaks%gain
+    found%needed = penalty_of_line(samples, false_alarm, found%model)
   end subroutine find_rejected
 
   subroutine take_lines(samples, lines, found)

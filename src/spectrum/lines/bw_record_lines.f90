@@ -142,7 +142,7 @@ contains
       do i = 1, count(.not. excluded)
         best = maxloc(gain, dim=1, mask=.not. excluded)
         excluded(best) = .true.
-        candidates = [candidates, rejected_candidate(rate*omega(best), gain(best)/2, merge(2, 1, found%outcome%driven))]
+        candidates = [candidates, rejected_candidate(rate*omega(best), gain(best)/2, merge(2, 1, gain(best) > found%needed))]
       end do
     end associate
   end function candidates_in_si
