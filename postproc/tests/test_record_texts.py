@@ -51,6 +51,7 @@ TEXTS = {  # text, names and units, interval of the times
         [("x acceleration", "g"), ("y", "")],
     ),
     "commas and blanks above blanks": ("time(s), a(g)\n" + rows(lambda n, y: f"{n / 4} {y}"), [("a", "g")]),
+    "units behind blanks": ("# time [s]  a [g]\n" + rows(lambda n, y: f"{n / 4} {y}"), [("a", "g")]),
     "Fortran": ("time a\n" + rows(lambda n, y: f"{n / 4:.3f}D+00 {y}D0"), [("a", "")]),
 }
 

@@ -8,7 +8,7 @@ module bw_record_notes
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, nearest_even
   use bw_scene, only: scene_type
-  use bw_sensor_unit, only: factor_of, quantity_of, si_unit
+  use bw_sensor_unit, only: factor_of, force_factor, quantity_of, si_unit
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
@@ -37,6 +37,8 @@ contains
     call note_uneven(record)
     if (record%left_out > 0) call append(record%notes, 'rows: '//text_of(record%left_out)//' of '// &
       text_of(record%samples_there)//' are left out: a value or the time is missing, or the time is that of the row before')
+    if (2*record%left_out > record%samples_there) call append(record%notes, 'clock: most rows are left out; if it has the '// &
+      'same time for many samples, give sample_rate instead of time')
     do s = 1, size(columns)
       call note_unit(scene, source, columns, s, record)
       call note_flaws(find_flaws(record%values(:, s)), s, record)
@@ -143,6 +145,9 @@ contains
       else if (factor > 0.0_dp) then
         if (abs(sensor%scale/factor - 1.0_dp) > 0.01_dp) call append(record%notes, what//', but scale is '// &
           shortest(sensor%scale, 6)//', not '//shortest(factor, 6))
+      else if (force_factor(unit) > 0) then
+        call append(record%notes, what//', a unit of force, but'//verb//' treated as '//sensor%quantity// &
+          "; force makes a column the hammer's, and columns selects the sensors")
       else if (quantity_of(unit) /= '') then
         call append(record%notes, what//', a unit of '//quantity_of(unit)//', but'//verb//' treated as '//sensor%quantity// &
                     ' in '//sensor%unit)

@@ -111,8 +111,15 @@ def test_a_force_without_a_unit_is_in_newtons_and_warned_of(here):
     bare = check(here, table(head="time,acc [m/s2],hammer"), force="hammer")
     assert (bare.returncode, bare.stderr.count(warning)) == (0, 1)
     assert check(here, table(head="time,acc [m/s2],hammer [N]"), force="hammer").stderr == ""
+    sensor = check(here, table(head="time,acc [m/s2],hammer [N]")).stderr
+    assert "hammer [N] is in 'N', a unit of force, but is treated as displacement; force makes a column the hammer's" in sensor
     wrong = check(here, table(head="time,acc [m/s2],hammer [V]"), force="hammer")
     assert (wrong.returncode, "is in 'V', which is no unit of force" in wrong.stderr) == (2, True)
+
+
+def test_a_clock_that_repeats_most_times_is_warned_of(here):
+    coarse = [(round(time / 4, 3), *values) for time, *values in ROWS]
+    assert "clock: most rows are left out; if it has the same time for many samples, give sample_rate" in check(here, table(coarse)).stderr
 
 
 def test_repeats_are_files_with_the_same_sensors(here):

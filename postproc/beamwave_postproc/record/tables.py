@@ -185,7 +185,11 @@ def _table(rows: list[list[str]], header: Sequence[str], separator: str | None, 
     count = max(column + 1 for row in rows for column, cell in enumerate(row) if cell)  # rows may end in separators
     above: list[list[str]] = []
     for mark in (separator, *SEPARATORS):
-        split = [row for row in (_cells(line, mark) for line in header) if len(row) <= len(rows[0])]
+        split = [_cells(line, mark) for line in header]
+        if mark is None:  # units in brackets are part of the name before
+            joined = [_cells(re.sub(r"\s+(?=[\[(])", "", line), mark) for line in header]
+            split = [short if len(row) > len(rows[0]) else row for row, short in zip(split, joined)]
+        split = [row for row in split if len(row) <= len(rows[0])]
         split = [([cell.rstrip(",;") for cell in row] + [""] * count)[:count] for row in split]
         above = above or [row for row in split if sum(map(bool, row)) > count // 2][-2:]
     names, units = [""] * count, [""] * count

@@ -63,9 +63,9 @@ contains
     integer :: n
     is_near = .true.
     n = size(lines) + 1
-    call next_above(lines, comments, separator, n, fields)
+    call next_above(lines, comments, separator, columns, n, fields)
     do while (size(fields) > 0)
-      call next_above(lines, comments, separator, n, above)
+      call next_above(lines, comments, separator, columns, n, above)
       if (fits(fields, closed, columns)) then
         if (size(units) == 0 .and. are_units(fields(:columns), above, closed, columns)) then
           units = fields(:columns)
@@ -84,29 +84,47 @@ contains
     end do
   end subroutine find_names
 
-  pure subroutine next_above(lines, comments, separator, n, fields)
+  pure subroutine next_above(lines, comments, separator, columns, n, fields)
     !! Go up to the next line of the requested kind, and split it; n = 0 if there is none.
     type(string), intent(in) :: lines(:)
     logical, intent(in) :: comments
     character, intent(in) :: separator
+    integer, intent(in) :: columns                             !! number of columns
     integer, intent(inout) :: n
     type(string), allocatable, intent(out) :: fields(:)
-    integer :: i
     allocate (fields(0))
     do while (n > 1)
       n = n - 1
       if (is_comment(lines(n)%text) .neqv. comments) cycle
       fields = fields_of(uncommented(lines(n)%text), separator)
-      do i = 1, merge(size(fields), 0, separator == blanks)      ! in `time, a` commas follow the names
-        associate (text => fields(i)%text)
-          if (len(text) > 1 .and. scan(text, ',;', back=.true.) == len(text)) fields(i)%text = text(:len(text) - 1)
-        end associate
-      end do
+      if (separator == blanks) fields = joined(fields, columns)
       if (any_text(fields)) return
     end do
     n = 0
     fields = fields(:0)
   end subroutine next_above
+
+  pure function joined(words, columns) result(fields)
+    !! Return words between blanks without commas behind them, as in `time, a`; if these are more than the columns, with units in
+    !! brackets as part of the word before, as in `time [ms] a [m/s2]`.
+    type(string), intent(in) :: words(:)
+    integer, intent(in) :: columns
+    type(string), allocatable :: fields(:)
+    integer :: i, n
+    allocate (fields(0))
+    do i = 1, size(words)
+      n = size(fields)
+      if (n > 0 .and. size(words) > columns .and. scan(words(i)%text, '[(') == 1) then
+        fields(n)%text = fields(n)%text//' '//words(i)%text
+      else
+        fields = [fields, words(i)]
+        n = n + 1
+      end if
+      associate (text => fields(n)%text)
+        if (scan(text, ',;', back=.true.) == len(text) .and. len(text) > 1) fields(n)%text = text(:len(text) - 1)
+      end associate
+    end do
+  end function joined
 
   pure function uncommented(line) result(text)
     !! Return a line without its comment mark.

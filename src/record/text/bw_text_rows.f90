@@ -53,6 +53,8 @@ contains
         if (is_number_here(field, layout%mark) .or. lacks(c)) cycle
         problem = named(layout, columns(c))// &
           ": '"//shortened(field)//"' is not a finite number; accepted: as in 2.5, -1e-3, 1.0D+03"
+        if (n > 1 .and. scan(line, '0123456789') == 0) problem = 'is not a row of numbers; accepted: one table '// &
+          '(beamwave-record converts texts of several)'
         return
       end associate
     end do
