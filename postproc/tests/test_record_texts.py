@@ -66,8 +66,9 @@ def test_numbers_times_names_and_units_come_through(tmp_path, case, encoding):
     np.testing.assert_allclose(found[0].times, np.arange(COUNT) / 4, atol=1e-12)
 
 
-def test_a_cell_that_is_empty_is_a_sample_that_is_missing(tmp_path):
-    (channel,) = read(tmp_path / "a.csv", "t;a\n" + rows(lambda n, y: f"{n};{'' if n == 7 else y}"))
+@pytest.mark.parametrize("cell", ["", "NaN", "N/A", "#N/A", "NULL", "--"])
+def test_a_cell_that_is_empty_or_says_so_is_a_sample_that_is_missing(tmp_path, cell):
+    (channel,) = read(tmp_path / "a.csv", "t;a\n" + rows(lambda n, y: f"{n};{cell if n == 7 else y}"))
     assert np.flatnonzero(np.isnan(channel.values)).tolist() == [7]
 
 
@@ -157,7 +158,7 @@ def test_portions_of_labview_that_go_on_are_one_record(tmp_path, heads):
 
 def test_portions_of_labview_that_begin_anew_are_records_or_take_a_sampling_rate(tmp_path):
     assert [one.record for one in read(tmp_path / "a.lvm", portioned(0, True))] == ["1", "1", "2", "2"]
-    with pytest.raises(NotARecord, match="row 21: the time is 0 s after 4.75 s; accepted: times that rise, or --sample-rate"):
+    with pytest.raises(NotARecord, match="row 21: the time is 0 s after 4.75 s; accepted: times that rise, or --sample"):
         read(tmp_path / "a.lvm", portioned(0, False))
     assert read(tmp_path / "a.lvm", portioned(0, False), Wanted(sample_rate=4.0))[0].times[-1] == (2 * COUNT - 1) / 4
 

@@ -34,6 +34,7 @@ UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\
 CLOCK = re.compile(r"\d[\d.,:/ TZ+-]*([:/-]|\.\d+\.)\d[\d.,:/ TZ+-]*")  # 12:00:00.25, 1.2.2024, 2024-02-01T12:00Z
 DATE = re.compile(r"(\d{1,2})([-/.])(\d{1,2})\2(\d{4}|\d{2})(?!\d)")  # whose year is last
 FORTRAN = re.compile(r"[-+.\d]+[dD][-+]?\d+")  # 1.5D+03
+MISSING = ("na", "n/a", "#n/a", "null", "none", "--", "missing", "1.#qnan", "-1.#ind")  # words for no sample
 END_OF_HEADER = "***End_of_Header***"
 
 
@@ -160,8 +161,10 @@ def _with_comma(cell: str) -> bool:
 
 
 def _number(cell: str, comma: bool) -> float | None:
-    """The number in a cell; none where it is a word."""
+    """The number in a cell, NaN where it is missing; none where it is a word."""
     text = cell.replace(",", ".") if comma else cell
+    if text.lower() in MISSING:
+        return np.nan
     if FORTRAN.fullmatch(text):
         text = text.lower().replace("d", "e")
     try:
