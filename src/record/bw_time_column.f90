@@ -10,6 +10,7 @@ module bw_time_column
   character(*), parameter :: words(*) = [character(13) :: plain, 'times', 'timestamp', 'time stamp', 'elapsed', 'elapsed time', &
     'time elapsed', 'relative time', 'rel time', 'x value', 'xvalue', 'secs', 'seconds', 'zeit', 'zeitpunkt', &
     'messzeit', 'temps', 'tempo', 'tiempo', 'tijd', 'tid']
+  character(*), parameter :: counters(*) = [character(6) :: 'millis', 'micros']  !! of microcontrollers, in units of their own
   character(*), parameter :: joints = '/_ '    !! between a name and its unit without brackets, as in `t/s`
 
 contains
@@ -20,7 +21,8 @@ contains
     character(:), allocatable :: word
     integer :: joint
     word = spaced(bare_name(column%name))
-    column%is_time = any(words == word)
+    column%is_time = any(words == word) .or. any(counters == word)
+    if (any(counters == word) .and. column%unit == '') column%unit = merge('ms', 'us', word == counters(1))
     joint = scan(word, joints, back=.true.)
     if (column%is_time .or. joint < 2) return
     if (.not. factor_of(word(joint + 1:), 'time') > 0) return

@@ -117,6 +117,13 @@ def test_a_force_without_a_unit_is_in_newtons_and_warned_of(here):
     assert (wrong.returncode, "is in 'V', which is no unit of force" in wrong.stderr) == (2, True)
 
 
+@pytest.mark.parametrize(("name", "scale"), [("micros", 1e6), ("millis", 1e3)])
+def test_the_clock_of_a_microcontroller_has_its_unit(here, name, scale):
+    ended = check(here, table([(scale * time, *values) for time, *values in ROWS], head=f"{name},a [m/s2],b [m/s2]"))
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "  times      0 to 0.199 s, even, 1000 Hz" in ended.stdout.splitlines()
+
+
 def test_a_clock_that_repeats_most_times_is_warned_of(here):
     coarse = [(round(time / 4, 3), *values) for time, *values in ROWS]
     assert "clock: most rows are left out; if it has the same time for many samples, give sample_rate" in check(here, table(coarse)).stderr
