@@ -66,6 +66,19 @@ def test_a_driven_resonance_is_no_free_decay(here):
     assert results.is_fill(result["measured_angular_frequency"]).all()
 
 
+@pytest.mark.parametrize("seed", [4, 8, 12, 20])
+def test_a_beam_that_is_shaken_for_few_periods_of_its_first_mode_is_no_free_decay(here, seed):
+    """Seven periods of the first of three modes under a white force: an autoregression of moderate order hardly represents them."""
+    draws = np.random.default_rng(seed)
+    force, rate = draws.standard_normal(6500).astype(complex), 500.0
+    steps = {frequency: np.exp((-0.008 + 1j) * 2 * np.pi * frequency / rate) for frequency in (1.4, 8.8, 24.6)}
+    motion = sum(lfilter([1 / frequency], [1, -step], force).imag for frequency, step in steps.items())[4000:]
+    values = motion / motion.std() + 0.01 * draws.standard_normal(motion.size)
+    here.write("shaken.csv", as_text(np.arange(values.size) / rate, values[None], "time [s],tip [m/s]"))
+    here.scene("shaken", {"record": {"file": "shaken.csv"}, "spectrum": {}})
+    assert here.beamwave("run", "shaken.nml").returncode == 4
+
+
 def test_a_peak_that_noise_alone_seldom_has_is_a_rejected_candidate(here):
     """A tone with 13 times the power of the noise, where a line needs 15."""
     time = np.arange(2000) / 1000.0

@@ -7,9 +7,23 @@ module bw_cost
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: cost_of_all, order_price, penalty_of_course, penalty_of_line, penalty_of_tone
+  public :: akaike, cost_beside_noise, cost_of_all, order_price, penalty_of_course, penalty_of_line, penalty_of_tone
+
+  real(dp), parameter :: akaike = 2              !! the penalty of a coefficient of the noise if lines and noise alone are compared
 
 contains
+
+  pure real(dp) function cost_beside_noise(samples, false_alarm, model) result(cost)
+    !! J of a model as it is compared with that of noise alone. There each coefficient of the noise costs 2 (Akaike, 1974): a driven
+    !! motion has poles and zeros, and its autoregression no true order, so that a higher penalty would favour lines.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(in) :: model
+    integer :: coefficients
+    coefficients = sum(model%noise%order)
+    if (allocated(model%noise%mixing)) coefficients = coefficients + size(samples%value, 2)*(size(samples%value, 2) - 1)/2
+    cost = cost_of_all(samples, false_alarm, model) - (order_price(samples) - akaike)*coefficients
+  end function cost_beside_noise
 
   pure real(dp) function cost_of_all(samples, false_alarm, model) result(cost)
     !! J of a model.

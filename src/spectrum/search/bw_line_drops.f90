@@ -1,6 +1,6 @@
 module bw_line_drops
   !! Lines that gain less than their penalty are dropped, with the noise renewed on both sides of the comparison.
-  use bw_cost, only: cost_of_all, order_price, penalty_of_course, penalty_of_line
+  use bw_cost, only: cost_beside_noise, cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
   use bw_line, only: life_of, line_type
   use bw_model, only: find_misfit, highest_order, model_type, renew
@@ -25,16 +25,35 @@ module bw_line_drops
 
 contains
 
-  subroutine keep_or_clear(samples, false_alarm, alone, model, outcome)
-    !! Drop all lines unless they explain the record better than coloured noise alone: otherwise the motion is driven.
+  subroutine keep_or_clear(samples, false_alarm, alone, share, model, outcome)
+    !! Drop all lines unless they gain more over coloured noise alone than a share of what decaying lines do: otherwise the motion is
+    !! driven.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone
+    real(dp), intent(in) :: share
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
     if (size(model%lines) == 0) return
-    if (cost_of_all(samples, false_alarm, model) >= alone) call clear(samples, model, outcome)
+    if (alone - cost_beside_noise(samples, false_alarm, model) <= share*usual_gain(samples, false_alarm, model)) &
+      & call clear(samples, model, outcome)
   end subroutine keep_or_clear
+
+  pure real(dp) function usual_gain(samples, false_alarm, model) result(gain)
+    !! What lines gain over noise alone, less their penalties. From p samples, K tones of energy E are predicted with errors of
+    !! 1 + (E/N)/(1 + Ep/(2KN)) times the noise's variance. With 2 for each coefficient this costs at least T − T²/(4E), where
+    !! T = 4(KN)^½, or E if that is less than T/2. Lines that decay count while they live; more sensors can only gain more.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(model_type), intent(in) :: model
+    real(dp) :: tones, energy
+    integer :: k
+    tones = 4*sqrt(sum([(life_of(model%lines(k), 1.0_dp, real(samples%count, dp)), k=1, size(model%lines))]))
+    energy = sum([(energy_of(model, model%lines(k)), k=1, size(model%lines))])
+    gain = energy
+    if (energy > tones/2) gain = tones - tones**2/(4*energy)
+    gain = max(0.0_dp, gain - (cost_of_all(samples, false_alarm, model) - model%noise%cost))
+  end function usual_gain
 
   subroutine clear_if_growing(samples, model, outcome)
     !! Drop all lines if their residual grows after the first blow to a considerable part of the motion. What lines leave of a free
@@ -176,7 +195,7 @@ contains
     energy = 0
     do b = 0, ubound(model%stretches, 2)
       associate (n => real(model%stretches(2, b) - model%stretches(1, b) + 1, dp))
-        energy = energy + sum(abs(white(:, b + 1))**2)*life_of(line, 1.0_dp, max(n, 0.0_dp))
+        energy = energy + sum(abs(white(:, b + 1))**2)/2*life_of(line, 0.5_dp, max(n, 0.0_dp))
       end associate
     end do
   end function energy_of

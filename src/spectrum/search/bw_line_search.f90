@@ -7,7 +7,7 @@ module bw_line_search
   use bw_band, only: enough_for
   use bw_blow_moves, only: add_missing_blows, drop_blow, move_blows
   use bw_blows, only: find_blows
-  use bw_cost, only: cost_of_all, order_price
+  use bw_cost, only: akaike, cost_beside_noise, cost_of_all, order_price
   use bw_decay_bank, only: highest_decay
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
@@ -29,7 +29,7 @@ module bw_line_search
   integer, parameter :: most_rounds = 4
   integer, parameter :: most_in_vain = 1          !! tuned: rounds in which J does not fall
   real(dp), parameter :: first_lines = 0.6_dp     !! fraction of the time
-  real(dp), parameter :: clearly = 0.05_dp        !! of −2 ln L per sample; chosen: driven beams have 0.02, free decays 0.1 and more
+  real(dp), parameter :: least_share = 0.3_dp     !! of the usual gain; chosen: driven beams have 0.25, free decays 0.5 and more
 
   type :: state_type
     !! The state of a model, to which the search may return.
@@ -37,6 +37,7 @@ module bw_line_search
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
     real(dp), allocatable :: trend(:, :, :)      !! (2, S, 0:B)
     real(dp) :: cost = huge(1.0_dp)              !! J
+    real(dp) :: beside_noise = huge(1.0_dp)      !! J as it is compared with that of noise alone
   end type state_type
 
 contains
@@ -77,7 +78,7 @@ contains
     alone = huge(1.0_dp)
     if (.not. dies(samples, blows)) then
       alone = cost_of_shared_motion(samples)     ! before the model holds its white samples
-      call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
+      call renew(samples, akaike, .false., model, most_orders(samples, most_colour, 1))
       alone = min(alone, model%noise%cost)
     end if
     call add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
@@ -97,7 +98,7 @@ contains
       changed = changed + moved
       call judge_moves()
       if (size(model%lines) == 0) exit
-      do
+      do while (round == 1 .or. changed > 0)     ! otherwise they were tried with these lines
         call merge_lines(samples, false_alarm, model, moved, monitor)
         if (moved == 0) exit
         if (stops(monitor)) exit
@@ -116,7 +117,7 @@ contains
     call add_drifts(false_alarm, model, changed, monitor)
     call refit_all(all_steps, 0.0_dp, model)
     call renew(samples, order_price(samples), .false., model)
-    call keep_or_clear(samples, false_alarm, alone, model, outcome)
+    call keep_or_clear(samples, false_alarm, alone, least_share, model, outcome)
     if (alone < huge(alone)) call clear_if_growing(samples, model, outcome)
     outcome%converged = round <= most_rounds .and. size(model%lines) < most_lines
 
@@ -191,20 +192,20 @@ contains
       last = best%cost
       call keep_best(samples, false_alarm, model, best)
       in_vain = merge(0, in_vain + 1, best%cost < last)
-      if (added + moved == 0 .or. (in_vain > most_in_vain .and. is_clear(best))) exit
+      if (added + moved == 0 .or. (in_vain > most_in_vain .and. best%beside_noise < alone)) exit
       if (size(model%lines) < many_lines) cycle
       call try_tones(samples, false_alarm, model, moved)
       call renew(samples, order_price(samples), .false., model)
       call drop_weakest(samples, false_alarm, model, dropped)  ! lines that represent a blow found later
       call keep_best(samples, false_alarm, model, best)
-      if (.not. is_clear(best)) call keep_or_clear(samples, false_alarm, alone, model, outcome)
+      call keep_or_clear(samples, false_alarm, alone, least_share, model, outcome)
       if (size(model%lines) == 0) return
     end do
     call renew(samples, order_price(samples), .false., model)
-    if (is_clear(best) .and. best%cost < cost_of_all(samples, false_alarm, model)) call go_back(samples, best, model)
+    if (best%beside_noise < alone .and. best%cost < cost_of_all(samples, false_alarm, model)) call go_back(samples, best, model)
     last = huge(1.0_dp)
     do round = 1, most_additions                 ! the last lines may be decisive, but not more blows
-      cost = cost_of_all(samples, false_alarm, model)
+      cost = cost_beside_noise(samples, false_alarm, model)
       if (cost < alone .or. cost > last - abs(alone - cost)/most_additions) exit  ! or J falls too slowly
       last = cost
       call add_round(samples, false_alarm, .false., model, added)
@@ -213,15 +214,7 @@ contains
       call refit_all(trial_steps, at_rest, model)
       call renew(samples, order_price(samples), .false., model)
     end do
-    call keep_or_clear(samples, false_alarm, alone, model, outcome)
-
-  contains
-
-    pure logical function is_clear(state)
-      !! Whether lines predict a sample clearly better than noise alone. A driven motion may be explained a little better, too.
-      type(state_type), intent(in) :: state
-      is_clear = alone - state%cost > clearly*size(samples%value, 2)*samples%count
-    end function is_clear
+    call keep_or_clear(samples, false_alarm, alone, 0.0_dp, model, outcome)
 
   end subroutine add_first_lines
 
@@ -288,6 +281,7 @@ contains
     type(state_type) :: state
     call renew(samples, order_price(samples), .false., model)
     state%cost = cost_of_all(samples, false_alarm, model)
+    state%beside_noise = cost_beside_noise(samples, false_alarm, model)
     allocate (state%lines, source=model%lines)
     allocate (state%stretches(2, 0:ubound(model%stretches, 2)), source=model%stretches)
     allocate (state%trend(2, size(model%trend, 2), 0:ubound(model%stretches, 2)), source=model%trend)

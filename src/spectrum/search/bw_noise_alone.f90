@@ -1,6 +1,6 @@
 module bw_noise_alone
   !! The cost of a record without lines, as noise of any colour, which describes the motion of a driven beam.
-  use bw_cost, only: order_price
+  use bw_cost, only: akaike
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
   use bw_samples, only: samples_type
@@ -63,7 +63,7 @@ contains
     sensors = size(mean)
     if (allocated(samples%valid) .or. sensors == 1) return
     most = min(sensors, max(1, most_numbers/n))
-    penalty = order_price(samples)
+    penalty = akaike
     mean = [(sum(samples%value(:n, s))/n, s=1, sensors)]
     allocate (x(n, most))
     if (most == sensors) then
