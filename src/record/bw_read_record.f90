@@ -5,7 +5,7 @@ module bw_read_record
   use bw_files, only: cannot_be_read, path_beside
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, i1, i8
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: is_missing, missing, scaled
   use bw_netcdf_source, only: netcdf_source
   use bw_process, only: free_memory
   use bw_record, only: record_type
@@ -14,6 +14,7 @@ module bw_read_record
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, used_part
   use bw_scene, only: scene_type
+  use bw_sensor_choice, only: choose_sensors
   use bw_sensor_unit, only: factor_of, force_factor
   use bw_text, only: shortest, text_of
   use bw_text_source, only: text_source
@@ -268,7 +269,7 @@ contains
   end subroutine read_sensors
 
   subroutine leave_out(told, record, error)
-    !! Drop rows that lack a number or a time of their own. **Errors**: `status_bad_file` if too few remain.
+    !! Choose sensors, and drop rows that lack a time of their own, or a number of such a sensor. **Errors**: `status_bad_file` if too few remain.
     logical, intent(in) :: told(:)                     !! rows that have the times
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
@@ -277,9 +278,10 @@ contains
     real(dp), allocatable :: values(:, :)
     integer(i8) :: lacking(size(record%sensors)), j
     integer :: s, first, last
+    call choose_sensors(told, record)
     whole = told
     do s = 1, size(lacking)
-      whole = whole .and. .not. is_missing(record%values(:, s))
+      if (.not. record%sensors(s)%left_out) whole = whole .and. .not. is_missing(record%values(:, s))
       lacking(s) = count(is_missing(record%values(:, s)))
     end do
     record%left_out = count(.not. whole)
@@ -312,7 +314,7 @@ contains
     do s = 1, size(record%sensors)
       associate (factor => record%sensors(s)%scale)
         if (maxval(abs(record%values(:, s))) <= largest/max(1.0_dp, abs(factor))) then
-          if (abs(factor - 1.0_dp) > 0) record%values(:, s) = factor*record%values(:, s)
+          if (abs(factor - 1.0_dp) > 0) record%values(:, s) = scaled(record%values(:, s), factor)
           cycle
         end if
       end associate

@@ -2,7 +2,7 @@ module bw_record
   !! A record: histories of sensors along a beam, read from a file and ready for analysis, and the description of the file's
   !! columns.
   use bw_kinds, only: dp, i8
-  use bw_missing, only: missing
+  use bw_missing, only: is_missing, missing
   use bw_sensor_unit, only: si_unit
   use bw_text, only: lower, shortest, string, text_of
   implicit none (type, external)
@@ -25,6 +25,8 @@ module bw_record
     character(:), allocatable :: unit            !! of its numbers: SI, or the file's if that is not known
     real(dp) :: scale = 1.0_dp                   !! that unit over the file's
     real(dp) :: position = missing               !! ξ in [0, 1]; `missing` if not given
+    real(dp) :: flawed = 0.0_dp                  !! share of its samples that are missing or flawed, if any sensor has such
+    logical :: left_out = .false.                !! lines are found without it, since it has too many
   end type sensor_type
 
   type, public :: record_type
@@ -35,7 +37,7 @@ module bw_record
     real(dp) :: interval = 0.0_dp                !! of evenly spaced samples [s], > 0; 0 if uneven
     real(dp) :: resolution = 0.0_dp              !! last digit of the late times [s]; 0: all digits are known
     real(dp), allocatable :: times(:)            !! since the first sample [s], increasing; evenly spaced: (j−1)·interval, (samples)
-    real(dp), allocatable :: values(:, :)        !! in the sensors' units, (samples, sensors)
+    real(dp), allocatable :: values(:, :)        !! in the sensors' units; `missing` at sensors left out only, (samples, sensors)
     real(dp), allocatable :: force(:)            !! of the hammer [N]; unallocated: not known, (samples)
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
     type(string), allocatable :: notes(:)        !! notes on the record, one line each
@@ -50,7 +52,7 @@ module bw_record
     real(dp) :: duration = 0.0_dp                !! from the first sample to the last [s]
     real(dp) :: steps(2) = 0.0_dp                !! smallest and largest interval [s]; equal if evenly spaced
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
-    real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in its unit, (2, sensors)
+    real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in its unit; `missing`: none, (2, sensors)
     type(string), allocatable :: notes(:)        !! as in the record
   end type record_extent
 
@@ -59,7 +61,7 @@ contains
   pure type(record_extent) function extent_of(record) result(extent)
     !! Return the description of a record without its samples.
     type(record_type), intent(in) :: record
-    integer :: n
+    integer :: n, s
     n = size(record%times)
     extent%path = record%path
     extent%samples_there = record%samples_there
@@ -71,7 +73,13 @@ contains
       extent%steps = [minval(record%times(2:) - record%times(:n - 1)), maxval(record%times(2:) - record%times(:n - 1))]
     end if
     extent%sensors = record%sensors
-    extent%ranges = reshape([minval(record%values, dim=1), maxval(record%values, dim=1)], [2, size(record%sensors)], order=[2, 1])
+    allocate (extent%ranges(2, size(record%sensors)))
+    do s = 1, size(record%sensors)
+      associate (values => record%values(:, s))
+        extent%ranges(:, s) = [minval(values, mask=.not. is_missing(values)), maxval(values, mask=.not. is_missing(values))]
+        if (all(is_missing(values))) extent%ranges(:, s) = missing
+      end associate
+    end do
     extent%notes = record%notes
   end function extent_of
 

@@ -41,9 +41,10 @@ contains
       'same time for many samples, give sample_rate instead of time')
     do s = 1, size(columns)
       call note_unit(scene, source, columns, s, record)
-      call note_flaws(find_flaws(record%values(:, s)), s, record)
+      if (.not. any(is_missing(record%values(:, s)))) call note_flaws(find_flaws(record%values(:, s)), s, record)
       call note_counter(record, s)
     end do
+    call note_left_out_sensors(record)
     call note_quantity(scene, source, columns, record)
     call note_left_out(source, time, record%notes)
   end subroutine add_notes
@@ -100,6 +101,27 @@ contains
                 ' % of the interval; if the recorder samples evenly, use sample_rate = '//shortest(1.0_dp/interval, 12)// &
                 ' instead')
   end subroutine note_uneven
+
+  subroutine note_left_out_sensors(record)
+    !! Note the sensors without which lines are found.
+    type(record_type), intent(inout) :: record
+    character(:), allocatable :: names
+    integer :: s, named, others
+    names = ''
+    named = 0
+    others = 0
+    do s = 1, size(record%sensors)
+      if (.not. record%sensors(s)%left_out) cycle
+      if (named == most_named) others = others + 1
+      if (named == most_named) cycle
+      named = named + 1
+      names = names//', '//record%sensors(s)%name//' ('//shortest(100*record%sensors(s)%flawed, 2)//' %)'
+    end do
+    if (named == 0) return
+    if (others > 0) names = names//' and '//text_of(others)//' more'
+    call append(record%notes, 'sensors: lines are found without those of which many samples are missing, clipped or constant: '// &
+      names(3:))
+  end subroutine note_left_out_sensors
 
   subroutine note_counter(record, s)
     !! Note a sensor whose values increase by the same step at each sample: a time or a counter.

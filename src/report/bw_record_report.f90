@@ -215,6 +215,7 @@ contains
     text = ''
     do s = 1, min(shown_sensors, size(record%extent%sensors))
       associate (sensor => record%extent%sensors(s))
+        if (sensor%left_out) cycle
         text = text//', '//short_name(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
           sensor%unit
       end associate

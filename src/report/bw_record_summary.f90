@@ -1,5 +1,6 @@
 module bw_record_summary
   !! The description of a record by `beamwave check`: its samples and sensors.
+  use bw_columns, only: short
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_record, only: clock_text, is_even, record_extent, sensor_type
@@ -27,8 +28,8 @@ contains
                            ' Hz, resolution 1/duration = '//shortest(1.0_dp/record%duration, 3)//' Hz')
     do s = 1, min(size(record%sensors), most_sensors)
       call lines%append_line('  sensor     '//sensor_text(record%sensors(s))//': '// &
-                             shortest(record%ranges(1, s), digits)//' to '// &
-                             shortest(record%ranges(2, s), digits)//' '//record%sensors(s)%unit)
+                             short(record%ranges(1, s), digits)//' to '// &
+                             short(record%ranges(2, s), digits)//' '//record%sensors(s)%unit)
     end do
     if (size(record%sensors) > most_sensors) call lines%append_line('  sensor     ... and '// &
       text_of(size(record%sensors) - most_sensors)//' more')

@@ -1,12 +1,12 @@
 module bw_record_table
   !! The printed table of the cases of a record, repeats or parts: all of a few cases, or the first and last of many.
-  use bw_columns, only: pair_cells, table_of, text_table
+  use bw_columns, only: pair_cells, short, table_of, text_table
   use bw_constants, only: two_pi
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_result_draft, only: result_draft
   use bw_swept_text, only: swept_text
-  use bw_text, only: shortest, text_builder, text_of
+  use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
   public :: record_table
@@ -57,7 +57,7 @@ contains
       pairs(:, 2) = [decay(k), decay_error(k)]
     end if
     cells = text_of(case)//'|'//text_of(nint(lines(1)))//'|'//pair_cells(pairs(1, 1), pairs(2, 1))//'|'// &
-      pair_cells(pairs(1, 2), pairs(2, 2))//'|'//shortest(noise(1), 3)
+      pair_cells(pairs(1, 2), pairs(2, 2))//'|'//short(noise(1), 3)
   end function row_cells
 
   pure integer function strongest(amplitude, peaks) result(k)

@@ -2,7 +2,7 @@ module bw_record_rows
   !! The variables of a record beside frequencies and waves: a row for each, with values in SI.
   use bw_case_result, only: record_result
   use bw_kinds, only: dp
-  use bw_missing, only: missing
+  use bw_missing, only: is_missing, missing
   use bw_record_lines, only: reason_words, status_words
   use bw_result_table, only: result_table, unit_of_sensors
   implicit none (type, external)
@@ -38,13 +38,13 @@ contains
       call table%put(record%lines%drift)
     if (row('drift_bound', 'peak', 'rad s-1', deviation_of//'that change')) call table%put(record%lines%drift_bound)
     if (row('amplitude', 'point peak', unit_of_sensors, 'amplitude at the first sample')) &
-      call table%put_columns(along_lines(abs(record%lines%amplitude)))
+      call table%put_columns(along_lines(known(abs(record%lines%amplitude))))
     if (row('amplitude_error', 'point peak', unit_of_sensors, half_of//'amplitude')) &
       call table%put_columns(along_lines(record%lines%amplitude_error))
     if (row('amplitude_bound', 'point peak', unit_of_sensors, deviation_of//'the amplitude')) &
       call table%put_columns(along_lines(record%lines%amplitude_bound))
     if (row('phase', 'point peak', 'rad', 'phase of the cosine at the first sample')) &
-      call table%put_columns(along_lines(atan2(record%lines%amplitude%im, record%lines%amplitude%re)))
+      call table%put_columns(along_lines(known(atan2(record%lines%amplitude%im, record%lines%amplitude%re))))
     if (row('phase_error', 'point peak', 'rad', half_of//'phase')) call table%put_columns(along_lines(record%lines%phase_error))
     if (row('phase_bound', 'point peak', 'rad', deviation_of//'the phase')) &
       call table%put_columns(along_lines(record%lines%phase_bound))
@@ -57,6 +57,12 @@ contains
     if (part('decay_rate', 's-1', 'rate of decay in a part of the record')) call table%put_columns(record%lines%windows(2, :, :))
     if (part('decay_rate_bound', 's-1', 'its Cramer-Rao standard deviation')) call table%put_columns(record%lines%windows(4, :, :))
   contains
+    pure function known(numbers)
+      !! Return numbers of sensors and lines, `missing` at sensors that were left out.
+      real(dp), intent(in) :: numbers(:, :)
+      real(dp) :: known(size(numbers, 1), size(numbers, 2))
+      known = merge(missing, numbers, spread(is_missing(record%lines%noise_deviation), 2, size(numbers, 2)))
+    end function known
     logical function row(name, dimensions, units, long_name)
       character(*), intent(in) :: name, dimensions, units, long_name
       row = table%real_row('measured_'//name, dimensions, units, long_name)

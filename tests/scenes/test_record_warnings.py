@@ -1,6 +1,7 @@
 """Records that the program warns of: sensors that tell nothing, and motion that no line describes."""
 
 import numpy as np
+import pytest
 import results
 from ring_downs import AMPLITUDE, FREQUENCY, RATE, as_text, ring_down, text_of
 from workplace import PAPER_BEAM
@@ -29,6 +30,39 @@ def test_sensors_that_are_constant_or_copies_change_nothing(here):
     np.testing.assert_allclose(amplitude[3], 2 * amplitude[0], rtol=1e-14)
     assert (amplitude[1] == 0).all() and results.is_fill(error[1]).all() and not results.is_fill(error[3]).any()
     np.testing.assert_allclose(result["fitted"][1], 5.3, rtol=1e-14)
+
+
+@pytest.mark.parametrize("bad", ["overloaded", "dies", "stays", "soon"])
+def test_lines_are_found_without_a_sensor_most_of_which_is_flawed(here, bad):
+    """The record has the lines of its good sensors alone, and their amplitudes; those of the bad one are not known."""
+    time, values = ring_down(4)
+    here.write("two.csv", as_text(time, values))
+    here.scene("two", {"record": {"file": "two.csv", "points": [0.5, 1.0]}, "beam": PAPER_BEAM, "spectrum": {}})
+    alone = here.run("two")
+    middle = values[0] + values[1]
+    if bad == "overloaded":
+        limit = np.quantile(abs(middle), 0.5)
+        middle = np.clip(middle, -limit, limit)
+    middle[{"overloaded": time.size, "soon": 100}.get(bad, time.size // 2) :] = middle[-1] if bad == "stays" else np.nan
+    head = "time [s],mid [m/s2],bad [m/s2],tip [m/s2]"
+    here.write("three.csv", as_text(time, np.array([values[0], middle, values[1]]), head))
+    here.scene("three", {"record": {"file": "three.csv", "points": [0.5, 0.7, 1.0]}, "beam": PAPER_BEAM, "spectrum": {}})
+    ended = here.beamwave("run", "three.nml")
+    assert ended.returncode == 0
+    share = "90 %" if bad == "soon" else "50 %"
+    said = [line for line in ended.stderr.splitlines() if "sensors: lines are found without" in line]
+    assert len(said) == 1 and said[0].endswith(f"constant: bad [m/s2] ({share})"), ended.stderr
+    result = here.result("three")
+    names = "angular_frequency angular_frequency_error decay_rate decay_rate_bound wavenumber wavenumber_error"
+    for name in names.split():
+        np.testing.assert_array_equal(result[f"measured_{name}"], alone[f"measured_{name}"], name)
+    for name in "amplitude amplitude_error amplitude_bound phase".split():
+        np.testing.assert_array_equal(result[f"measured_{name}"][[0, 2]], alone[f"measured_{name}"], name)
+        assert results.is_fill(result[f"measured_{name}"][1]).all(), name
+    assert results.is_fill(result["noise_deviation"]).tolist() == [False, True, False]
+    assert results.is_fill(result["fitted"][1]).all()
+    missing = {"dies": time.size // 2, "soon": time.size - 100}.get(bad, 0)
+    assert results.is_fill(result["recorded"]).sum(axis=1).tolist() == [0, missing, 0]
 
 
 def test_a_frequency_that_sweeps_is_told(here):

@@ -55,8 +55,8 @@ def test_rows_without_a_number_or_a_time_of_their_own_are_left_out(here, word):
 
 
 BAD = {  # text, names, status, what standard error begins with
-    "too many gaps": (table(ROWS[:110]) + table(ROWS[110:], form="{:.3f},{:.6f},nan").split("\n", 1)[1], {"start": 0.1}, 3,
-                      "data/ring.csv: has 10 complete rows, and column acc2 lacks 90 of 100 values; accepted: 16 rows or more"),
+    "too many gaps": (table(ROWS[:110]) + table(ROWS[110:], form="{:.3f},nan,nan").split("\n", 1)[1], {"start": 0.1}, 3,
+                      "data/ring.csv: has 10 complete rows, and column acc1 lacks 90 of 100 values; accepted: 16 rows or more"),
     "a short row": (table() + "9.0,1.0\n", {}, 3, "data/ring.csv:202: has 2 of 3 columns"),
     "a word": (table() + "9.0,1.0,off\n", {}, 3, "data/ring.csv:202: column 3 (acc2): 'off' is not a finite number"),
     "a time that falls": (table() + "0.1,1.0,2.0\n", {}, 3, "data/ring.csv:202: the time 0.1 is not later than 0.199"),

@@ -29,7 +29,7 @@ def record_envelopes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     names = ["angular_frequency", "decay_rate", "decay_rate_error", "amplitude", "blow_time"]
     require(case, "recorded", "time", *(f"measured_{name}" for name in names))
     time, recorded = case["time"].values, case["recorded"].values
-    known = np.isfinite(recorded).all(axis=0)
+    known = np.isfinite(recorded).any(axis=0)
     time, recorded = time[known], recorded[:, known]
     if time.size < 64 or np.ptp(np.diff(time)) > 0.01 * (time[-1] - time[0]) / time.size:
         raise NothingToDraw("the samples are not in the file, or uneven")
@@ -37,7 +37,7 @@ def record_envelopes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     blow, lines = float(case["measured_blow_time"]), np.flatnonzero(np.isfinite(beta))
     if not lines.size or not np.isfinite(blow) or is_thinned(recorded):
         raise NothingToDraw("the record has no lines, or its samples are not in the file")
-    shown = np.sort(lines[np.argsort(-size[:, lines].max(axis=0))][:MAX_LINES])
+    shown = np.sort(lines[np.argsort(-np.nanmax(size[:, lines], axis=0))][:MAX_LINES])
     left = f"the {shown.size} strongest of {lines.size} lines" if shown.size < lines.size else ""
     columns = columns_for(shown.size)
     sheet = sheet_for(ax, -(-shown.size // columns), columns, width=4.8 * columns, height=2.3, share="x")

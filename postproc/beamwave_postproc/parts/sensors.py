@@ -15,9 +15,12 @@ OF_QUANTITY = {"displacement": "m", "velocity": "m s-1", "acceleration": "m s-2"
 
 
 def shown_sensors(ds: xr.Dataset, limit: int = MAX_SENSORS) -> tuple[list[int], str]:
-    """Indices of all sensors, or of `limit` spread evenly, and what is left out."""
+    """Indices of all sensors with which lines were found, or of `limit` spread evenly, and what is left out."""
     count = ds.sizes["point"]
-    shown = [int(i) for i in spread(count, limit)]
+    used = np.arange(count)
+    if "noise_deviation" in ds and (known := ds["noise_deviation"].notnull()).any():
+        used = used[known.any([name for name in known.dims if name != "point"]).values]
+    shown = [int(used[i]) for i in spread(used.size, limit)]
     return shown, left_out(len(shown), count, "sensors")
 
 

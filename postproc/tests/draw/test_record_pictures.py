@@ -102,6 +102,17 @@ def test_a_fit_has_a_row_for_each_sensor_and_its_beginning_beside_it(record):
     assert {text.get_text() for text in fig.legends[0].get_texts()} == {"record", "fit: sum of its lines", "residual: record − fit"}
 
 
+@pytest.mark.parametrize("draw", [record_fit, record_spectrum, record_envelopes])
+def test_a_sensor_that_was_left_out_is_not_drawn(record, draw):
+    record = record.assign(measured_blow_time=0.0)
+    alone = draw(record.isel(point=[0]))
+    broken = record.assign(noise_deviation=("point", [0.01, np.nan]))
+    for name in ("measured_amplitude", "measured_amplitude_error", "measured_phase", "fitted", "amplitude", "noise_level"):
+        broken[name][1] = np.nan
+    broken["recorded"][1, 500:] = np.nan
+    assert len(draw(broken).axes) == len(alone.axes)
+
+
 def test_from_near_the_fit_is_drawn_between_the_samples_where_the_lines_make_it(record):
     exact = record.assign(
         measured_phase=(("point", "peak"), np.zeros((2, 3))),

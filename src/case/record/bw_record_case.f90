@@ -133,6 +133,7 @@ contains
     type(case_result), intent(inout) :: result
     complex(dp), allocatable :: response(:, :)
     real(dp), allocatable :: impulse(:), force(:)
+    integer :: s
     if (.not. allocated(record%force)) return
     if (allocated(samples%place)) then
       call append(result%notes, 'hammer: the force is ignored, since it needs evenly spaced samples')
@@ -158,6 +159,11 @@ contains
     call hammer_response(hammer, samples%step, record%values, layout%record%frequencies, response, impulse)
     result%record%response_real = response%re
     result%record%response_imag = response%im
+    do s = 1, layout%points
+      if (.not. record%sensors(s)%left_out) cycle
+      result%record%response_real(:, s) = missing
+      result%record%response_imag(:, s) = missing
+    end do
     result%record%impulse = reshape(impulse, [size(impulse), 1])
   end subroutine take_force
 
@@ -222,7 +228,7 @@ contains
     integer :: s
     associate (lines => result%record%lines)
       do s = 1, size(lines%own)
-        if (lines%own(s) .or. .not. lines%noise_deviation(s) > 0) cycle
+        if (is_missing(lines%noise_deviation(s)) .or. lines%own(s) .or. .not. lines%noise_deviation(s) > 0) cycle
         call append(result%notes, 'copy: the samples of '//result%record%extent%sensors(s)%name//' are a multiple of those of '// &
                     'an earlier sensor; noise and waves are estimated without them')
       end do

@@ -41,8 +41,9 @@ contains
     if (.not. record%interval > 0) call find_rows(record%times, record%resolution, samples)
     if (.not. allocated(record%values)) return
     is_valid = .true.
+    if (any(record%sensors%left_out)) samples%left_out = record%sensors%left_out
     do s = 1, size(record%values, 2)
-      call mark_flaws(record%values(:, s), is_valid)
+      if (.not. record%sensors(s)%left_out) call mark_flaws(record%values(:, s), is_valid)
     end do
     if (2*count(is_valid) < size(is_valid)) is_valid = .true.    ! too many for flaws
     if (allocated(samples%row)) then
@@ -128,6 +129,7 @@ contains
     do s = 1, layout%points
       associate (distinct => found%distinct)
         mean = distinct%constant(s)
+        if (is_missing(mean)) cycle
         spectrum = 0
         if (distinct%place(s) > 0) then
           own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
@@ -238,6 +240,7 @@ contains
     end if
     stretch = 2*axes%times(2)
     do j = 1, size(history)
+      if (is_missing(history(j))) cycle
       k = 2*min(int(times(j)/stretch + 0.25_dp), size(shown)/2 - 1) + 1
       if (is_missing(shown(k))) shown(k:k + 1) = history(j)
       shown(k) = min(shown(k), history(j))

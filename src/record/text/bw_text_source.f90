@@ -190,16 +190,22 @@ contains
   end subroutine read_values
 
   subroutine take_gaps(self, columns, numbers, error)
-    !! Treat a row that could not be read: it lacks numbers, or is invalid. **Errors**: `status_bad_file` if it is invalid.
+    !! Read the other numbers of a row that could not be read: it lacks some, or is invalid. **Errors**: `status_bad_file` if it is invalid.
     class(text_source), intent(in) :: self
     integer, intent(in) :: columns(:)                      !! requested columns
-    real(dp), intent(out) :: numbers(:)                    !! `missing` where absent; others are undefined
+    real(dp), intent(out) :: numbers(:)                    !! `missing` where absent
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
-    logical :: lacks(size(columns))
+    logical :: lacks(size(columns)), good
+    real(dp) :: own(size(columns))
+    integer :: decades(size(columns)), n
     call judge_row(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last), lacks, problem)
-    numbers = merge(missing, 0.0_dp, lacks)
     if (problem /= '') call fail(error, status_bad_file, self%path//':'//text_of(self%reader%line)//': '//problem)
+    n = count(.not. lacks)
+    call scan_row(prepared(self%layout, pack(columns, .not. lacks)), self%reader%bytes, self%reader%first, self%reader%last, &
+      own(:n), decades(:n), good)
+    numbers = missing
+    if (good) numbers = unpack(own(:n), .not. lacks, missing)
   end subroutine take_gaps
 
   function place_of_row(self, row) result(place)

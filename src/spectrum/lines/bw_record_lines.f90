@@ -6,7 +6,7 @@ module bw_record_lines
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_windows, only: window_start
-  use bw_missing, only: missing
+  use bw_missing, only: is_missing, missing
   use bw_model, only: add_lines, at_sensors
   use bw_noise, only: gain_of
   use bw_polar_intervals, only: length_error, phase_error
@@ -44,7 +44,8 @@ module bw_record_lines
       !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
     complex(dp), allocatable :: noise_correlation(:, :, :)
       !! correlation of these parts between sensors, (sensors, sensors, lines); allocated if sensors share noise
-    logical, allocatable :: own(:)                !! the sensor is neither constant nor a multiple of an earlier one, (sensors)
+    logical, allocatable :: own(:)
+      !! the sensor is neither constant, nor left out, nor a multiple of an earlier one, (sensors)
     real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
     real(dp), allocatable :: drift(:), drift_bound(:)
       !! change of β from the blow to the last sample, or over three decay times if these are shorter, rad/s, (lines)
@@ -53,7 +54,8 @@ module bw_record_lines
       !! (4, windows, lines)
     integer, allocatable :: status(:)             !! sum of bits of `status_words`, (lines)
     type(rejected_candidate), allocatable :: rejected(:)
-    real(dp), allocatable :: noise_deviation(:)   !! standard deviation of each sensor's residual, (sensors)
+    real(dp), allocatable :: noise_deviation(:)
+      !! standard deviation of each sensor's residual; `missing` if it was left out: its amplitudes are not known, (sensors)
     real(dp) :: quantile = 1                      !! of a standard normal number, used for the errors
     real(dp), allocatable :: blow(:)              !! times of the blows since the first sample, s, (blows)
     logical :: driven = .false.                   !! the motion is no free decay, and has no lines
@@ -114,7 +116,8 @@ contains
     lines%own = [(any(found%distinct%kept == i), i=1, size(found%distinct%place))]
     lines%rejected = candidates_in_si(found, same_place*two_pi/span_of(samples), rate)
     associate (distinct => found%distinct)
-      lines%noise_deviation = merge(0.0_dp, abs(distinct%factor)*found%deviation(max(1, distinct%place)), distinct%place == 0)
+      lines%noise_deviation = abs(distinct%factor)*found%deviation(max(1, distinct%place))
+      where (distinct%place == 0) lines%noise_deviation = merge(missing, 0.0_dp, is_missing(distinct%constant))
     end associate
   end function lines_in_si
 

@@ -1,7 +1,8 @@
 module bw_distinct_sensors
-  !! Sensors without information of their own: constant ones, and multiples of another sensor. Noise is estimated and lines are
+  !! Sensors without information of their own: constant ones, those left out, and multiples of another sensor. Noise is estimated and lines are
   !! found without them; otherwise their samples would be counted twice, or their lack of noise taken for accuracy.
   use bw_kinds, only: dp
+  use bw_missing, only: missing
   use bw_samples, only: keep_sensors, samples_type
   implicit none (type, external)
   private
@@ -11,7 +12,7 @@ module bw_distinct_sensors
 
   type, public :: distinct_type
     !! The samples of sensor s: factor(s) times those of sensor kept(place(s)); if place(s) is 0, all are the number
-    !! constant(s).
+    !! constant(s), which is `missing` if the sensor was left out.
     integer, allocatable :: kept(:)            !! sensors with samples of their own, ascending
     integer, allocatable :: place(:)           !! (S)
     real(dp), allocatable :: factor(:), constant(:)  !! (S)
@@ -24,15 +25,18 @@ contains
     type(samples_type), intent(in) :: samples
     type(distinct_type) :: distinct
     integer :: highest(size(samples%value, 2)), s, j
-    logical :: is_constant(size(samples%value, 2))
+    logical :: is_constant(size(samples%value, 2)), left_out(size(samples%value, 2))
+    left_out = .false.
+    if (allocated(samples%left_out)) left_out = samples%left_out
     distinct%kept = [integer ::]
     associate (value => samples%value(:samples%count, :))
       highest = [(maxloc(abs(value(:, s)), dim=1), s=1, size(highest))]  ! one sensor at a time: a record may fill the memory
       is_constant = [(all_are(value(:, s), value(1, s)), s=1, size(highest))]
-      if (all(is_constant)) is_constant(1) = .false.
+      is_constant = is_constant .or. left_out
+      if (all(is_constant)) is_constant(findloc(left_out, .false., dim=1)) = .false.
       distinct%place = 0*highest
       distinct%factor = [(1.0_dp, s=1, size(highest))]
-      distinct%constant = value(1, :)
+      distinct%constant = merge(missing, value(1, :), left_out)
       do s = 1, size(highest)
         if (is_constant(s)) cycle
         do j = 1, size(distinct%kept)

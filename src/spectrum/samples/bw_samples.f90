@@ -11,7 +11,8 @@ module bw_samples
     real(dp), allocatable :: place(:)        !! times of the samples, ascending from 0, (N); unallocated: 0, 1, 2, …
     integer, allocatable :: row(:)           !! numbers of the recorded samples, ascending from 1; unallocated: all were recorded
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
-    logical, allocatable :: valid(:)         !! the samples of all sensors are valid, (N); unallocated: all are
+    logical, allocatable :: left_out(:)      !! sensors without which lines are found, (S); unallocated: none
+    logical, allocatable :: valid(:)         !! the samples of all other sensors are valid, (N); unallocated: all are
     integer, allocatable :: blow(:)          !! first samples after known blows; unallocated: blows are searched for
     logical :: pure = .false.                !! known to hold lines and rounding but no noise, as a simulation's
   end type samples_type
