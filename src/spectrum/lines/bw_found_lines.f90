@@ -9,9 +9,10 @@ module bw_found_lines
   use bw_kinds, only: dp
   use bw_line, only: line_type
   use bw_line_search, only: find_lines, line_outcome
-  use bw_model, only: find_misfit, model_type, renew
+  use bw_model, only: find_misfit, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_pure_record, only: find_lines_if_pure, safety
+  use bw_renewal, only: renew
   use bw_samples, only: samples_type
   use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type

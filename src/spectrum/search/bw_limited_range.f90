@@ -7,8 +7,9 @@ module bw_limited_range
   use bw_constants, only: pi
   use bw_cost, only: order_price
   use bw_kinds, only: dp
-  use bw_model, only: find_misfit, model_type, renew
+  use bw_model, only: find_misfit, model_type
   use bw_refit, only: all_steps, refit_all
+  use bw_renewal, only: renew
   use bw_samples, only: samples_type
   implicit none (type, external)
   private

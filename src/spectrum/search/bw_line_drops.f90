@@ -3,11 +3,12 @@ module bw_line_drops
   use bw_cost, only: cost_beside_noise, cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
   use bw_line, only: life_of, line_type
-  use bw_model, only: find_misfit, highest_order, model_type, renew
+  use bw_model, only: find_misfit, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise, only: white_amplitude
   use bw_order, only: ascending
   use bw_refit, only: all_steps, at_rest, near, refit, refit_all, refit_type, trial_steps
+  use bw_renewal, only: highest_order, renew
   use bw_samples, only: samples_type
   implicit none (type, external)
   private

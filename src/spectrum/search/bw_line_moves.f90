@@ -10,11 +10,12 @@ module bw_line_moves
   use bw_kinds, only: dp
   use bw_line, only: course_type, line_type, pole_at
   use bw_line_drops, only: energy_of
-  use bw_model, only: colour_at, model_type, renew
+  use bw_model, only: colour_at, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
   use bw_penalty, only: chi_squared
   use bw_refit, only: accept, all_steps, is_broken, near, overlaps, refit, refit_type, span_of_model, trial_steps
+  use bw_renewal, only: renew
   use bw_samples, only: samples_type
   implicit none (type, external)
   private

@@ -15,10 +15,11 @@ module bw_line_search
   use bw_line_drops, only: clear_if_growing, drop_lines, drop_weakest, keep_or_clear, line_outcome
   use bw_line_moves, only: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, &
     & most_additions, most_lines
-  use bw_model, only: model_type, renew
+  use bw_model, only: model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise_alone, only: cost_of_shared_motion, dies, most_orders
   use bw_refit, only: all_steps, at_rest, refit_all, trial_steps
+  use bw_renewal, only: renew
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
