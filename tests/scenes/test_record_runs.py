@@ -79,6 +79,19 @@ def test_a_beam_that_is_shaken_for_few_periods_of_its_first_mode_is_no_free_deca
     assert here.beamwave("run", "shaken.nml").returncode == 4
 
 
+def test_decays_in_noise_of_a_steep_band_are_found(here):
+    """The noise needs a high order beside the lines, as it does alone: 2 modes, decays by 0.3 and 0.5 in the record."""
+    draws = np.random.default_rng(5)
+    time = np.arange(8000) / 1000.0
+    noise = lfilter(*butter(4, [0.1, 0.3], "band"), draws.standard_normal(8500))[500:]
+    values = sum(a * np.exp(-d * time / 8) * np.sin(2 * np.pi * f * time) for a, d, f in ((1, 0.3, 72.0), (0.8, 0.5, 86.0)))
+    values += 0.03 * noise / noise.std() + 1e-5 * draws.standard_normal(time.size)
+    here.write("band.csv", as_text(time, values[None], "time [s],tip [m/s2]"))
+    here.scene("band", {"record": {"file": "band.csv"}, "spectrum": {}})
+    found = here.run("band")["measured_angular_frequency"] / (2 * np.pi)
+    assert abs(found - 72.0).min() < 1e-3 and abs(found - 86.0).min() < 1e-3
+
+
 def test_a_peak_that_noise_alone_seldom_has_is_a_rejected_candidate(here):
     """A tone with 13 times the power of the noise, where a line needs 15."""
     time = np.arange(2000) / 1000.0

@@ -1,11 +1,12 @@
 module bw_line_drops
   !! Lines that gain less than their penalty are dropped, with the noise renewed on both sides of the comparison.
-  use bw_cost, only: cost_beside_noise, cost_of_all, order_price, penalty_of_course, penalty_of_line
+  use bw_cost, only: akaike, cost_of_all, order_price, penalty_of_course, penalty_of_line
   use bw_kinds, only: dp
   use bw_line, only: life_of, line_type
   use bw_model, only: find_misfit, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise, only: white_amplitude
+  use bw_noise_alone, only: most_colour, most_orders
   use bw_order, only: ascending
   use bw_refit, only: all_steps, at_rest, near, refit, refit_all, refit_type, trial_steps
   use bw_renewal, only: highest_order, renew
@@ -35,9 +36,12 @@ contains
     real(dp), intent(in) :: share
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
+    real(dp) :: gain
     if (size(model%lines) == 0) return
-    if (alone - cost_beside_noise(samples, false_alarm, model) <= share*usual_gain(samples, false_alarm, model)) &
-      & call clear(samples, model, outcome)
+    call renew(samples, akaike, .false., model, most_orders(samples, most_colour, 1))
+    gain = alone - cost_of_all(samples, false_alarm, model)
+    call renew(samples, order_price(samples), .false., model)
+    if (gain <= share*usual_gain(samples, false_alarm, model)) call clear(samples, model, outcome)
   end subroutine keep_or_clear
 
   pure real(dp) function usual_gain(samples, false_alarm, model) result(gain)

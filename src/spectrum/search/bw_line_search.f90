@@ -17,7 +17,7 @@ module bw_line_search
     & most_additions, most_lines
   use bw_model, only: model_type
   use bw_monitor, only: monitor_type, stops
-  use bw_noise_alone, only: cost_of_shared_motion, dies, most_orders
+  use bw_noise_alone, only: cost_of_shared_motion, dies, most_colour, most_orders
   use bw_refit, only: all_steps, at_rest, refit_all, trial_steps
   use bw_renewal, only: renew
   use bw_samples, only: samples_type
@@ -26,7 +26,6 @@ module bw_line_search
   public :: find_lines, line_outcome
 
   integer, parameter :: many_lines = 24           !! tuned: as many may represent a driven motion
-  integer, parameter :: most_colour = 1024        !! highest order of noise alone, as which a driven beam moves
   integer, parameter :: most_rounds = 4
   integer, parameter :: most_in_vain = 1          !! tuned: rounds in which J does not fall
   real(dp), parameter :: first_lines = 0.6_dp     !! fraction of the time

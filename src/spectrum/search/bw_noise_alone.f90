@@ -9,6 +9,7 @@ module bw_noise_alone
   private
   public :: cost_of_shared_motion, dies, most_orders
 
+  integer, parameter, public :: most_colour = 1024  !! highest order of noise alone, as which a driven beam moves
   integer, parameter :: least_colour = 8          !! order in a large record
   integer, parameter, public :: most_numbers = 2**24  !! of principal components in use: twice 134 MB
 
