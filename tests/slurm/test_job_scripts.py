@@ -17,7 +17,7 @@ from workplace import SECONDS, captured_beam
 SPEED = "rotation%angular_velocity"
 RESPONSE = {"duration": 1.0, "samples": 4096}
 SOME = {"parameter": SPEED, "first": 0.0, "last": 100.0, "count": 8}
-PROBE, LONG = 50, 5.0  # cases that are timed, start-up being a small part, and the seconds that a long run is to take
+PROBE, LONG = 50, 8.0  # cases that are timed, start-up being a small part, and the seconds that a long run is to take
 PART = 58  # s that a run of continue.sh has to spare: of the minute that Slurm gives at least, it uses two seconds
 SINGLE, ARRAY, PARTS, MPI, RECORDS, CONTINUE, POSTPROCESS = (
     PROJECT / f"jobs/{name}.sh" for name in ["single", "array", "parts", "mpi", "records", "continue", "postprocess"]
