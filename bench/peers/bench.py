@@ -42,7 +42,7 @@ COSH_WORDS = "textbook cosh shapes:\ncancel from mode 12,\noverflow from 227"
 CURVES = {
     "beamwave": own_curve("beamwave", -1, (-8, 0), "right"),
     "beamwave, whole process": own_curve("beamwave, whole\nprocess with files", -2, (9, 0), "left", DASHED),
-    "numpy + FINUFFT": Curve(COLOURS[1], LINE, "s", "numpy +\nFINUFFT", 4, (9, 0), "left"),
+    "numpy + FINUFFT": Curve(COLOURS[1], LINE, "s", "numpy +\nFINUFFT", 5, (-9, 0), "right"),
     "numpy, matrix products": Curve(COLOURS[5], LINE, "D", "numpy, matrix\nproducts", -1, (7, 0), "left"),
     "textbook cosh shapes": Curve(COLOURS[7], LINE, "X", COSH_WORDS, 0, (-34, -20), "right"),
     "Hermite elements, exact modes":

@@ -269,7 +269,8 @@ contains
   end subroutine read_sensors
 
   subroutine leave_out(told, record, error)
-    !! Choose sensors, and drop rows that lack a time of their own, or a number of such a sensor. **Errors**: `status_bad_file` if too few remain.
+    !! Choose sensors, and drop rows that lack a time of their own, or a number of such a sensor. **Errors**: `status_bad_file` if
+    !! too few remain.
     logical, intent(in) :: told(:)                     !! rows that have the times
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error

@@ -92,6 +92,26 @@ def test_decays_in_noise_of_a_steep_band_are_found(here):
     assert abs(found - 72.0).min() < 1e-3 and abs(found - 86.0).min() < 1e-3
 
 
+@pytest.mark.parametrize("seed", [30, 33])
+def test_decays_at_uneven_times_in_coloured_noise_are_found(here, seed):
+    """Clocks jitter by a tenth of a step, and both modes decay by 0.5 to 3 in the record."""
+    draws = np.random.default_rng(seed)
+    count, rate = int(draws.integers(120, 620)), 500.0
+    time = (np.arange(count) + 0.2 * draws.uniform(-0.5, 0.5, count)) / rate
+    colour = draws.uniform(0, 0.9)
+    noise = lfilter([np.sqrt(1 - colour**2)], [1, -colour], draws.standard_normal(count + 99))[99:]
+    modes = [draws.uniform(12, 60), draws.uniform(90, 200)]
+    values = sum(a * np.exp(-draws.uniform(0.5, 3) * time * rate / count) * np.sin(2 * np.pi * f * time + 1)
+                 for a, f in zip((1, 0.6), modes, strict=True))
+    values += 10 ** (-draws.uniform(10, 40) / 20) * noise
+    here.write("uneven.csv", as_text(time, values[None], "time [s],tip [m/s]"))
+    here.scene("uneven", {"record": {"file": "uneven.csv"}, "spectrum": {}})
+    result = here.run("uneven")
+    away = abs(result["measured_angular_frequency"][:2] / (2 * np.pi) - modes)
+    assert result["peak_count"] == 2
+    assert (away < WIDE * result["measured_angular_frequency_error"][:2] / (2 * np.pi)).all()
+
+
 def test_a_peak_that_noise_alone_seldom_has_is_a_rejected_candidate(here):
     """A tone with 13 times the power of the noise, where a line needs 15."""
     time = np.arange(2000) / 1000.0

@@ -190,7 +190,8 @@ contains
   end subroutine read_values
 
   subroutine take_gaps(self, columns, numbers, error)
-    !! Read the other numbers of a row that could not be read: it lacks some, or is invalid. **Errors**: `status_bad_file` if it is invalid.
+    !! Read the other numbers of a row that could not be read: it lacks some, or is invalid. **Errors**: `status_bad_file`
+    !! if it is invalid.
     class(text_source), intent(in) :: self
     integer, intent(in) :: columns(:)                      !! requested columns
     real(dp), intent(out) :: numbers(:)                    !! `missing` where absent

@@ -11,7 +11,7 @@ module bw_band_fit
   public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
 
   real(dp), parameter, public :: converged = 1.0e-3_dp   !! tuned: predicted decrease of the squares, in variances of the noise
-  real(dp), parameter, public :: most_growth = 0.5_dp  !! logarithm of a line's growth over the longest stretch: free decays do not grow
+  real(dp), parameter, public :: most_growth = 0.5_dp  !! e-folds of a line over the longest stretch: free decays do not grow
   integer, parameter :: most_halvings = 4
   real(dp), parameter :: longest = 0.7_dp        !! tuned: largest step of a pole, relative to its width
 

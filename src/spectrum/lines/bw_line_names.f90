@@ -29,9 +29,9 @@ module bw_line_names
 contains
 
   pure subroutine name_lines(samples, false_alarm, believed)
-    !! Mark close pairs, harmonics and lines at an edge. A line is within w of the place of a harmonic by chance with the probability
-    !! 2w over its frequency. A harmonic is named only if chance yields so close an agreement anywhere in the record with at most
-    !! the probability `false_alarm`.
+    !! Mark close pairs, harmonics and lines at an edge. A line is within w of the place of a harmonic by chance with the
+    !! probability 2w over its frequency. A harmonic is named only if chance yields so close an agreement anywhere in the record
+    !! with at most the probability `false_alarm`.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(believed_line), intent(inout) :: believed(:)

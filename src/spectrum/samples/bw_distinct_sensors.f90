@@ -1,6 +1,6 @@
 module bw_distinct_sensors
-  !! Sensors without information of their own: constant ones, those left out, and multiples of another sensor. Noise is estimated and lines are
-  !! found without them; otherwise their samples would be counted twice, or their lack of noise taken for accuracy.
+  !! Sensors without information of their own: constant ones, those left out, and multiples of another sensor. Noise is estimated
+  !! and lines are found without them; otherwise their samples would be counted twice, or their lack of noise taken for accuracy.
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_samples, only: keep_sensors, samples_type

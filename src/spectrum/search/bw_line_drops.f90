@@ -28,8 +28,8 @@ module bw_line_drops
 contains
 
   subroutine keep_or_clear(samples, false_alarm, alone, share, model, outcome)
-    !! Drop all lines unless they gain more over coloured noise alone than a share of what decaying lines do: otherwise the motion is
-    !! driven.
+    !! Drop all lines unless they gain more over coloured noise alone than a share of what decaying lines do: otherwise the motion
+    !! is driven.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     real(dp), intent(in) :: alone                !! J of noise alone

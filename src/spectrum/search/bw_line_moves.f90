@@ -121,8 +121,8 @@ contains
   end function may_be_residual
 
   subroutine add_course(model, own, kept, host, best)
-    !! Fit the best further course of a line, from a few rates. The line alone is followed from the blow over longer and longer parts
-    !! of the record, so that its phase is never far from that of the fit. With fewer than `edge` periods it is a trend of
+    !! Fit the best further course of a line, from a few rates. The line alone is followed from the blow over longer and longer
+    !! parts of the record, so that its phase is never far from that of the fit. With fewer than `edge` periods it is a trend of
     !! undetermined frequency: n periods determine a frequency to about 1/n of it, and a fit that starts outside this range does not
     !! converge.
     type(model_type), intent(in) :: model

@@ -124,7 +124,8 @@ contains
   contains
 
     subroutine add_lines(added)
-      !! Add lines and courses that gain more than their penalty in the present noise, which is renewed after each round, while J falls.
+      !! Add lines and courses that gain more than their penalty in the present noise, which is renewed after each round, while J
+      !! falls.
       integer, intent(out) :: added
       integer :: accepted, k
       added = 0

@@ -24,6 +24,7 @@ module bw_model
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
     logical :: robust = .false.
     integer :: order = 0                         !! the highest one
+    real(dp) :: penalty = 0                      !! per coefficient
   end type renewal_type
 
   type, public :: model_type

@@ -15,7 +15,7 @@ module bw_refit
   real(dp), parameter :: bins_apart = 12         !! tuned: multiples of 1/T within which they are, too
   real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
   integer, parameter :: most_sweeps = 6
-  integer, parameter :: most_together = 8        !! tuned: lines of a chain that are fitted at once; of a longer one each with its neighbours
+  integer, parameter :: most_together = 8        !! tuned: lines of a chain fitted at once; of a longer one each with its neighbours
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a trial fit, and of a final one
   real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, below which they have converged
   real(dp), parameter :: low = 24                !! periods in the longest stretch; slower lines are fitted with a trend

@@ -35,8 +35,9 @@ contains
     order = highest_order
     if (present(highest)) order = highest
     order = min(order, samples%count/samples_per_order)
+    if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! for noise alone, times may be taken as even
     if (allocated(model%last)) then
-      if (is_last(model, robust, order)) return  ! nothing has changed since
+      if (is_last(model, robust, order, penalty)) return  ! nothing has changed since
       deallocate (model%last)
     end if
     if (.not. allocated(model%white)) allocate (model%white(samples%count, size(samples%value, 2)))
@@ -48,9 +49,9 @@ contains
     allocate (model%last)
     model%last%robust = robust
     model%last%order = order
+    model%last%penalty = penalty
     allocate (model%last%lines, source=model%lines)
     allocate (model%last%stretches, source=model%stretches)
-    if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! for noise alone, times may be taken as even
     if (allocated(samples%place) .and. .not. allocated(model%place)) model%place = samples%place
     if (allocated(samples%place)) call find_levels(samples%place, model%white, model%fourier, model%level)
     do s = 1, size(noise)
@@ -130,15 +131,16 @@ contains
     end if
   end subroutine estimate_noise
 
-  pure logical function is_last(model, robust, order)
+  pure logical function is_last(model, robust, order, penalty)
     !! Whether the noise was last estimated in this way, with these lines and stretches.
     type(model_type), intent(in) :: model
     logical, intent(in) :: robust
     integer, intent(in) :: order
+    real(dp), intent(in) :: penalty
     integer :: k
     associate (last => model%last)
-      is_last = (last%robust .eqv. robust) .and. last%order == order .and. size(last%lines) == size(model%lines) &
-        & .and. size(last%stretches) == size(model%stretches)
+      is_last = (last%robust .eqv. robust) .and. last%order == order .and. .not. abs(last%penalty - penalty) > 0 &
+        & .and. size(last%lines) == size(model%lines) .and. size(last%stretches) == size(model%stretches)
       if (is_last) is_last = all(last%stretches == model%stretches)
       if (is_last) is_last = all([(are_same(last%lines(k), model%lines(k)), k=1, size(model%lines))])
     end associate
