@@ -7,10 +7,9 @@ module bw_beam_units
   use bw_beam_par, only: beam_mass, beam_par, second_moment_of, sections_of_beam
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
   use bw_missing, only: scaled
-  use bw_shear_par, only: shear_par
   implicit none (type, external)
   private
-  public :: in_joules, in_newton_seconds, shear_of, slenderness, units_of
+  public :: in_joules, in_newton_seconds, slenderness, units_of
 
   type, public :: beam_units
     real(dp) :: length = 1.0_dp     !! l, m
@@ -20,11 +19,6 @@ module bw_beam_units
     real(dp) :: velocity = 1.0_dp   !! h/l, m/s
     real(dp) :: frequency = 1.0_dp  !! h/l², rad/s
   end type beam_units
-
-  type, public :: shear_numbers
-    real(dp) :: compliance = 0.0_dp              !! s² = EI/(κGAl²)
-    real(dp) :: rotary = 0.0_dp                  !! r² = I/(Al²)
-  end type shear_numbers
 
 contains
 
@@ -79,14 +73,6 @@ contains
       r = sqrt(beam%second_moment/beam%area)/beam%length
     end if
   end function slenderness
-
-  pure type(shear_numbers) function shear_of(shear, beam) result(numbers)
-    !! Return s² = EI/(κGAl²) = 2(1 + ν)r²/κ, with the shear modulus E/(2(1 + ν)), and r².
-    type(shear_par), intent(in) :: shear
-    type(beam_par), intent(in) :: beam
-    numbers%rotary = slenderness(beam)**2
-    numbers%compliance = 2.0_dp*(1.0_dp + shear%poisson_ratio)/shear%shear_coefficient*numbers%rotary
-  end function shear_of
 
   elemental real(dp) function in_newton_seconds(momentum, units, speed) result(value)
     !! Convert a momentum or an impulse from m_i V to N s; missing on overflow.

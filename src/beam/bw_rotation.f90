@@ -7,7 +7,7 @@ module bw_rotation
   use bw_rotation_par, only: rotation_par
   implicit none (type, external)
   private
-  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane, tension_of
+  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane
 
 contains
 
@@ -40,14 +40,5 @@ contains
     if (.not. present(rotation)) return
     if (acts_in_plane(rotation)) speed = dimensionless_speed(rotation, units)
   end function full_speed_in_plane
-
-  pure function tension_of(omega, hub_radius, gamma) result(tension)
-    !! Return the tension T(ξ) = Ω²[½(1 − ξ²) + R(1 − ξ) + γ(1 + R)] in EI/l² as the coefficients of t_0 + t_1ξ + t_2ξ².
-    real(dp), intent(in) :: omega            !! Ω = |ω|l²/h
-    real(dp), intent(in) :: hub_radius       !! R in l
-    real(dp), intent(in) :: gamma            !! mass at the tip
-    real(dp) :: tension(3)
-    tension = omega**2*[0.5_dp + hub_radius + gamma*(1.0_dp + hub_radius), -hub_radius, -0.5_dp]
-  end function tension_of
 
 end module bw_rotation
