@@ -1,9 +1,9 @@
 module bw_extended_residual
-  !! Residuals of the conditions at the joints in double-double, for given amplitudes of pieces and motions of bodies,
+  !! Residuals of the conditions at the joints in binary128, for given amplitudes of pieces and motions of bodies,
   !! which are taken as exact. With Green's identity (bw_mode_probe) they give λ to twice the digits of a motion.
-  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
+  use bw_double_double, only: dd, to_quad, operator(+), operator(-)
   use bw_extended_ends, only: extended_ends
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, qp
   use bw_mode_probe, only: mode_probe, piece_system, set_frequency, find_modal_mass, work_of_drive
   implicit none (type, external)
   private
@@ -40,12 +40,12 @@ contains
     !! Find the drive that corresponds to the residuals of a probe's motion at its frequency.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
-    type(dd), dimension(4) :: before, after, next
+    real(qp), dimension(4) :: before, after, next
     integer :: i, n
     n = size(system%piece)
-    before = dd()
+    before = 0.0_qp
     do i = 0, n
-      after = dd()
+      after = 0.0_qp
       if (i < n) call end_states(extended_ends(system%piece(i + 1), probe%frequency), probe%amplitude(:, i + 1), after, next)
       if (i == 0) then
         call drive_root(system, after, probe)
@@ -58,57 +58,53 @@ contains
 
   pure subroutine drive_root(system, after, probe)
     type(piece_system), intent(in) :: system
-    type(dd), intent(in) :: after(4)
+    real(qp), intent(in) :: after(4)
     type(mode_probe), intent(inout) :: probe
-    type(dd) :: rest(2)
+    real(qp) :: rest(2)
     probe%drive(:, :, 0) = 0.0_dp
-    associate (root => system%beam%root, unit => probe%unit(:, 0), jump => probe%jump(:, 2, 0), &
-               motion => to_dd(probe%motion(:, 0)))
+    associate (root => system%beam%root, unit => probe%unit(:, 0), jump => probe%jump(:, 2, 0), motion => probe%motion(:, 0))
       rest = motion - after(1:2)
-      probe%drive(3, :, 0) = rest%hi/jump
-      rest = motion*[root%stiffness, root%turning_stiffness] - after(4:3:-1)
-      if (.not. root%holds_deflection) probe%drive(2, 1, 0) = rest(1)%hi/unit(4)
-      if (.not. root%holds_turning) probe%drive(2, 2, 0) = rest(2)%hi/unit(3)
+      probe%drive(3, :, 0) = real(rest, dp)/jump
+      rest = motion*to_quad([root%stiffness, root%turning_stiffness]) - after(4:3:-1)
+      if (.not. root%holds_deflection) probe%drive(2, 1, 0) = real(rest(1), dp)/unit(4)
+      if (.not. root%holds_turning) probe%drive(2, 2, 0) = real(rest(2), dp)/unit(3)
     end associate
   end subroutine drive_root
 
   pure subroutine drive_joint(system, i, before, after, probe)
     type(piece_system), intent(in) :: system
     integer, intent(in) :: i
-    type(dd), intent(in) :: before(4), after(4)
+    real(qp), intent(in) :: before(4), after(4)
     type(mode_probe), intent(inout) :: probe
-    type(dd) :: load(2), rest(2)
+    real(qp) :: load(2), rest(2)
     associate (joint => system%beam%joint(i), frequency => probe%frequency, unit => probe%unit(:, i), d => probe%drive(:, :, i), &
-               jump => probe%jump(:, :, i), motion => to_dd(probe%motion(:, i)))
-      load = [joint%stiffness - joint%mass*frequency%lambda, joint%turning_stiffness - joint%inertia*frequency%beta_squared]
+               jump => probe%jump(:, :, i), motion => probe%motion(:, i))
+      load = to_quad([joint%stiffness, joint%turning_stiffness]) &
+        - to_quad([joint%mass, joint%inertia])*to_quad([frequency%lambda, frequency%beta_squared])
       rest = before(1:2) - motion
       if (i < size(system%piece)) then
-        d(1, :) = rest%hi/jump(:, 1)
+        d(1, :) = real(rest, dp)/jump(:, 1)
         rest = motion - after(1:2)
-        d(3, :) = rest%hi/jump(:, 2)
+        d(3, :) = real(rest, dp)/jump(:, 2)
       else
         d(1, :) = 0.0_dp
-        d(3, :) = -rest%hi/jump(:, 2)
+        d(3, :) = -real(rest, dp)/jump(:, 2)
       end if
       rest = before(4:3:-1) - after(4:3:-1) + load*motion
-      d(2, :) = rest%hi/unit(4:3:-1)
+      d(2, :) = real(rest, dp)/unit(4:3:-1)
     end associate
   end subroutine drive_joint
 
   pure subroutine end_states(outer_states, amplitude, inner, outer)
     !! Return the states at both ends of a piece.
-    type(dd), intent(in) :: outer_states(4, 4)   !! (state, motion)
+    real(qp), intent(in) :: outer_states(4, 4)   !! (state, motion)
     real(dp), intent(in) :: amplitude(4)
-    type(dd), intent(out) :: inner(4), outer(4)
-    type(dd) :: even, odd
-    integer :: q
-    do q = 1, 4
-      even = outer_states(q, 1)*amplitude(1) + outer_states(q, 2)*amplitude(2)
-      odd = outer_states(q, 3)*amplitude(3) + outer_states(q, 4)*amplitude(4)
-      outer(q) = even + odd
-      inner(q) = even - odd
-      if (mod(q, 2) == 0) inner(q) = odd - even
-    end do
+    real(qp), intent(out) :: inner(4), outer(4)
+    real(qp) :: even(4), odd(4)
+    even = matmul(outer_states(:, :2), real(amplitude(:2), qp))
+    odd = matmul(outer_states(:, 3:), real(amplitude(3:), qp))
+    outer = even + odd
+    inner = (even - odd)*[1, -1, 1, -1]
   end subroutine end_states
 
 end module bw_extended_residual

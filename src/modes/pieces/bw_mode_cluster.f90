@@ -4,7 +4,7 @@ module bw_mode_cluster
   !! The space spanned by neighbouring modes is accurate where each of them is not. Inverse iteration with as many
   !! drives as modes finds it, and the Rayleigh–Ritz method separates them: by Green's identity (bw_mode_probe) the
   !! residuals of motion b do the work H_ab = ⟨a, (λ̂ − λ)b⟩ on motion a, with λ̂ of each mode. Residuals are in
-  !! double-double, so H resolves relative differences of 1e-20 in λ, though motions are in binary64. Closer modes form
+  !! binary128, so H resolves relative differences of 1e-20 in λ, though motions are in binary64. Closer modes form
   !! a cluster: any orthonormal motions that span it are its modes.
   use bw_double_double, only: dd, operator(+), operator(-), operator(*), operator(/)
   use bw_extended_residual, only: find_drive
