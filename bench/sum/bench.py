@@ -69,10 +69,10 @@ def compare(beamwave: Beamwave, n: int, samples: int, tolerance: float, repeats:
         return float(f"{float(np.abs(histories[:, chosen] - exact).max() / np.abs(histories).max()):.1e}")
 
     row: dict[str, Any] = {"tolerance": tolerance, "modes": n, "samples": samples}
-    row["error"] = error(beamwave.job(n, samples, tolerance))
+    row["error"] = error(beamwave.job(n, samples))
     calls = {
-        "job": lambda: beamwave.job(n, samples, tolerance),
-        "sum": lambda: beamwave.sum(samples, tolerance, ours),
+        "job": lambda: beamwave.job(n, samples),
+        "sum": lambda: beamwave.sum(samples, ours),
     }
     if rival.finufft:
         transform = rival.Transform(samples, DURATION / samples, tolerance)

@@ -19,11 +19,10 @@ module bench_sum
 
 contains
 
-  subroutine whole_job(n, samples, gamma, duration, tolerance, displacement) bind(c, name='bench_whole_job')
+  subroutine whole_job(n, samples, gamma, duration, displacement) bind(c, name='bench_whole_job')
     !! Roots, shapes at the midpoint and the tip, and the sum of n modes of the continuum, as a run with a tolerance does it.
     integer(c_int), value :: n, samples
     real(c_double), value :: gamma, duration
-    real(c_double), value :: tolerance                     !! of the sum
     real(c_double), intent(out) :: displacement(samples, 2)
     type(nonuniform_sum) :: sum
     type(response_type) :: response
@@ -31,7 +30,7 @@ contains
     type(silent_monitor) :: monitor
     grid = time_grid_of(duration, samples, to_dd(1.0_dp))
     call start_histories(sampling_type(points, grid), response)
-    call add_modes_of_source(source_in_closed_form(gamma), gamma, 1, n, tolerance, monitor, response, sum)
+    call add_modes_of_source(source_in_closed_form(gamma), gamma, 1, n, monitor, response, sum)
     displacement = response%displacement
   end subroutine whole_job
 
@@ -43,27 +42,28 @@ contains
     real(c_double), intent(out) :: rate(n), shapes(n, 2)
     type(closed_form_source) :: source
     type(dd) :: values(part)
+    real(dp) :: mass(part)
     integer :: i, k, e
     source = source_in_closed_form(gamma)
     do k = 1, n, part
       e = min(k + part - 1, n)
-      call source%terms([(i, i=k, e)], points, duration, values(:e - k + 1), rate(k:e), shapes(k:e, :))
+      call source%terms([(i, i=k, e)], points, duration, values(:e - k + 1), rate(k:e), shapes(k:e, :), &
+                        mass(:e - k + 1))
       beta(1, k:e) = values(:e - k + 1)%hi
       beta(2, k:e) = values(:e - k + 1)%lo
     end do
     rate = gamma*rate
   end subroutine terms
 
-  subroutine choose(n, samples, histories, tolerance, transform, width, half) bind(c, name='bench_choice')
+  subroutine choose(n, samples, histories, transform, width, half) bind(c, name='bench_choice')
     !! What the cost model chooses, and the transform that it would choose in any case.
     integer(c_int), value :: n, samples, histories
-    real(c_double), value :: tolerance
     integer(c_int), intent(out) :: transform               !! 1: it is chosen
     integer(c_int), intent(out) :: width, half
     type(sum_choice) :: choice
-    choice = chosen_sum(n, samples, histories, tolerance)
+    choice = chosen_sum(n, samples, histories)
     transform = merge(1, 0, choice%transform)
-    choice = chosen_sum(n, samples, histories, tolerance, must_transform=.true.)
+    choice = chosen_sum(n, samples, histories, must_transform=.true.)
     width = choice%width
     half = choice%half
   end subroutine choose

@@ -25,10 +25,10 @@ class Beamwave:
             raise SystemExit(f"no libbench_sum in {build}: cmake --build {build} --target bench_sum")
         self.library = ctypes.CDLL(str(found[0].resolve()))
 
-    def job(self, n: int, samples: int, tolerance: float) -> np.ndarray:
+    def job(self, n: int, samples: int) -> np.ndarray:
         """Roots, shapes at midpoint and tip, and their sum, as a run with a tolerance makes it."""
         result = np.empty((2, samples))
-        self.library.bench_whole_job(n, samples, double(GAMMA), double(DURATION), double(tolerance), address(result))
+        self.library.bench_whole_job(n, samples, double(GAMMA), double(DURATION), address(result))
         return result
 
     def terms(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -37,10 +37,10 @@ class Beamwave:
         self.library.bench_terms(n, double(GAMMA), double(DURATION), address(beta), address(rate), address(shapes))
         return beta, rate, shapes
 
-    def choice(self, n: int, samples: int, points: int, tolerance: float) -> tuple[bool, int, int]:
+    def choice(self, n: int, samples: int, points: int) -> tuple[bool, int, int]:
         """Whether the cost model chooses the transform, and the kernel's width and half the grid that it would take."""
         chosen = [ctypes.c_int() for _ in range(3)]
-        self.library.bench_choice(n, samples, points, double(tolerance), *map(ctypes.byref, chosen))
+        self.library.bench_choice(n, samples, points, *map(ctypes.byref, chosen))
         return bool(chosen[0].value), chosen[1].value, chosen[2].value
 
     def by_transform(self, samples: int, terms: tuple, width: int, half: int) -> np.ndarray:
@@ -58,6 +58,6 @@ class Beamwave:
         self.library.bench_by_products(len(rate), samples, len(shapes), *places, double(DURATION), address(result))
         return result
 
-    def sum(self, samples: int, tolerance: float, terms: tuple) -> np.ndarray:
+    def sum(self, samples: int, terms: tuple) -> np.ndarray:
         """Modes that are known, by the transform."""
-        return self.by_transform(samples, terms, *self.choice(len(terms[1]), samples, len(terms[2]), tolerance)[1:])
+        return self.by_transform(samples, terms, *self.choice(len(terms[1]), samples, len(terms[2]))[1:])

@@ -8,10 +8,9 @@ module bw_case_cost
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_response, only: sum_tolerance
   use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, converges_in_run, has_configurations, &
     is_loaded, is_planned, scene_type
-  use bw_sum_choice, only: sum_seconds
+  use bw_sum_choice, only: product_seconds, sum_seconds
   use bw_timeline, only: is_released, most_configurations, most_events
   implicit none (type, external)
   private
@@ -208,14 +207,21 @@ contains
     !! Return the time of the sums by the model of bw_sum_choice, s: histories, and moments at as many points.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: modes
-    real(dp) :: tolerance
     integer :: histories
-    tolerance = merge(0.0_dp, sum_tolerance, allocated(scene%damping))         ! the transform sums no damped modes
     associate (response => scene%response)
       histories = size(response%points)
-      seconds = sum_seconds(int(modes), response%samples, merge(2*histories, histories, response%velocity), tolerance)
-      if (response%bending_moment) seconds = seconds + sum_seconds(int(modes), response%samples, histories, tolerance)
+      seconds = seconds_of(merge(2*histories, histories, response%velocity))
+      if (response%bending_moment) seconds = seconds + seconds_of(histories)
     end associate
+  contains
+    pure real(dp) function seconds_of(histories)
+      integer, intent(in) :: histories
+      if (allocated(scene%damping)) then           ! the transform sums no damped modes
+        seconds_of = product_seconds(int(modes), scene%response%samples, histories)
+      else
+        seconds_of = sum_seconds(int(modes), scene%response%samples, histories)
+      end if
+    end function seconds_of
   end function seconds_of_sums
 
   pure function galerkin_counts(scene, before, after, planning) result(counts)

@@ -13,11 +13,12 @@ module bw_case_histories
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_failure, turns, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
-  use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
+  use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: leaves_range, move, segment_type
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
+  use bw_sum_choice, only: sum_tolerance
   use bw_text, only: append, shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation_error, only: block_ends, fewest
@@ -256,7 +257,7 @@ contains
       if (allocated(moved%rate)) then
         call add_motion(configuration%set, moved%rate, share, response, displaced=moved%q, workspace=workspace, range=[first, last])
       else
-        call add_modes_of_source(configuration%source, moved%force, first, last, sum_tolerance, share, response, workspace)
+        call add_modes_of_source(configuration%source, moved%force, first, last, share, response, workspace)
       end if
     end subroutine add_modes
   end subroutine sum_segment

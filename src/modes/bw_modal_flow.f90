@@ -71,7 +71,7 @@ contains
   end function damping_factor_beyond
 
   elemental subroutine flow(beta_squared, c, time, q, q_dot)
-    !! Move a mode's state forward by a time ≥ 0. **Limit**: e^(rt − ½ct) must not overflow.
+    !! Move a mode's state forward by a time ≥ 0. **Limit**: the state must not overflow.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c                !! ≥ 0; 0: undamped
     type(dd), intent(in) :: time
@@ -109,14 +109,19 @@ contains
   end subroutine join
 
   elemental subroutine split(slow, fast, root, time, q, q_dot)
-    !! Combine the two exponentials, one of which may dominate, to the state.
+    !! Combine the two exponentials, one of which may dominate, to the state. As e^x may overflow where the state does not,
+    !! the growing part is multiplied by e^(x/2) twice. The low part of the exponent, up to 1e-13, is added to first order.
     type(dd), intent(in) :: slow, time
     real(dp), intent(in) :: fast, root
     real(dp), intent(inout) :: q, q_dot
     type(dd) :: exponent
-    real(dp) :: growing, decaying
+    real(dp) :: growing, decaying, half
     exponent = slow*time
-    growing = 0.5_dp*(q_dot - fast*q)/root*(exp(exponent%hi)*(1.0_dp + exponent%lo))
+    growing = 0.5_dp*(q_dot - fast*q)/root
+    if (growing /= 0.0_dp) then
+      half = exp(0.5_dp*exponent%hi)*(1.0_dp + 0.5_dp*exponent%lo)
+      growing = (growing*half)*half
+    end if
     decaying = 0.5_dp*(slow%hi*q - q_dot)/root*exp(fast*time%hi)
     q = growing + decaying
     q_dot = slow%hi*growing + fast*decaying

@@ -42,7 +42,6 @@ module bw_mode_set
     procedure :: shapes => all_shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weighted by the masses of beam and tip
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weighted by the mass of the beam
-    procedure :: overlap_far_below                                !! the same for modes far below these
     procedure(elastic_interface), deferred :: elastic
     procedure :: damp
     procedure :: rigid => rigid_modes
@@ -160,16 +159,6 @@ contains
       values = modes%some_shapes(first, last, xi)
     end if
   end function values_at
-
-  function overlap_far_below(self, from, amplitude, monitor) result(sums)
-    !! Return `overlap_of_beam` for modes of beam and mass far below these of the beam alone, for which a limit may be known.
-    class(mode_set), intent(in) :: self
-    class(mode_set), intent(in) :: from
-    real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(self%count)
-    sums = self%overlap_of_beam(from, amplitude, monitor)
-  end function overlap_far_below
 
   subroutine note_failure(self, number)
     !! Record that one of these modes was not found.
@@ -338,16 +327,16 @@ contains
     class(mode_source), intent(in) :: self
     integer, intent(in) :: number(:)              !! see `find`
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
-    real(dp), intent(in), optional :: longest     !! see `find`
+    real(dp), intent(in) :: longest               !! see `find`
     type(dd), intent(out) :: beta(:)              !! √|β²| with the sign of β², (modes)
     real(dp), intent(out) :: drive(:)             !! Φ_k(ξ₀)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)         !! Φ_k(ξ), (modes, points)
-    real(dp), intent(out), optional :: mass(:)    !! M_k, (modes)
+    real(dp), intent(out) :: mass(:)              !! M_k, (modes)
     class(mode_set), allocatable :: modes
     call self%find(number, modes, longest, self%monitor)
     call take_terms(modes, beta, drive)
     shapes = modes%shapes(xi)
-    if (present(mass)) mass = modes%modal_mass
+    mass = modes%modal_mass
   end subroutine terms_of_set
 
   subroutine take_terms(modes, beta, drive)

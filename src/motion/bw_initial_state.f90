@@ -4,17 +4,15 @@ module bw_initial_state
   !!
   !! It depends only on shapes, mass ratio and restitution. Cases of a sweep that share these share a cached state; a
   !! sweep of the rotation alone is three times as fast.
-  use bw_double_double, only: dd
   use bw_event, only: event_type
   use bw_impact, only: capture_mass, capture_type, continuum_capture, continuum_impact, continuum_velocity, impact_type, strike
   use bw_impact_par, only: impact_par
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_numbers, mean_rate, mode_set, mode_source
+  use bw_mode_set, only: mean_rate, mode_set
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_segment, only: move
   implicit none (type, external)
   private
-  public :: continuum_initial_state, continuum_state, find_initial_state, find_jump
+  public :: continuum_initial_state, find_initial_state, find_jump
 
   type, public :: initial_state
     !! The state after impact and capture.
@@ -87,21 +85,6 @@ contains
     place = given%position*(given%profile_points - 1)
     if (abs(place - nint(place)) <= place*epsilon(place)) state%velocity_jump(nint(place) + 1) = state%impact%tip_velocity
   end subroutine continuum_initial_state
-
-  subroutine continuum_state(source, force, time, longest, monitor, loaded, q, rate)
-    !! Find the first modes of beam and mass and their state at a later time, V l²/h and V.
-    class(mode_source), intent(in) :: source        !! of beam and mass
-    real(dp), intent(in) :: force                   !! modal velocities at t = 0 are this times Φ_k(1)/M_k
-    type(dd), intent(in) :: time                    !! l²/h
-    real(dp), intent(in) :: longest                 !! the record, over which phases are accurate, l²/h
-    class(monitor_type), intent(inout) :: monitor   !! the state is invalid if it requests a stop
-    class(mode_set), allocatable, intent(out) :: loaded
-    real(dp), intent(out) :: q(:), rate(:)          !! of as many modes as their size
-    call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
-    q = 0.0_dp
-    rate = force*loaded%struck/loaded%modal_mass
-    call move(loaded, time, q, rate)
-  end subroutine continuum_state
 
   subroutine find_jump(free, modal_velocity, profile_points, monitor, jump)
     !! Find Σφ_i(ξ)Δq̇_i along the beam, in blocks of bounded memory.

@@ -13,9 +13,6 @@ module bw_response
   private
   public :: start_histories, finish_histories, fill_unknown, histories_of, turns_in_record
 
-  real(dp), parameter, public :: sum_tolerance = 2.0e-13_dp
-    !! error of the modal sum over the peak: far below truncation errors
-
   type, public :: sampling_type
     !! Points and times of histories.
     real(dp), allocatable :: points(:)            !! ξ, (points)

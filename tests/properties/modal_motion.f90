@@ -1,7 +1,7 @@
 module modal_motion
   !! Each mode's own motion: the histories of `bw_response` at points where one mode has the shape 1 and the others 0.
   use bw_double_double, only: operator(*)
-  use bw_growing_modes, only: add_growing_mode
+  use bw_growing_modes, only: add_sample_by_sample
   use bw_kinds, only: dp
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set
@@ -33,7 +33,7 @@ contains
                           displacement, velocity)
     do k = 1, modes%count
       if (modes%beta_squared(k)%hi > 0.0_dp) cycle
-      call add_growing_mode(modes%beta_squared(k), q(k), q_dot(k), unit(k, :), grid, [1, grid%samples], &
+      call add_sample_by_sample(modes%beta_squared(k), 0.0_dp, q(k), q_dot(k), unit(k, :), grid, [1, grid%samples], &
                             displacement, velocity)
     end do
   end subroutine move

@@ -228,26 +228,13 @@ def by_tolerance(tolerance, **groups):
     return {**released_beam(**groups), "modes": {"tolerance": tolerance}}
 
 
-def reference(name):
-    """The rows of a table of the independent scripts."""
-    lines = (PROJECT / "tests/reference" / name).read_text().splitlines()
-    head, *rows = [line.split() for line in lines if not line.startswith("#")]
-    return [dict(zip(head, map(float, row))) for row in rows]
-
-
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
-def test_a_tolerance_is_kept_after_a_release(here, tolerance):
-    """Against very many modes, each handed on to each: what is known of the modes far above has no part in them."""
+def test_with_a_tolerance_a_release_loses_nothing(here, tolerance):
+    """Errors of the histories are in test_tails.py."""
     here.scene("a", by_tolerance(tolerance))
     result = here.run("a")
-    peak = np.abs(result["displacement"]).max()
-    for row in reference("released_motion.txt"):
-        assert (row["gamma"], row["omega"], row["leaves"]) == (0.2, 50.0, LEAVES)
-        point, sample = RESPONSE["points"].index(row["xi"]), round(row["time"] / 0.00025)
-        error = abs(result["displacement"][point, sample] - row["displacement"])
-        assert error <= min(tolerance * peak, result["displacement_error"][point])
-    assert (result["displacement_error"] <= tolerance * peak).all()
-    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)  # nothing is lost
+    assert (result["displacement_error"] <= tolerance * np.abs(result["displacement"]).max()).all()
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
     np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-7)
 
 

@@ -7,7 +7,7 @@ module bw_case_peak
   use bw_mode_set, only: configuration_type, first_numbers
   use bw_monitor, only: monitor_type, part_monitor
   use bw_projection, only: project, projection_type
-  use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
+  use bw_response, only: response_type, sampling_type, start_histories
   use bw_scene, only: scene_type
   use bw_segment, only: segment_type
   use bw_set_sum, only: add_motion
@@ -73,7 +73,7 @@ contains
     if (allocated(segment%rate)) then
       call add_motion(configuration%set, segment%rate, part, response, displaced=segment%q)
     else
-      call add_modes_of_source(configuration%source, segment%force, 1, count, sum_tolerance, part, response)
+      call add_modes_of_source(configuration%source, segment%force, 1, count, part, response)
     end if
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end function previewed_peak

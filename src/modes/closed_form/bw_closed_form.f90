@@ -26,7 +26,6 @@ module bw_closed_form
     procedure :: some_curvatures => closed_form_curvatures
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
-    procedure :: overlap_far_below
     procedure :: elastic => closed_form_elastic
     procedure :: motion_at
     procedure :: share_of_turn
@@ -261,19 +260,6 @@ contains
       sums = no_number()
     end select
   end function overlap_of_beam
-
-  function overlap_far_below(self, from, amplitude, monitor) result(sums)
-    !! Return ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i, by two terms of its series in (ᾱ_k/α_i)⁴:
-    !! tip force and its deflection.
-    class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! of beam and mass
-    real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(self%count), force(from%count)
-    if (present(monitor)) continue
-    force = from%gamma*from%alpha**4*from%struck*amplitude
-    sums = (sum(force) + sum(force*from%alpha**4)/self%alpha**4)*self%struck/self%alpha**4
-  end function overlap_far_below
 
   pure function closed_form_elastic(self) result(squares)
     !! Return α⁴, Eq. 28, of the same roots, refined or not, as for β².

@@ -83,22 +83,18 @@ contains
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
-    real(dp), intent(in), optional :: longest
+    real(dp), intent(in) :: longest
     type(dd), intent(out) :: beta(:)
     real(dp), intent(out) :: drive(:), shapes(:, :)
-    real(dp), intent(out), optional :: mass(:)
+    real(dp), intent(out) :: mass(:)
     type(far_beam) :: beam
     integer :: light, near
     beam%gamma = self%mass_ratio
     if (allocated(self%omega)) beam%omega = self%omega
-    if (present(longest)) beam%longest = longest
+    beam%longest = longest
     near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
     light = max(near, light_modes(number, self%gamma))
-    if (present(mass)) then
-      if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :), mass(:near))
-    else if (near > 0) then
-      call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
-    end if
+    if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :), mass(:near))
     call add_far(near + 1, light)
     call add_far(light + 1, size(number))
   contains
@@ -108,12 +104,7 @@ contains
       integer :: first, last
       do first = from, to, batch
         last = min(first + batch - 1, to)
-        if (present(mass)) then
-          call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :), &
-                         mass(first:last))
-        else
-          call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
-        end if
+        call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :), mass(first:last))
       end do
     end subroutine add_far
   end subroutine terms_in_closed_form

@@ -23,7 +23,7 @@ module bw_far_modes
     !! The beam of the far modes, and how long phases must be accurate.
     type(dd) :: gamma                            !! mass ratio γ
     type(dd), allocatable :: omega               !! in-plane angular velocity in h/l²; unallocated: no effect
-    real(dp), allocatable :: longest             !! see `is_coarse`; unallocated: no history
+    real(dp) :: longest = 0.0_dp                 !! see `is_coarse`
   end type far_beam
 
 contains
@@ -36,7 +36,7 @@ contains
     type(dd), intent(out) :: beta(:)             !! √|β²| with the sign of β², (modes)
     real(dp), intent(out) :: drive(:)            !! Φ_k(1)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)        !! Φ_k(ξ), (modes, points)
-    real(dp), intent(out), optional :: mass(:)   !! M_k, (modes)
+    real(dp), intent(out) :: mass(:)             !! M_k, (modes)
     real(dp), dimension(size(k)) :: eighths, remainder, tangent, spread, turned, tip
     type(dd) :: alpha(size(k))
     logical :: light
@@ -45,7 +45,7 @@ contains
     eighths = 4*k - merge(2, 3, light)
     call far_roots(k, beam%gamma%hi, light, remainder, tangent, spread, turned)
     call far_tip_and_drive(k, tangent, spread, turned, tip, drive)
-    if (present(mass)) mass = tip/drive
+    mass = tip/drive
     alpha = dd_pi*(0.25_dp*eighths) + remainder
     do p = 1, size(xi)
       call far_shapes(eighths, remainder, alpha%hi, tip, xi(p), shapes(:, p))
@@ -153,39 +153,18 @@ contains
   ! Frequencies
 
   pure subroutine far_frequencies(k, beam, remainder, alpha, beta)
-    !! Find β of known roots: in binary64 without a history, else from roots refined in extended precision where needed.
+    !! Find β of known roots, which are refined in extended precision where needed.
     integer, intent(in) :: k(:)                  !! see `far_terms`
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: remainder(:)         !! of the roots, δ
     type(dd), intent(inout) :: alpha(:)          !! the roots
     type(dd), intent(out) :: beta(:)
     logical :: coarse(size(k))
-    if (.not. allocated(beam%longest)) then
-      beta%hi = coarse_frequencies(alpha%hi, beam%omega)
-      beta%lo = 0.0_dp
-      return
-    end if
     coarse = is_coarse(remainder, alpha%hi, beam%omega, beam%longest)
     if (any(coarse)) call refine(k, beam, remainder, coarse, alpha)
     beta = alpha*alpha                           ! Eq. 3
     if (allocated(beam%omega)) call rotate(beam%omega, beta)
   end subroutine far_frequencies
-
-  pure function coarse_frequencies(alpha, omega) result(beta)
-    !! Return √|α⁴ − ω²| with the sign of the radicand, Eq. 2.
-    real(dp), intent(in) :: alpha(:)
-    type(dd), intent(in), optional :: omega
-    real(dp) :: beta(size(alpha)), square
-    integer :: i
-    if (.not. present(omega)) then
-      beta = alpha**2
-      return
-    end if
-    do i = 1, size(alpha)
-      square = (alpha(i)**2 - omega%hi)*(alpha(i)**2 + omega%hi)
-      beta(i) = sign(sqrt(abs(square)), square)
-    end do
-  end function coarse_frequencies
 
   pure subroutine refine(k, beam, remainder, coarse, alpha)
     !! Refine coarse roots in extended precision.

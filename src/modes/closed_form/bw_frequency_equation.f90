@@ -23,7 +23,7 @@ module bw_frequency_equation
   use bw_double_double, only: dd, dd_pi, operator(*), operator(+)
   implicit none (type, external)
   private
-  public :: solve_root, root_value, first_slope, light_equation, heavy_equation, is_light
+  public :: solve_root, root_value, first_slope, is_light
   public :: alternating_series, growing_series
 
   integer, parameter, public :: highest_mode = 100000000  !! eighths of a cycle of its root still fit an integer

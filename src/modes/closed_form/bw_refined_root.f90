@@ -8,7 +8,7 @@ module bw_refined_root
   !! that 1 − v would lose. Errors are below 1e-31, absolutely.
   use bw_constants, only: qp_pi
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-), operator(/)
-  use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
+  use bw_frequency_equation, only: first_slope, is_light, root_type
   use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
@@ -125,10 +125,8 @@ contains
     type(root_type), intent(in) :: root
     if (root%k == 1) then
       alpha = to_dd(refined_first(root))
-    else if (is_light(root)) then
-      alpha = to_dd(refined_light(root))
     else
-      alpha = to_dd(refined_heavy(root))
+      alpha = to_dd(refined_higher(root))
     end if
   end function refined_root
 
@@ -158,32 +156,20 @@ contains
     end do
   end function series
 
-  elemental real(qp) function refined_light(root) result(alpha)
-    !! Return one Newton step of `light_equation` with the residual in extended precision.
+  elemental real(qp) function refined_higher(root) result(alpha)
+    !! Return one Newton step of sech α + cos α + γα(cos α tanh α − sin α) = 0, divided by γα if that is above 1.
     type(root_type), intent(in) :: root
-    real(qp) :: delta, c, sign
-    real(dp) :: coarse, slope
-    delta = root%remainder
-    alpha = (root%k - 0.5_qp)*qp_pi + delta
+    real(qp) :: c, difference, free, mass, sum
+    alpha = 0.25_qp*root%eighths*qp_pi + root%remainder
     c = alpha*to_quad(mass_ratio(root))
-    sign = merge(1, -1, mod(root%k, 2) == 0)
-    call light_equation(root%k, root%gamma, root%remainder, coarse, slope)
-    alpha = alpha - (sin(delta)*(1.0_qp + c*tanh(alpha)) + c*cos(delta) + sign*secant(alpha))/slope
-  end function refined_light
-
-  elemental real(qp) function refined_heavy(root) result(alpha)
-    !! Return one Newton step of `heavy_equation` with the residual in extended precision.
-    type(root_type), intent(in) :: root
-    real(qp) :: delta, u, tau, sign
-    real(dp) :: coarse, slope
-    delta = root%remainder
-    alpha = (root%k - 0.75_qp)*qp_pi + delta
-    u = 1.0_qp/alpha/to_quad(mass_ratio(root))
-    tau = secant(alpha)*exp(-alpha)          ! 1 − tanh α
-    sign = merge(1, -1, mod(root%k, 2) == 0)
-    call heavy_equation(root%k, root%gamma, root%remainder, coarse, slope)
-    alpha = alpha - (sin(delta)*(2.0_qp + u - tau) - cos(delta)*(u - tau) + sqrt(2.0_qp)*sign*u*secant(alpha))/slope
-  end function refined_heavy
+    free = 1.0_qp/max(1.0_qp, c)
+    mass = min(1.0_qp, c)
+    sum = secant(alpha) + cos(alpha)
+    difference = cos(alpha)*tanh(alpha) - sin(alpha)
+    alpha = alpha - (free*sum + mass*difference) &
+      /(free*(merge(difference*c, -sum, c <= 1.0_qp)/alpha - sin(alpha) - secant(alpha)*tanh(alpha)) &
+        + mass*(cos(alpha)*(secant(alpha)**2 - 1.0_qp) - sin(alpha)*tanh(alpha)))
+  end function refined_higher
 
   elemental real(qp) function secant(alpha)
     !! Return sech α without overflow.

@@ -20,7 +20,7 @@ module bw_mode_probe
   implicit none (type, external)
   private
   public :: system_of, probe_for, set_random_drive, start_bodies, set_frequency, probe_at, count_below, iterate_inverse
-  public :: improve_drive, keep_in_range, respond, find_modal_mass, work_of_drive
+  public :: improve_drive, respond, find_modal_mass, work_of_drive
 
   type, public :: piece_system
     !! A beam and the wave parameters of its pieces.
@@ -202,17 +202,13 @@ contains
     call modes_below(system%beam%root, probe%loads, probe%ends, probe%factors, number, regular)
   end subroutine count_below
 
-  pure subroutine iterate_inverse(system, probe, correction, mixture)
+  pure subroutine iterate_inverse(system, probe, correction)
     !! Do one inverse iteration at the frequency of a probe, and return the correction of β² and λ to those of the mode.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
-    real(dp), intent(out) :: mixture  !! the same with magnitudes summed over joints: contributions of two modes may cancel
-    real(dp) :: works(3, 2, 0:size(probe%ends))
     call respond(system, probe)
-    works = work_of_drive(probe, probe)
-    correction = sum(works)/probe%mass
-    mixture = sum(abs(works))/probe%mass
+    correction = sum(work_of_drive(probe, probe))/probe%mass
     call improve_drive(probe)
   end subroutine iterate_inverse
 

@@ -1,9 +1,9 @@
 module bw_mode_search
   !! Modes of a beam of pieces by their numbers.
   !!
-  !! The phase at the tip gives a first guess (bw_tip_phase). Inverse iteration converges to some mode; counts on both
-  !! sides identify it, and show others that are so near that they affect its motion. A bracket of two counts narrows to
-  !! the wanted mode even if inverse iteration strays to others: none is missed and none is found twice.
+  !! The number of half waves gives a first guess. Inverse iteration converges to some mode; counts on both sides identify
+  !! it, and show others that are so near that they affect its motion. A bracket of two counts narrows to the wanted mode
+  !! even if inverse iteration strays to others: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
   use bw_mode_cluster, only: find_rigid_modes, find_clustered_modes, mode_cluster, refine_cluster
@@ -14,7 +14,6 @@ module bw_mode_search
   use bw_modes_below_rest, only: growing_modes, may_grow
   use bw_piece_dispersion, only: mean_waves, next_half_wave
   use bw_piece_waves, only: frequency_at, parts_at_rest
-  use bw_tip_phase, only: estimate_distance
   implicit none (type, external)
   private
   public :: search_in, find_mode
@@ -28,9 +27,6 @@ module bw_mode_search
   real(dp), parameter :: rough_until = 1.0e-3_dp   !! likewise: after such a step the next may be the last
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: below it steps that do not shrink are rounding
   real(dp), parameter :: converged = 2.0e-14_dp      !! likewise: such a step changes neither frequency nor motion
-  real(dp), parameter :: three_digits = 3.0e-4_dp
-    !! likewise: motions have about this error, several times more if another mode is near
-  real(dp), parameter :: nearby = 0.6_dp         !! tuned, likewise: from such a distance a motion resembles that of the mode
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here inverse iteration mixes motions
   real(dp), parameter :: together = 1.0e-11_dp     !! tuned, likewise: up to here one frequency serves for several motions
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: width at which brackets are not halved further
@@ -46,7 +42,6 @@ module bw_mode_search
     integer :: resting = 0                         !! modes with λ = 0
     type(mode_cluster) :: cluster                  !! the last group found
     logical :: possible = .true.                   !! false: rotation bends the beam in too many waves for a search
-    logical :: roughly = .false.                   !! three digits suffice
     real(dp), allocatable :: any_drive(:, :, :)    !! one that excites all modes
     integer :: last = -1                           !! number of the last mode found
     type(dd) :: last_lambda                        !! its frequency
@@ -118,17 +113,18 @@ contains
     type(dd), intent(out) :: lambda
     logical, intent(out) :: alone, found
     type(dd) :: x
-    real(dp) :: correction, mixture, step, before, room
+    real(dp) :: correction, step, before, room
     logical :: exact, final, gains
     integer :: i, n, strays
     call open_for(search%bracket, k, search%growing, search%growing + search%resting, search%system%beam%spin_squared)
-    call begin(search, k, x)
+    x = initial_guess(search, k)
+    search%probe%drive = search%any_drive
     before = huge(before)
     strays = 0
     alone = .false.
     do i = 1, most_steps
       call probe_at(search%system, x, search%probe, rough=.not. (before < rough_until*mode_distance(k, x)))
-      call iterate_inverse(search%system, search%probe, correction, mixture)
+      call iterate_inverse(search%system, search%probe, correction)
       search%evaluations = search%evaluations + 1
       lambda = x + correction
       room = min(mode_distance(k, x), width(search%bracket))
@@ -136,7 +132,6 @@ contains
       gains = abs(correction) < 0.5_dp*before
       exact = abs(correction) < converged*mode_distance(k, x)
       final = (exact .or. (step < rounding .and. .not. gains)) .and. .not. search%probe%frequency%rough
-      if (search%roughly .and. i > 1) final = final .or. (gains .and. mixture < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
         if (mod(strays, 4) == 2) call set_random_drive(i, search%probe)      ! it strayed to another mode
@@ -164,25 +159,6 @@ contains
       if (found) return
     end do
   end subroutine locate
-
-  pure subroutine begin(search, k, x)
-    !! Estimate λ of mode k and its drive from the phase at the tip; if that is not reliable, use a drive that excites all modes.
-    type(mode_search), intent(inout) :: search
-    integer, intent(in) :: k
-    type(dd), intent(out) :: x
-    integer, parameter :: far = 4                  !! modes
-    real(dp) :: step
-    integer :: n
-    x = initial_guess(search, k)
-    search%probe%drive = search%any_drive
-    if (.not. x%hi > 0.0_dp) return
-    call count_with_scout(search, k, x, n)
-    if (abs(k - n) > far) return
-    call estimate_distance(search%system, search%scout, k - n, step)
-    if (.not. inside(search%bracket, x + step, 0.0_dp) .or. abs(step) > x%hi) return
-    x = x + step
-    if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
-  end subroutine begin
 
   subroutine verify_mode(search, k, x, found)
     !! Count on both sides of a mode, to check that it is mode k, alone.

@@ -6,7 +6,7 @@ module bw_piece_source
   use bw_missing, only: missing
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, mode_search, search_in
-  use bw_mode_set, only: mode_set, mode_source, take_terms, terms_of_set
+  use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
   use bw_piece_beam, only: holds_tip, modes_at_rest, piece_beam, root_power, side_of_tip
   use bw_piece_critical, only: critical_speed_of, without_inertia
@@ -28,7 +28,6 @@ module bw_piece_source
     logical :: grows_at_any_speed = .false.
   contains
     procedure :: find => find_of_pieces
-    procedure :: terms => terms_of_pieces
   end type piece_source
 
 contains
@@ -73,31 +72,7 @@ contains
     call move_alloc(found, modes)
   end subroutine find_of_pieces
 
-  subroutine terms_of_pieces(self, number, xi, longest, beta, drive, shapes, mass)
-    !! Find the terms of a sum. Without a history three digits suffice.
-    class(piece_source), intent(in) :: self
-    integer, intent(in) :: number(:)
-    real(dp), intent(in) :: xi(:)
-    real(dp), intent(in), optional :: longest
-    type(dd), intent(out) :: beta(:)
-    real(dp), intent(out) :: drive(:)
-    real(dp), intent(out) :: shapes(:, :)
-    real(dp), intent(out), optional :: mass(:)
-    type(piece_set) :: modes
-    if (present(longest)) then
-      call terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
-    else
-      call set_of_pieces(self%pieces%beam, number, set=modes, struck=self%pieces%struck, &
-                         monitor=self%monitor, roughly=.true.)
-      if (.not. modes%resolved) call self%note_failure(number)
-      modes%struck_at = self%struck_at
-      call take_terms(modes, beta, drive)
-      shapes = modes%shapes(xi)
-      if (present(mass)) mass = modes%modal_mass
-    end if
-  end subroutine terms_of_pieces
-
-  subroutine set_of_pieces(beam, number, longest, set, struck, monitor, roughly)
+  subroutine set_of_pieces(beam, number, longest, set, struck, monitor)
     !! Find modes with given numbers, in that order.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: number(:)               !! k ≥ 1, ascending
@@ -105,13 +80,11 @@ contains
     type(piece_set), intent(out) :: set
     integer, intent(in), optional :: struck        !! joint at which a mass strikes; absent: the tip
     class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
-    logical, intent(in), optional :: roughly       !! frequencies and shapes to three digits; absent: to all
     type(mode_search) :: search
     type(dd) :: lambda
     logical :: found
     integer :: j
     search = search_in(beam)
-    if (present(roughly)) search%roughly = roughly
     call size_set(search, size(number), set)
     if (present(struck)) then
       set%struck_joint = struck
@@ -124,7 +97,7 @@ contains
         set%resolved = .false.
         return
       end if
-      if (.not. search%roughly .and. is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
+      if (is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
       call set_mode(search%probe, number(j), lambda, j, set)
     end do
   end subroutine set_of_pieces

@@ -154,7 +154,7 @@ contains
     event%impulse = event%impulse + impulse
     call end_event(ensemble, event)
     contacts%lasting = .not. ensemble%ended(0)
-    call add_segment(segment, contacts%segments)
+    contacts%segments = [contacts%segments, segment]
     contacts%events = [contacts%events, event]
     event%kind = no_event
   end subroutine add_contact
@@ -179,7 +179,7 @@ contains
     call check_accuracy(tip, ensemble, alone, segment, contacts)
     if (contacts%known_until < huge(tip)) return
     if (event%kind == contact_event) contacts%events = [contacts%events, event]
-    call add_segment(segment, contacts%segments)
+    contacts%segments = [contacts%segments, segment]
     contacts%cut = ensemble%ended(0) .and. size(contacts%events) == most
     if (contacts%cut .or. any(ensemble%ended .neqv. ensemble%ended(0))) contacts%known_until = earliest(ensemble%to)
   end subroutine add_flight
@@ -197,26 +197,6 @@ contains
                              start_error=maxval(abs(lags_of(ensemble%from))), error=error(:count, :))
     end associate
   end function segment_of
-
-  pure subroutine add_segment(segment, segments)
-    !! Add a segment to a list. Arrays of the others are moved, not copied.
-    type(segment_type), intent(in) :: segment
-    type(segment_type), allocatable, intent(inout) :: segments(:)
-    type(segment_type), allocatable :: more(:)
-    integer :: i
-    allocate (more(size(segments) + 1))
-    do i = 1, size(segments)
-      more(i)%configuration = segments(i)%configuration
-      more(i)%count = segments(i)%count
-      more(i)%start = segments(i)%start
-      more(i)%start_error = segments(i)%start_error
-      call move_alloc(segments(i)%q, more(i)%q)
-      call move_alloc(segments(i)%rate, more(i)%rate)
-      call move_alloc(segments(i)%error, more(i)%error)
-    end do
-    more(size(more)) = segment
-    call move_alloc(more, segments)
-  end subroutine add_segment
 
   subroutine check_accuracy(tip, ensemble, kind, segment, contacts)
     !! Compare the error of the tip's displacement in a segment with the largest so far: with fewer than three digits

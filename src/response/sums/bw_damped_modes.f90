@@ -5,8 +5,9 @@ module bw_damped_modes
   !! Time is cut into blocks as in bw_modal_sum, and the samples of all blocks are one product of two tables:
   !! exponentials within a block, and states at the starts of blocks. Modes that have decayed are skipped.
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
+  use bw_growing_modes, only: add_sample_by_sample
   use bw_kinds, only: dp
-  use bw_modal_flow, only: fast_exponent, flow, slow_exponent, turning_square
+  use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
   use bw_monitor, only: monitor_type
   use bw_time_grid, only: time_grid
   use bw_turn, only: phase_angles
@@ -73,22 +74,15 @@ contains
       call find_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
       do first = 1, size(list%mode), batch
         last = min(first + batch - 1, size(list%mode))
-        if (present(velocity)) then
-          call add_exponentials(part_of(list, first, last), motion%shapes, grid, monitor, displacement, velocity)
-        else
-          call add_exponentials(part_of(list, first, last), motion%shapes, grid, monitor, displacement)
-        end if
+        call add_exponentials(part_of(list, first, last), motion%shapes, grid, monitor, displacement, velocity)
         call monitor%advance(real(last, dp)/size(list%mode))
         if (monitor%stop_requested()) return
       end do
       do k = 1, size(q)
         if (.not. near(k)) cycle
         if (monitor%stop_requested()) return
-        if (present(velocity)) then
-          call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement, velocity)
-        else
-          call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement)
-        end if
+        call add_sample_by_sample(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, [1, grid%samples], &
+                                  displacement, velocity)
       end do
     end associate
   end subroutine add_damped_modes
@@ -210,23 +204,5 @@ contains
     real(dp), intent(in) :: exponent, angle
     value = exp(exponent)*cmplx(cos(angle), sin(angle), dp)
   end function exponential
-
-  pure subroutine add_close(beta_squared, c, q, q_dot, shapes, grid, displacement, velocity)
-    !! Add a mode near critical damping, sample by sample.
-    type(dd), intent(in) :: beta_squared
-    real(dp), intent(in) :: c, q, q_dot, shapes(:)
-    type(time_grid), intent(in) :: grid
-    real(dp), intent(inout) :: displacement(:, :)
-    real(dp), intent(inout), optional :: velocity(:, :)
-    real(dp) :: now, rate
-    integer :: j
-    do j = 1, grid%samples
-      now = q
-      rate = q_dot
-      call flow(beta_squared, c, grid%step*real(j - 1, dp), now, rate)
-      displacement(j, :) = displacement(j, :) + now*shapes
-      if (present(velocity)) velocity(j, :) = velocity(j, :) + rate*shapes
-    end do
-  end subroutine add_close
 
 end module bw_damped_modes

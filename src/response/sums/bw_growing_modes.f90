@@ -1,15 +1,16 @@
 module bw_growing_modes
-  !! Histories of modes at or beyond their critical speed, β² ≤ 0: q C + q̇ S with C = cosh|β|t, S = sinh|β|t/|β|, and C
-  !! = 1, S = t at β = 0. These are the same analytic functions of β² as for stable modes.
+  !! Histories of modes at or beyond their critical speed, β² ≤ 0, and of others that are moved from sample to sample; and the
+  !! sample at which growing ones overflow.
   use bw_double_double, only: dd, sqrt, operator(*), operator(-)
   use bw_kinds, only: dp
+  use bw_modal_flow, only: flow
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: add_growing_mode, find_overflow
+  public :: add_sample_by_sample, find_overflow
 
   real(dp), parameter :: log_half = log(0.5_dp)
-  real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x, computed as the square of e^(x/2)
+  real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x in `flow`
 
 contains
 
@@ -74,67 +75,25 @@ contains
     log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
   end function log_of_sum
 
-  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
-    !! Add one mode to a range of samples.
+  pure subroutine add_sample_by_sample(beta_squared, c, q, q_dot, shapes, grid, samples, displacement, velocity)
+    !! Add one mode, of any kind, to a range of samples.
     type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c                    !! damping; 0: undamped
     real(dp), intent(in) :: q, q_dot
     real(dp), intent(in) :: shapes(:)
     type(time_grid), intent(in) :: grid
     integer, intent(in) :: samples(2)            !! first and last, at most the last of `find_overflow`
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
-    type(dd) :: rate, time, x
+    real(dp), dimension(size(shapes)) :: now, rate
     integer :: j
-    rate = sqrt(-beta_squared)
     do j = samples(1), samples(2)
-      time = grid%step*real(j - 1, dp)
-      x = rate*time
-      displacement(j, :) = displacement(j, :) + displacement_at(x, time%hi, rate%hi, q, q_dot, shapes)
-      if (present(velocity)) velocity(j, :) = velocity(j, :) + velocity_at(x, rate%hi, q, q_dot, shapes)
+      now = q*shapes
+      rate = q_dot*shapes
+      call flow(beta_squared, c, grid%step*real(j - 1, dp), now, rate)
+      displacement(j, :) = displacement(j, :) + now
+      if (present(velocity)) velocity(j, :) = velocity(j, :) + rate
     end do
-  end subroutine add_growing_mode
-
-  elemental real(dp) function displacement_at(x, time, rate, q, q_dot, shape) result(now)
-    !! Return Φ·(q C + q̇ S).
-    type(dd), intent(in) :: x                    !! |β|t
-    real(dp), intent(in) :: time, rate, q, q_dot, shape
-    if (x%hi < 1.0_dp) then
-      now = shape*(q*cosh(x%hi) + q_dot*time*mean_hyperbolic_cosine(x%hi))
-    else
-      now = exponentials(shape*(0.5_dp*(q + q_dot/rate)), shape*(0.5_dp*(q - q_dot/rate)), x)
-    end if
-  end function displacement_at
-
-  elemental real(dp) function velocity_at(x, rate, q, q_dot, shape) result(now)
-    !! Return its derivative.
-    type(dd), intent(in) :: x
-    real(dp), intent(in) :: rate, q, q_dot, shape
-    if (x%hi < 1.0_dp) then
-      now = shape*(q_dot*cosh(x%hi) + q*rate*sinh(x%hi))
-    else
-      now = exponentials(shape*(0.5_dp*(rate*q + q_dot)), shape*(0.5_dp*(q_dot - rate*q)), x)
-    end if
-  end function velocity_at
-
-  elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
-    !! Return sinh x/x, 1 at x = 0: the mean of cosh from 0 to x.
-    real(dp), intent(in) :: x
-    mean = 1.0_dp
-    if (x > 0.0_dp) mean = sinh(x)/x
-  end function mean_hyperbolic_cosine
-
-  elemental real(dp) function exponentials(growing, decaying, x) result(value)
-    !! Return growing·e^x + decaying·e^(−x). As e^x may overflow where the product does not, the growing part is
-    !! multiplied by e^(x/2) twice. The low part of the exponent, up to 1e-13, is added to first order.
-    real(dp), intent(in) :: growing, decaying
-    type(dd), intent(in) :: x                     !! ≥ 0, and at most `largest_exponent` if something grows
-    real(dp) :: half
-    if (growing == 0.0_dp) then
-      value = (decaying*exp(-0.5_dp*x%hi))*exp(-0.5_dp*x%hi)*(1.0_dp - x%lo)
-      return
-    end if
-    half = exp(0.5_dp*x%hi)*(1.0_dp + 0.5_dp*x%lo)
-    value = (growing*half)*half + (decaying/half)/half
-  end function exponentials
+  end subroutine add_sample_by_sample
 
 end module bw_growing_modes

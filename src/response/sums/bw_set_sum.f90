@@ -2,15 +2,14 @@ module bw_set_sum
   !! Histories of the modes of one set, from any initial state: Eq. 29. Many modes are summed in parts whose shapes fit in memory.
   use bw_damped_modes, only: add_damped_modes, damped_motion, grows
   use bw_double_double, only: dd, sqrt, operator(*), operator(-)
-  use bw_growing_modes, only: add_growing_mode, find_overflow
+  use bw_growing_modes, only: add_sample_by_sample, find_overflow
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
-  use bw_response, only: finish_histories, histories_of, response_type, sampling_type, start_histories, sum_tolerance, &
-    turns_in_record
+  use bw_response, only: finish_histories, histories_of, response_type, sampling_type, start_histories, turns_in_record
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   implicit none (type, external)
   private
@@ -82,7 +81,7 @@ contains
     part = part_monitor(monitor)
     stable = modes%beta_squared%hi > 0.0_dp .and. [(k >= ends(1) .and. k <= ends(2), k=1, modes%count)]
     turns = stable .and. turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), response%sampling%grid)
-    choice = chosen_sum(count(turns), response%sampling%grid%samples, histories_of(response), sum_tolerance)
+    choice = chosen_sum(count(turns), response%sampling%grid%samples, histories_of(response))
     response%sum_error = response%sum_error + error_of_sum(choice, response%sampling%grid%samples)
     if (choice%transform) then
       response%transformed = response%transformed + count(turns)
@@ -250,8 +249,9 @@ contains
     do first = 1, response%finite_samples, block
       do k = 1, size(q)
         if (monitor%stop_requested()) return
-        call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), response%sampling%grid, &
-                              [first, min(first + block - 1, response%finite_samples)], response%displacement, response%velocity)
+        call add_sample_by_sample(beta_squared(k), 0.0_dp, q(k), rate(k), shapes(k, :), response%sampling%grid, &
+                                  [first, min(first + block - 1, response%finite_samples)], &
+                                  response%displacement, response%velocity)
       end do
     end do
   end subroutine add_growing_batch

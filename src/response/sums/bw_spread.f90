@@ -1,7 +1,7 @@
 module bw_spread
   !! Spreading of modes onto a grid of frequencies: the innermost loop of the non-uniform transform.
   use bw_kinds, only: dp
-  use bw_spreading_kernel, only: cells, high_degree, low_degree, spreading_kernel, vector
+  use bw_spreading_kernel, only: cells, degree, spreading_kernel, vector
   implicit none (type, external)
   private
   public :: spread_modes, rows_of
@@ -32,39 +32,17 @@ contains
       cell(:n) = min(cells, int(offset(k + 1:k + n)*cells) + 1)
       place(:n) = 2.0_dp*(offset(k + 1:k + n)*cells - (cell(:n) - 1)) - 1.0_dp
       do b = 1, rows_of(kernel%width)/vector
-        if (kernel%degree == low_degree) then
-          call low_weights(kernel%table(:, :, :, b), n, cell, place, weights)
-        else
-          call high_weights(kernel%table(:, :, :, b), n, cell, place, weights)
-        end if
+        call find_weights(kernel%table(:, :, :, b), n, cell, place, weights)
         call spread_group(n, weights, k, first, (b - 1)*vector, coefficients, grid)
       end do
     end do
   end subroutine spread_modes
 
-  ! Horner's rule is written out: as a loop the compiler takes it apart.
-
-  pure subroutine low_weights(t, n, cell, x, weights)
-    !! Evaluate one vector of the weights of `n` modes by polynomials of lower degree.
-    real(dp), intent(in) :: t(vector, 0:low_degree, cells)           !! of the kernel
+  pure subroutine find_weights(t, n, cell, x, weights)
+    !! Evaluate one vector of the weights of `n` modes. Horner's rule is written out: as a loop the compiler takes it apart.
+    real(dp), intent(in) :: t(vector, 0:degree, cells)               !! of the kernel
     integer, intent(in) :: n, cell(n)
     real(dp), intent(in) :: x(n)                                     !! position in the cell, −1 … 1
-    real(dp), intent(inout) :: weights(vector, group)
-    integer :: c, i, k
-    do k = 1, n
-      c = cell(k)
-      !GCC$ unroll 1
-      do i = 1, vector
-        weights(i, k) = (((t(i, 4, c)*x(k) + t(i, 3, c))*x(k) + t(i, 2, c))*x(k) + t(i, 1, c))*x(k) + t(i, 0, c)
-      end do
-    end do
-  end subroutine low_weights
-
-  pure subroutine high_weights(t, n, cell, x, weights)
-    !! Evaluate the same by polynomials of higher degree.
-    real(dp), intent(in) :: t(vector, 0:high_degree, cells)
-    integer, intent(in) :: n, cell(n)
-    real(dp), intent(in) :: x(n)
     real(dp), intent(inout) :: weights(vector, group)
     integer :: c, i, k
     do k = 1, n
@@ -75,7 +53,7 @@ contains
                           + t(i, 2, c))*x(k) + t(i, 1, c))*x(k) + t(i, 0, c)
       end do
     end do
-  end subroutine high_weights
+  end subroutine find_weights
 
   pure subroutine spread_group(n, weights, done, first, beyond, coefficients, grid)
     !! Apply one vector of the weights of the next `n` modes.

@@ -5,25 +5,21 @@ module bw_spreading_kernel
   !! It is evaluated by piecewise polynomials: a spacing is cut into `cells`, and in each cell the weights of all w grid points
   !! are polynomials of one position, evaluated together in vector registers. Its Fourier transform has a closed form.
   !!
-  !! **Errors**: below 2.2e-14 of the kernel's peak for widths to 20, all rounding; below 4e-10 for widths to 8, whose
-  !! aliasing error is ten times that on the finest grid.
+  !! **Errors**: below 2.2e-14 of the kernel's peak for widths to 20, all rounding.
   !! **Source**: Kaiser and Schafer (1980), doi:10.1109/TASSP.1980.1163349; for the use of it, Barnett, Magland and
   !! af Klinteberg (2019), doi:10.1137/18M120885X.
   use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: degree_of, kernel_of, kernel_factors, transform_error
+  public :: kernel_of, kernel_factors, transform_error
 
   integer, parameter, public :: cells = 16       !! polynomials per spacing of the grid
-  integer, parameter, public :: low_degree = 4   !! of each, for narrow kernels
-  integer, parameter, public :: high_degree = 7  !! for the others
-  integer, parameter :: narrow = 8               !! width
+  integer, parameter, public :: degree = 7       !! of each
   integer, parameter, public :: vector = 8       !! grid points whose weights are computed together
 
   type, public :: spreading_kernel
     integer :: width = 0                         !! w, even
-    integer :: degree = 0                        !! `low_degree` or `high_degree`
     real(dp) :: sharpness = 0.0_dp               !! b
     real(dp) :: peak = 0.0_dp                    !! I₀(b)
     real(dp), allocatable :: table(:, :, :, :)
@@ -34,28 +30,20 @@ contains
 
   pure type(spreading_kernel) function kernel_of(width, oversampling) result(kernel)
     !! Return the kernel whose transform is smallest beyond the frequencies that alias onto the wanted ones.
-    integer, intent(in) :: width            !! w, a multiple of 4, 4 … 20
+    integer, intent(in) :: width            !! w, a multiple of 4, 16 … 20
     real(dp), intent(in) :: oversampling    !! grid points per wanted sample, > 1
     kernel%width = width
-    kernel%degree = degree_of(width)
     kernel%sharpness = pi*width*(1.0_dp - 0.5_dp/oversampling)
     kernel%peak = sum(unscaled(kernel, [0.0_dp]))
-    allocate (kernel%table(vector, 0:kernel%degree, cells, (width + vector - 1)/vector), source=0.0_dp)
-    call fill_table(width, kernel%degree, kernel)
+    allocate (kernel%table(vector, 0:degree, cells, (width + vector - 1)/vector), source=0.0_dp)
+    call fill_table(width, kernel)
   end function kernel_of
 
-  elemental integer function degree_of(width) result(degree)
-    !! Return the degree of a kernel's polynomials.
-    integer, intent(in) :: width
-    degree = merge(low_degree, high_degree, width <= narrow)
-  end function degree_of
-
-  pure subroutine fill_table(width, degree, kernel)
+  pure subroutine fill_table(width, kernel)
     !! Fit polynomials to the kernel at the Chebyshev nodes of every cell.
-    integer, intent(in) :: width, degree
+    integer, intent(in) :: width
     type(spreading_kernel), intent(inout) :: kernel
-    real(dp), dimension(0:degree) :: node
-    real(dp) :: powers(0:degree, 0:degree), values(width, 0:degree), coefficients(width, 0:degree)
+    real(dp) :: node(0:degree), powers(0:degree, 0:degree), values(width, 0:degree), coefficients(width, 0:degree)
     integer :: cell, i, j
     node = [(cos((j + 0.5_dp)*pi/(degree + 1)), j=0, degree)]
     powers = power_coefficients(node)/kernel%peak

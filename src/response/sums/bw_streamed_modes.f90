@@ -19,13 +19,12 @@ module bw_streamed_modes
 
 contains
 
-  subroutine add_modes_of_source(source, force, first, last, tolerance, monitor, response, workspace)
+  subroutine add_modes_of_source(source, force, first, last, monitor, response, workspace)
     !! Add modes `first` … `last`, undeflected at the start, with velocities force·Φ_k(1)/M_k: by the transform if that
     !! is faster, except those with less than a cycle in the record and damped ones.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force                !! velocities are in m per l²/h, as in `add_motion`
     integer, intent(in) :: first, last
-    real(dp), intent(in) :: tolerance            !! error of the transform over the peak of these modes
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response   !! started
     type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans are reused
@@ -35,7 +34,7 @@ contains
     samples = response%sampling%grid%samples
     turning = last + 1
     if (.not. allocated(source%damping)) then
-      choice = chosen_sum(last - first + 1, samples, histories_of(response), tolerance)
+      choice = chosen_sum(last - first + 1, samples, histories_of(response))
       if (choice%transform) turning = first_turning(source, first, last, response%sampling%grid)
     end if
     call add_sets(source, force, first, turning - 1, monitor, response)
@@ -57,12 +56,13 @@ contains
     type(time_grid), intent(in) :: grid
     integer, parameter :: step = 16              ! one step suffices except in short records
     type(dd) :: beta(step)
-    real(dp) :: drive(step), shapes(step, 0)
+    real(dp) :: drive(step), mass(step), shapes(step, 0)
     integer :: i, n, slow
     k = first
     do while (k <= last)
       n = min(step, last - k + 1)
-      call source%terms([(i, i=k, k + n - 1)], [real(dp) ::], record_of(source, grid), beta(:n), drive(:n), shapes(:n, :))
+      call source%terms([(i, i=k, k + n - 1)], [real(dp) ::], record_of(source, grid), beta(:n), drive(:n), shapes(:n, :), &
+                        mass(:n))
       slow = count(.not. turns_in_record(beta(:n)%hi, grid))
       k = k + slow
       if (slow < n) return
@@ -138,9 +138,10 @@ contains
     real(dp), intent(in) :: xi(:), longest
     type(dd), intent(out) :: beta(:)
     real(dp), intent(out) :: drive(:), shapes(:, :)
+    real(dp) :: mass(size(number))
     class(mode_set), allocatable :: modes
     if (quantity == deflections) then
-      call source%terms(number, xi, longest, beta, drive, shapes)
+      call source%terms(number, xi, longest, beta, drive, shapes, mass)
     else
       call source%find(number, modes, longest)
       call take_terms(modes, beta, drive)

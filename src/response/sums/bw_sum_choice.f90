@@ -2,15 +2,19 @@ module bw_sum_choice
   !! The choice of a method to sum stable modes: the products of bw_modal_sum or the transform of bw_nonuniform_sum,
   !! whichever is faster by a model of their costs.
   !!
-  !! A wider kernel allows a coarser grid: widths are tried in turn, each with the smallest grid that meets the tolerance.
+  !! A wider kernel allows a coarser grid: widths are tried in turn, each with the smallest grid that keeps the transform's
+  !! error. Narrower kernels than these need grids so fine that they are never faster.
   use bw_kinds, only: dp
   use bw_modal_sum, only: block_length
   use bw_sine_sum, only: next_fast_half
   use bw_spread, only: rows_of
-  use bw_spreading_kernel, only: degree_of, high_degree, transform_error, vector
+  use bw_spreading_kernel, only: transform_error, vector
   implicit none (type, external)
   private
-  public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
+  public :: chosen_sum, error_of_sum, grid_for_width, product_seconds, sum_seconds
+
+  real(dp), parameter, public :: sum_tolerance = 2.0e-13_dp
+    !! error of the transform over the peak: far below truncation errors
 
   type, public :: sum_choice
     logical :: transform = .false.    !! use the non-uniform transform
@@ -19,10 +23,8 @@ module bw_sum_choice
   end type sum_choice
 
   real(dp), parameter :: rounding = 8.0_dp*epsilon(1.0_dp)   ! of the products, over the peak
-  integer, parameter :: narrowest = 4                ! and increment
-  integer, parameter :: widest = 20                  ! wider kernels amplify rounding more than they save
+  integer, parameter :: widths(2) = [16, 20]         ! wider kernels amplify rounding more than they save
   integer, parameter :: most_samples = 2**27         ! so that points of the largest grid have default integer numbers
-  integer, parameter :: finest = 8                   ! grid points per sample
 
   ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Only
   ! their ratios matter.
@@ -35,7 +37,7 @@ module bw_sum_choice
   real(dp), parameter :: product_sample = 1.64e-9_dp   ! a sample of a history
   real(dp), parameter :: set_up = 88.4e-6_dp           ! kernel and plan
   real(dp), parameter :: mode_phase = 7.08e-9_dp       ! position and phase of a mode
-  real(dp), parameter :: mode_weight = 11.4e-9_dp      ! a vector of weights of a wide kernel
+  real(dp), parameter :: mode_weight = 11.4e-9_dp      ! a vector of weights
   real(dp), parameter :: mode_spread = 4.11e-9_dp      ! adding a vector of weights, for each history
   real(dp), parameter :: grid_point = 917e-12_dp       ! a point of the grid and step of the fast transform, for each history
   real(dp), parameter :: sample = 2.45e-9_dp           ! computing and adding a sample, for each history
@@ -43,22 +45,21 @@ module bw_sum_choice
 
 contains
 
-  pure type(sum_choice) function chosen_sum(modes, samples, histories, tolerance, must_transform) result(choice)
-    !! Return the fastest method within the tolerance.
+  pure type(sum_choice) function chosen_sum(modes, samples, histories, must_transform) result(choice)
+    !! Return the fastest method.
     integer, intent(in) :: modes
     integer, intent(in) :: samples
     integer, intent(in) :: histories      !! displacements and velocities at all points
-    real(dp), intent(in) :: tolerance     !! of the transform, over the peak
     logical, intent(in), optional :: must_transform   !! exclude the products
     real(dp) :: least, seconds
-    integer :: half, width
+    integer :: half, i, width
     if (modes == 0 .or. samples > most_samples) return
     least = product_seconds(modes, samples, histories)
     if (present(must_transform)) least = merge(huge(least), least, must_transform)
-    do width = narrowest, widest, narrowest
+    do i = 1, size(widths)
+      width = widths(i)
       if (transform_seconds(modes, samples, histories, width, max(width, samples/2 + 1)) >= least) cycle  ! on any grid
-      half = grid_for_width(width, samples, tolerance)
-      if (half == 0) cycle
+      half = grid_for_width(width, samples)
       seconds = transform_seconds(modes, samples, histories, width, half)
       if (seconds >= least) cycle
       least = seconds
@@ -66,12 +67,11 @@ contains
     end do
   end function chosen_sum
 
-  pure real(dp) function sum_seconds(modes, samples, histories, tolerance) result(seconds)
+  pure real(dp) function sum_seconds(modes, samples, histories) result(seconds)
     !! Return the time of the chosen method, by the model.
     integer, intent(in) :: modes, samples, histories
-    real(dp), intent(in) :: tolerance     !! see `chosen_sum`
     type(sum_choice) :: choice
-    choice = chosen_sum(modes, samples, histories, tolerance)
+    choice = chosen_sum(modes, samples, histories)
     if (choice%transform) then
       seconds = transform_seconds(modes, samples, histories, choice%width, choice%half)
     else
@@ -87,17 +87,12 @@ contains
     if (choice%transform) error = max(rounding, transform_error(choice%width, 2.0_dp*choice%half/samples))
   end function error_of_sum
 
-  pure integer function grid_for_width(width, samples, tolerance) result(half)
-    !! Return half the points of the smallest fast grid within the tolerance; 0 if there is none.
+  pure integer function grid_for_width(width, samples) result(half)
+    !! Return half the points of the smallest fast grid within `sum_tolerance`.
     integer, intent(in) :: width, samples
-    real(dp), intent(in) :: tolerance
     half = next_fast_half(max(width, samples/2 + 1))
-    do while (transform_error(width, 2.0_dp*half/samples) > tolerance)
+    do while (transform_error(width, 2.0_dp*half/samples) > sum_tolerance)
       half = next_fast_half(half + 1)
-      if (half > finest*max(width, samples)/2) then
-        half = 0
-        return
-      end if
     end do
   end function grid_for_width
 
@@ -115,11 +110,10 @@ contains
   pure real(dp) function transform_seconds(modes, samples, histories, width, half) result(seconds)
     !! Return the time of the transform with this kernel and grid, by the model.
     integer, intent(in) :: modes, samples, histories, width, half
-    real(dp) :: points, powers, vectors
+    real(dp) :: points, vectors
     points = 2.0_dp*half
     vectors = rows_of(width)/vector
-    powers = (degree_of(width) + 1.0_dp)/(high_degree + 1)
-    seconds = set_up + modes*(mode_phase + vectors*(mode_weight*powers + mode_spread*histories)) + factor*samples &
+    seconds = set_up + modes*(mode_phase + vectors*(mode_weight + mode_spread*histories)) + factor*samples &
       + histories*(grid_point*points*log(points)/log(2.0_dp) + sample*samples)
   end function transform_seconds
 
