@@ -8,8 +8,8 @@ module paper_motion
   use bw_impact, only: capture_mass, capture_type, strike
   use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
-  use bw_response, only: response_type, sampling_type
-  use bw_set_sum, only: free_motion
+  use bw_response, only: finish_histories, response_type, sampling_type, start_histories
+  use bw_set_sum, only: add_motion
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
@@ -60,8 +60,9 @@ contains
     call loaded%damp(law)
     capture = capture_mass(free, strike(free, catch%gamma, 0.0_dp), loaded)
     grid = time_grid_of(catch%duration, catch%samples, units%time)
-    call free_motion(loaded, capture%modal_velocity*catch%velocity, sampling_type(points, grid, units%time%hi, with_velocity), &
-                     monitor, response)
+    call start_histories(sampling_type(points, grid, units%time%hi, with_velocity), response)
+    call add_motion(loaded, capture%modal_velocity*(catch%velocity*units%time%hi), monitor, response)
+    call finish_histories(response)
   end subroutine catch_mass
 
 end module paper_motion

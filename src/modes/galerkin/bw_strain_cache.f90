@@ -6,12 +6,11 @@ module bw_strain_cache
   implicit none (type, external)
   private
 
-  integer, parameter :: most_sources = 16          !! most sources in the cache
-  integer, parameter :: most_squares = 600000
-    !! most for the sum of squared mode counts, proportional to memory: together less than 50 MB
+  integer, parameter :: most_sources = 8           !! most sources in the cache
+  integer, parameter :: most_modes = 300           !! most modes of a cached source: together less than 50 MB
 
   type :: cache_entry
-    type(strain_problem), allocatable :: problem   !! unallocated: empty entry
+    type(strain_problem), allocatable :: problem
     type(strain_source), allocatable :: source
   end type cache_entry
 
@@ -22,7 +21,6 @@ module bw_strain_cache
     integer :: found = 0                           !! entries made so far
   contains
     procedure :: find => find_source
-    procedure, private :: keep
   end type strain_cache
 
 contains
@@ -36,43 +34,20 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! none are found or cached if it requests a stop
     integer :: place
     if (.not. allocated(self%entries)) allocate (self%entries(most_sources))
-    do place = 1, most_sources
-      if (count_of(self%entries(place)) /= count) cycle
-      if (.not. self%entries(place)%problem == problem) cycle
-      source = self%entries(place)%source
-      return
+    do place = 1, min(self%found, most_sources)
+      associate (entry => self%entries(place))
+        if (entry%source%highest /= count) cycle
+        if (.not. entry%problem == problem) cycle
+        source = entry%source
+        return
+      end associate
     end do
     call strain_source_of(problem, count, source, monitor)
-    if (.not. stops(monitor) .and. count <= int(sqrt(real(most_squares)))) call self%keep(problem, source)
-  end subroutine find_source
-
-  subroutine keep(self, problem, source)
-    !! Store a source, dropping the oldest as needed.
-    class(strain_cache), intent(inout) :: self
-    type(strain_problem), intent(in) :: problem
-    type(strain_source), intent(in) :: source
-    integer :: i, place
-    place = place_of(self%found + 1)
-    do i = self%found + 1 - most_sources, self%found
-      if (i == self%found + 1 - most_sources .or. &
-          sum(count_of(self%entries)**2) + source%highest**2 > most_squares) self%entries(place_of(i)) = cache_entry()
-    end do
+    if (stops(monitor) .or. count > most_modes) return
+    place = 1 + mod(self%found, most_sources)
     self%entries(place)%problem = problem
     self%entries(place)%source = source
     self%found = self%found + 1
-  end subroutine keep
-
-  elemental integer function place_of(number) result(place)
-    !! Return the index of the n-th entry.
-    integer, intent(in) :: number
-    place = 1 + modulo(number, most_sources)
-  end function place_of
-
-  elemental integer function count_of(entry) result(count)
-    !! Return the number of modes of an entry; 0 if it is empty.
-    type(cache_entry), intent(in) :: entry
-    count = 0
-    if (allocated(entry%source)) count = entry%source%highest
-  end function count_of
+  end subroutine find_source
 
 end module bw_strain_cache

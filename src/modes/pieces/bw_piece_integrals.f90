@@ -80,34 +80,23 @@ contains
     real(dp) :: f(series_terms, 8)
     call find_series(piece, frequency, series)
     f = states_of_series(series, amplitude)
-    squares(1) = even_square(f(:, 1)) + odd_square(f(:, 5))
+    squares(1) = square_of(f(:, 1), 0) + square_of(f(:, 5), 1)
     squares(2) = 0.0_dp
-    if (piece%rotary%hi > 0.0_dp) squares(2) = odd_square(f(:, 2)) + even_square(f(:, 6))
+    if (piece%rotary%hi > 0.0_dp) squares(2) = square_of(f(:, 2), 1) + square_of(f(:, 6), 0)
     squares = piece%half%hi*squares
   end function of_series
 
-  pure real(dp) function even_square(f) result(integral)
-    !! Return ∫(Σ f_m t^(2m))² dt from −1 to 1, m from 0.
+  pure real(dp) function square_of(f, lowest) result(integral)
+    !! Return ∫(Σ f_m t^(2m + lowest))² dt from −1 to 1, m from 0.
     real(dp), intent(in) :: f(:)
+    integer, intent(in) :: lowest                  !! power, 0 or 1
     integer :: i, j
     integral = 0.0_dp
     do j = size(f), 1, -1
       do i = size(f), 1, -1
-        integral = integral + f(i)*f(j)*(2.0_dp/(2*(i + j) - 3))
+        integral = integral + f(i)*f(j)*(2.0_dp/(2*(i + j + lowest) - 3))
       end do
     end do
-  end function even_square
-
-  pure real(dp) function odd_square(f) result(integral)
-    !! Return ∫(Σ f_m t^(2m+1))² dt.
-    real(dp), intent(in) :: f(:)
-    integer :: i, j
-    integral = 0.0_dp
-    do j = size(f), 1, -1
-      do i = size(f), 1, -1
-        integral = integral + f(i)*f(j)*(2.0_dp/(2*(i + j) - 1))
-      end do
-    end do
-  end function odd_square
+  end function square_of
 
 end module bw_piece_integrals

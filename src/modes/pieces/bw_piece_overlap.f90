@@ -13,7 +13,7 @@ module bw_piece_overlap
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
-  public :: joint_motions, mass_product, overlap_sums
+  public :: mass_product, overlap_sums
 
   real(dp), parameter :: alike = 1.0e-2_dp
     !! product of modes of mass 1 below which it is integrated: small values at the body have lost digits

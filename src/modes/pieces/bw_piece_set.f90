@@ -10,9 +10,9 @@ module bw_piece_set
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: joint_at, joint_position
-  use bw_piece_overlap, only: joint_motions, overlap_sums, piece_modes
+  use bw_piece_overlap, only: overlap_sums, piece_modes
   use bw_piece_products, only: turn_product
-  use bw_piece_shape, only: beam_place, deflections_inside, gap_to_end, place_of, states_inside
+  use bw_piece_shape, only: beam_place, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
@@ -47,67 +47,49 @@ contains
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)                !! 0 ≤ ξ ≤ 1, (points)
     real(dp) :: state(4, last - first + 1, size(xi))
+    integer, parameter :: at_once = 1024         ! points: work arrays are on the stack
     type(beam_place) :: place(size(xi))
-    type(piece_frequency) :: frequency
-    real(dp) :: motion(self%count, 2)
-    integer :: joint, k, p
-    do p = 1, size(xi)
-      place(p) = place_of(self%modes%system%beam, xi(p))
-    end do
-    do k = first, last
-      frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
-      do p = 1, size(xi)
-        associate (i => place(p)%piece)
-          state(:, k - first + 1, p:p) = states_inside(self%modes%system%piece(i), frequency, &
-                                                       self%modes%amplitude(:, i, k), [place(p)%offset])
-        end associate
+    type(piece_frequency), allocatable :: frequency(:)
+    integer, allocatable :: here(:), some(:)
+    integer :: i, joint, k, p
+    associate (system => self%modes%system)
+      place = [(place_of(system%beam, xi(p)), p=1, size(xi))]
+      allocate (frequency(first:last))
+      do k = first, last
+        frequency(k) = frequency_at(system%beam, self%modes%lambda(k))
       end do
-    end do
-    do p = 1, size(xi)
-      joint = joint_at(self%modes%system%beam, xi(p))
-      if (joint < 0) cycle
-      call joint_motions(self%modes, joint, motion(:, 1), motion(:, 2))
-      state(1:2, :, p) = transpose(motion(first:last, :))
-    end do
+      do i = 1, size(system%piece)
+        here = pack([(p, p=1, size(xi))], place%piece == i)
+        do p = 1, size(here), at_once
+          some = here(p:min(p + at_once - 1, size(here)))
+          do k = first, last
+            state(:, k - first + 1, some) = states_inside(system%piece(i), frequency(k), self%modes%amplitude(:, i, k), &
+                                                          place(some)%offset)
+          end do
+        end do
+      end do
+      do p = 1, size(xi)
+        joint = joint_at(system%beam, xi(p))
+        if (joint == 0) state(1:2, :, p) = self%modes%root(:, first:last)
+        if (joint <= 0) cycle
+        state(1, :, p) = self%modes%deflection(joint, first:last)
+        state(2, :, p) = self%modes%turning(joint, first:last)
+      end do
+    end associate
   end function states_at
 
   pure function piece_shapes(self, first, last, xi) result(values)
-    !! Return the shapes, piece by piece.
+    !! Return the deflections, some modes at a time.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    type(beam_place) :: place(size(xi))
-    type(dd) :: offset(size(xi))
-    type(piece_frequency) :: frequency
-    integer, parameter :: at_once = 1024         ! points: work arrays are on the stack
-    integer, allocatable :: here(:), some(:)
-    type(dd), allocatable :: inside(:)
-    real(dp), allocatable :: gap(:)
-    real(dp) :: deflection(self%count), turning(self%count)
-    integer :: i, joint(size(xi)), k, p
-    do p = 1, size(xi)
-      place(p) = place_of(self%modes%system%beam, xi(p))
-      offset(p) = place(p)%offset
-      joint(p) = joint_at(self%modes%system%beam, xi(p))
-    end do
-    do i = 1, size(self%modes%system%piece)
-      here = pack([(p, p=1, size(xi))], place%piece == i .and. joint < 0)
-      do p = 1, size(here), at_once
-        some = here(p:min(p + at_once - 1, size(here)))
-        inside = offset(some)
-        gap = gap_to_end(self%modes%system%piece(i), inside)
-        do k = first, last
-          frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
-          values(k - first + 1, some) = deflections_inside(self%modes%system%piece(i), frequency, &
-                                                           self%modes%amplitude(:, i, k), inside, gap)
-        end do
-      end do
-    end do
-    do p = 1, size(xi)
-      if (joint(p) < 0) cycle
-      call joint_motions(self%modes, joint(p), deflection, turning)
-      values(:, p) = deflection(first:last)
+    integer, parameter :: batch = 64
+    real(dp), allocatable :: state(:, :, :)
+    integer :: k
+    do k = first, last, batch
+      state = self%states(k, min(k + batch - 1, last), xi)
+      values(k - first + 1:k - first + size(state, 2), :) = state(1, :, :)
     end do
   end function piece_shapes
 

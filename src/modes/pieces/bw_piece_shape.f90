@@ -7,7 +7,7 @@ module bw_piece_shape
   use bw_short_piece, only: find_series, piece_series, polynomial_states, series_terms, states_of_series
   implicit none (type, external)
   private
-  public :: deflections_inside, gap_to_end, place_of, states_inside, wave_values
+  public :: place_of, states_inside, wave_values
 
   real(dp), parameter :: small = 0.5_dp          !! |z|h² below which exponentials would cancel, and a power series is used
   integer, parameter :: terms = 10
@@ -56,62 +56,55 @@ contains
     end if
   end function states_inside
 
-  pure function deflections_inside(piece, frequency, amplitude, offset, gap) result(values)
-    !! Return v alone, (places).
+  pure function wave_states(piece, frequency, amplitude, offset) result(state)
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(in) :: amplitude(4)
     type(dd), intent(in) :: offset(:)
-    real(dp), intent(in) :: gap(:)               !! from `gap_to_end`
-    real(dp) :: values(size(offset)), state(4, size(offset))
+    real(dp) :: state(4, size(offset)), values(size(offset), 4)
     real(dp), dimension(size(offset)) :: c, s
     type(wave_numbers) :: waves
+    real(dp) :: load, odd
     integer :: j
-    if (is_short(piece, frequency)) then
-      state = states_inside(piece, frequency, amplitude, offset)
-      values = state(1, :)
-      return
-    end if
     waves = wave_numbers_of(piece, frequency)
+    load = piece%mass%hi*frequency%lambda%hi
     values = 0.0_dp
     do j = 1, 2
-      associate (y => waves%y(j)%hi, z => waves%z(j))
-        if (z%hi*piece%half%hi**2 > small) then
+      associate (y => waves%y(j)%hi, z => waves%z(j)%hi, even => amplitude(j), b => piece%stiffness%hi)
+        odd = amplitude(j + 2)/sqrt(abs(y))
+        if (z*piece%half%hi**2 > small) then
           call find_circular(waves%p(j), offset, c, s)
-        else if (-z%hi*piece%half%hi**2 >= small) then
-          call find_exponential(waves%p(j)%hi, piece%half%hi, offset%hi, gap, c, s)
+        else if (-z*piece%half%hi**2 >= small) then
+          call find_exponential(waves%p(j)%hi, piece%half, offset, c, s)
         else
-          call wave_values(z, waves%p(j), piece%half, offset, c, s)
+          call wave_values(waves%z(j), waves%p(j), piece%half, offset, c, s)
         end if
-        values = values + amplitude(j)*c + (amplitude(j + 2)/sqrt(abs(y))*z%hi)*s
+        values(:, 1) = values(:, 1) + (even*c + (odd*z)*s)
+        values(:, 2) = values(:, 2) + y*(odd*c - even*s)
+        values(:, 3) = values(:, 3) - (b*y)*(even*c + (odd*z)*s)
+        values(:, 4) = values(:, 4) + load*(odd*c - even*s)
       end associate
     end do
-  end function deflections_inside
+    state = transpose(values)
+  end function wave_states
 
-  elemental real(dp) function gap_to_end(piece, offset) result(gap)
-    !! Return the distance to the nearer end of a piece.
-    type(piece_numbers), intent(in) :: piece
-    type(dd), intent(in) :: offset               !! from the middle of the piece
-    type(dd) :: distance
-    distance = piece%half - offset*sign(1.0_dp, offset%hi)
-    gap = distance%hi
-  end function gap_to_end
-
-  pure subroutine find_exponential(q, half, x, gap, c, s)
+  pure subroutine find_exponential(q, half, offset, c, s)
     !! Find C and S over cosh qh of a pair of exponentials at many places.
-    real(dp), intent(in) :: q, half
-    real(dp), intent(in) :: x(:), gap(:)         !! from the middle and to the nearer end, (places)
+    real(dp), intent(in) :: q
+    type(dd), intent(in) :: half, offset(:)
     real(dp), intent(out) :: c(:), s(:)
     real(dp), parameter :: nothing = 40.0_dp     ! qh above which exponentials of one end vanish beyond the middle
     real(dp) :: scale, middle
-    real(dp), dimension(size(x)) :: near, far
-    near = exp(-q*gap)
+    type(dd) :: gap(size(offset))                  ! to the nearer end
+    real(dp), dimension(size(offset)) :: near, far
+    gap = half - offset*sign(1.0_dp, offset%hi)
+    near = exp(-q*gap%hi)
     far = 0.0_dp
-    middle = exp(-q*half)
-    if (q*half < nothing) far = middle*(middle/near)
+    middle = exp(-q*half%hi)
+    if (q*half%hi < nothing) far = middle*(middle/near)
     scale = 1.0_dp/(1.0_dp + middle**2)
     c = scale*(near + far)
-    s = sign((near - far)*(scale/q), x)
+    s = sign((near - far)*(scale/q), offset%hi)
   end subroutine find_exponential
 
   pure subroutine find_circular(p, offset, c, s)
@@ -149,29 +142,6 @@ contains
     c = merge(-cosine, cosine, turns == 1 .or. turns == 2)
     s = merge(-sine, sine, turns >= 2)
   end subroutine turn_quarters
-
-  pure function wave_states(piece, frequency, amplitude, offset) result(state)
-    type(piece_numbers), intent(in) :: piece
-    type(piece_frequency), intent(in) :: frequency
-    real(dp), intent(in) :: amplitude(4)
-    type(dd), intent(in) :: offset(:)
-    real(dp) :: state(4, size(offset))
-    type(wave_numbers) :: waves
-    real(dp) :: c, s, load, odd
-    integer :: i, j
-    waves = wave_numbers_of(piece, frequency)
-    load = piece%mass%hi*frequency%lambda%hi
-    state = 0.0_dp
-    do j = 1, 2
-      associate (y => waves%y(j)%hi, z => waves%z(j)%hi, even => amplitude(j), b => piece%stiffness%hi)
-        odd = amplitude(j + 2)/sqrt(abs(y))
-        do i = 1, size(offset)
-          call wave_values(waves%z(j), waves%p(j), piece%half, offset(i), c, s)
-          state(:, i) = state(:, i) + even*[c, -y*s, -b*y*c, -load*s] + odd*[z*s, y*c, -b*y*z*s, load*c]
-        end do
-      end associate
-    end do
-  end function wave_states
 
   elemental subroutine wave_values(z, p, half, offset, c, s)
     !! Find C and S at a place, over cosh √(−z)h for z < 0.

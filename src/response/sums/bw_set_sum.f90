@@ -9,11 +9,11 @@ module bw_set_sum
   use bw_mode_set, only: mode_set, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
-  use bw_response, only: finish_histories, histories_of, response_type, sampling_type, start_histories, turns_in_record
+  use bw_response, only: histories_of, response_type, turns_in_record
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   implicit none (type, external)
   private
-  public :: add_motion, free_motion, modes_at_once
+  public :: add_motion, modes_at_once
 
   integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
   integer, parameter :: most_numbers = 2**22   !! values of shapes in memory at a time
@@ -22,19 +22,6 @@ module bw_set_sum
 
 contains
 
-  subroutine free_motion(modes, q_dot, sampling, monitor, response, workspace)
-    !! Sum the motion without initial displacement, with given modal velocities.
-    class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: q_dot(:)             !! modal velocities at t = 0, m/s, (modes)
-    type(sampling_type), intent(in) :: sampling
-    class(monitor_type), intent(inout) :: monitor
-    type(response_type), intent(out) :: response
-    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans are reused
-    call start_histories(sampling, response)
-    call add_motion(modes, q_dot*sampling%unit_time, monitor, response, workspace=workspace)
-    call finish_histories(response)
-  end subroutine free_motion
-
   subroutine add_motion(modes, rate, monitor, response, displaced, workspace, range)
     !! Add modes with any initial state. Velocities are in m per unit of the grid's time until the histories are finished.
     class(mode_set), intent(in) :: modes
@@ -42,7 +29,7 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response   !! started
     real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: 0
-    type(nonuniform_sum), intent(inout), optional :: workspace    !! see `free_motion`
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans are reused
     integer, intent(in), optional :: range(2)    !! first and last mode added; absent: all
     type(nonuniform_sum) :: own
     real(dp), allocatable :: q(:)
