@@ -1,16 +1,11 @@
-"""Writes piece_waves.txt and piece_overlaps.txt: what follows from modes of pieces, for beams of piece_beams.txt."""
-
-from copy import deepcopy
+"""Writes piece_waves.txt: what follows from modes of pieces, for beams of piece_beams.txt."""
 
 from mpmath import mp, mpf
 
-from pieces_beam import Beam, Joint, Mode, Piece, root
+from pieces_beam import Beam, Joint, Mode, Piece
 from table import FOLDER, write_table
 
 WAVES = (1, 3, 20)
-LOADED = {1: 1, 4: 2, 9: 1, 14: 1}  # beams, and the joints at which a body comes to them
-BODY = (0.375, 0.0625)
-NUMBERS = (1, 2, 3, 7)
 
 
 def rows_of(name):
@@ -77,41 +72,9 @@ def wave_rows():
                elastic_square(Mode(beam, square)))
 
 
-def scaled(beam, k):
-    """Mode k, and the factor that gives it a mean square of 1 and a tip value of sign (-1)^k."""
-    mode = Mode(beam, root(beam, k, mpf(10) ** -25 - mpf(beam.omega) ** 2, mpf(k) ** 4))
-    tip = mode.at(1)[0]
-    return mode, (-1) ** k * mp.sign(tip) / mp.sqrt(mode.masses()[0])
-
-
-def overlap_rows():
-    for number, place in LOADED.items():
-        free = beam_of(number)
-        loaded = deepcopy(free)
-        loaded.joints[place - 1].mass += BODY[0]
-        loaded.joints[place - 1].inertia += BODY[1]
-        before, after = [[(k, *scaled(beam, k)) for k in NUMBERS] for beam in (free, loaded)]
-        for k, mode, scale in after:
-            for i, other, scale_too in before:
-                common, at_body = mpf(0), mpf(0)
-                for j, (piece, joint) in enumerate(zip(free.pieces, free.joints)):
-                    common += piece.mass * product(mode, other, j, 0) + piece.rotary * product(mode, other, j, 1)
-                    v, psi = [mp.re(mode.state(j, mpf(1))[c]) * mp.re(other.state(j, mpf(1))[c]) for c in (0, 1)]
-                    common += joint.mass * v + joint.inertia * psi
-                    at_body += BODY[0] * v if j == place - 1 else 0
-                factor = scale * scale_too
-                print(number, k, i, flush=True)
-                yield number, place, *BODY, k, i, factor * common, factor * (common + at_body)
-
-
 if __name__ == "__main__":
     mp.dps = 60
     write_table("piece_waves.txt", """
 Modes of the beams of piece_beams.txt: beta squared, the mean of the pieces' bending waves over the beam, beta over it and the
 derivative of beta by it (-1: not there), and elastic energy over that of motion at a frequency of 1
 """, ["beam", "k", "beta_squared", "alpha", "phase_velocity", "group_velocity", "elastic"], list(wave_rows()))
-    write_table("piece_overlaps.txt", """
-Modes i of beams of piece_beams.txt and modes k of the same with a body more at the outer end of a piece: the integral of their
-product by all mass and inertia that both have, and the same with the mass, not the inertia, of that body; both modes have a mean
-square of 1 and tip values of sign (-1)^k
-""", ["beam", "joint", "mass", "inertia", "k", "i", "common", "with_mass"], list(overlap_rows()))
