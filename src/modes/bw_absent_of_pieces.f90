@@ -20,7 +20,7 @@ module bw_absent_of_pieces
   private
   public :: place_shifts, shifts_of_pieces
 
-  integer, parameter, public :: highest_estimated = 200   !! mode; higher shapes would need too many points
+  integer, parameter, public :: highest_estimated = 1000   !! mode; higher shapes would need too many points
 
 contains
 
