@@ -19,25 +19,23 @@ module bw_some_modes
   private
   public :: find_some_modes
 
-  integer, parameter :: fine = 6, rough = 4      !! digits of shapes; frequencies have twice as many
+  integer, parameter :: digits = 6               !! of shapes; frequencies have twice as many
 
 contains
 
-  subroutine find_some_modes(scene, units, number, set, place, roughly, monitor)
+  subroutine find_some_modes(scene, units, number, set, place, monitor)
     !! Find modes by their numbers.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: number(:)             !! ascending; may be empty
     class(mode_set), allocatable, intent(out) :: set   !! unallocated or not `resolved` on failure
     integer, intent(out) :: place(:)             !! index of each in the set, which may hold others, (number)
-    logical, intent(in) :: roughly               !! with tension or taper: errors of frequencies may be 1e-8 instead of 1e-12
     class(monitor_type), intent(inout) :: monitor      !! the modes are invalid if it requests a stop
     type(case_modes) :: known
     integer :: i
     place = number
     if (varies_along_pieces(scene)) then
-      call find_varying(scene, units, max(1, maxval(number)), mode_demand(merge(rough, fine, roughly), waves=.false.), set, &
-                              monitor)
+      call find_varying(scene, units, max(1, maxval(number)), set, monitor)
       return
     end if
     place = [(i, i=1, size(number))]
@@ -66,19 +64,19 @@ contains
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))
   end subroutine find_of_pieces
 
-  subroutine find_varying(scene, units, count, demand, set, monitor)
+  subroutine find_varying(scene, units, count, set, monitor)
     !! Find the first modes of a beam with tension or taper.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: count                 !! ≥ 1
-    type(mode_demand), intent(in) :: demand
     class(mode_set), allocatable, intent(out) :: set
     class(monitor_type), intent(inout) :: monitor
     type(strain_set), allocatable :: found
     type(struck_beam) :: pieces
     allocate (found)
     pieces = pieces_of(scene, units, .false.)
-    call strain_modes(varying_of(scene, units, pieces), count, pieces%struck, found, monitor, demand)
+    call strain_modes(varying_of(scene, units, pieces), count, pieces%struck, found, monitor, &
+                      mode_demand(digits, waves=.false.))
     found%struck_at = pieces%position
     call move_alloc(found, set)
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))

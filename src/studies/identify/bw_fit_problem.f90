@@ -16,7 +16,6 @@ module bw_fit_problem
   public :: problem_of, position_in, value_at, is_at_end
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
-  real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines above which modes are found to 1e-3 of it only
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
   type, extends(residual_problem), public :: fit_problem
     type(identify_par), allocatable :: unknowns(:)
@@ -24,7 +23,6 @@ module bw_fit_problem
     real(dp) :: scatter = 0.0_dp                 !! τ
     real(dp) :: amplitude_error = sensor_error   !! beside noise, relative to the largest amplitude of a line
     logical :: fits_decay = .false.
-    logical, private :: roughly = .false.        !! modes need fewer digits than available
     real(dp), allocatable :: v(:)                !! of all unknowns, (unknowns)
     integer, allocatable :: free(:)              !! the unknowns that vary
     integer, allocatable, private :: twin(:)     !! the first state with the same modes, (states)
@@ -202,9 +200,9 @@ contains
       do j = 1, size(self%states)
         if (self%twin(j) == i) needed(pack(self%states(j)%mode_of, self%states(j)%mode_of > 0)) = .true.
       end do
-      call self%states(i)%modes_at(values, pack([(k, k=1, size(needed))], needed), modes, self%roughly)
+      call self%states(i)%modes_at(values, pack([(k, k=1, size(needed))], needed), modes)
     end if
-    call self%states(leader)%modes_at(values, number, modes, self%roughly)
+    call self%states(leader)%modes_at(values, number, modes)
   end subroutine modes_of_twin
 
   pure subroutine put_amplitudes(amplitude, deviation, shape, over_blow, error, residuals)
@@ -249,7 +247,7 @@ contains
         lines = lines + size(frequency)
         n = min(size(frequency) + at_once, state%most_modes)
         do
-          call self%states(self%twin(i))%modes_at(self%values(), [(k, k=1, n)], modes, self%roughly)
+          call self%states(self%twin(i))%modes_at(self%values(), [(k, k=1, n)], modes)
           if (.not. modes%found .or. n == state%most_modes) exit
           if (modes%frequency(n) > beyond*frequency(size(frequency))) exit
           n = min(n + at_once, state%most_modes)
@@ -283,9 +281,7 @@ contains
     type(pairing), allocatable :: records(:)
     type(frequency_band) :: band
     integer :: i
-    self%roughly = is_coarse(self, least)
     call self%pairs(records, band)
-    self%roughly = .false.
     call best_scatter(records, band, least, self%scatter, penalty)
     changed = .false.
     do i = 1, size(self%states)
@@ -307,24 +303,9 @@ contains
       call self%find_residuals(v, residuals)
       return
     end if
-    self%roughly = quick .and. is_coarse(self, self%scatter)
     call least_squares(self, self%count(), model_accuracy, merge(rough, fine, quick), v, residuals)
-    self%roughly = .false.
     self%v(self%free) = v
   end subroutine minimise
-
-  pure logical function is_coarse(self, scatter)
-    !! Return whether no line needs accurate modes.
-    class(fit_problem), intent(in) :: self
-    real(dp), intent(in) :: scatter              !! τ
-    integer :: i
-    is_coarse = .true.
-    do i = 1, size(self%states)
-      associate (lines => self%states(i)%lines)
-        is_coarse = is_coarse .and. .not. any(hypot(lines%deviation/lines%frequency, scatter) < coarse)
-      end associate
-    end do
-  end function is_coarse
 
   subroutine find_derivatives(self, jacobian)
     !! Find derivatives of the residuals by all unknowns, by central differences.

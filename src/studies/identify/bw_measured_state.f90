@@ -54,7 +54,6 @@ module bw_measured_state
     logical, allocatable :: concerned(:)         !! affected by an unknown, (unknowns)
     type(scene_type), private :: varied, one
     real(dp), allocatable, private :: values(:)  !! of the unknowns of the last modes found
-    logical, private :: last_roughly = .false.
     type(state_modes), private :: last
     integer :: solutions = 0                     !! how often modes were found
     class(monitor_type), pointer :: monitor => null()    !! no modes are found once it asks to stop; unassociated: never
@@ -118,18 +117,14 @@ contains
                 .and. self%lines%deviation <= vague_deviation*self%lines%frequency)
   end function odds_left
 
-  subroutine modes_at(self, values, number, modes, roughly)
+  subroutine modes_at(self, values, number, modes)
     !! Find modes; the last ones are cached.
     class(measured_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! ascending, ≤ most_modes
     type(state_modes), intent(out) :: modes
-    logical, intent(in), optional :: roughly     !! frequencies may err by 1e-8, else by 1e-12
     integer :: place(size(number)), i
-    logical :: rough
-    rough = .false.
-    if (present(roughly)) rough = roughly
-    if (self%last%found .and. allocated(self%values) .and. (rough .or. .not. self%last_roughly)) then
+    if (self%last%found .and. allocated(self%values)) then
       if (all(values == self%values .or. .not. self%concerned)) then
         place = [(findloc(self%last%number, number(i), dim=1), i=1, size(number))]
         if (all(place > 0)) then
@@ -144,8 +139,7 @@ contains
     end if
     self%solutions = self%solutions + 1
     self%values = values
-    self%last_roughly = rough
-    call solve(self, values, number, rough, modes)
+    call solve(self, values, number, modes)
     self%last = modes
   end subroutine modes_at
 
@@ -175,12 +169,11 @@ contains
     if (modes%found) shapes = modes%shape
   end subroutine shapes_along
 
-  subroutine solve(state, values, number, roughly, modes)
+  subroutine solve(state, values, number, modes)
     !! Find modes of the scene with these values.
     class(measured_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: number(:)
-    logical, intent(in) :: roughly
     type(state_modes), intent(inout) :: modes
     type(error_type), allocatable :: error
     type(beam_units) :: units
@@ -197,7 +190,7 @@ contains
     call scene_with(state%varied, values, state%one, error)
     if (allocated(error)) return
     units = units_of(state%one%beam)
-    call find_some_modes(state%one, units, number, set, place, roughly, monitor)
+    call find_some_modes(state%one, units, number, set, place, monitor)
     if (allocated(set)) modes%found = set%resolved
     if (.not. modes%found) return
     associate (square => set%beta_squared(place)%hi)
