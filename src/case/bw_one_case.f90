@@ -6,7 +6,7 @@ module bw_one_case
   use bw_beam_units, only: units_of
   use bw_case_errors, only: drop_errors
   use bw_case_frequency, only: find_frequency_response
-  use bw_case_histories, only: add_hub_angle, sum_histories
+  use bw_case_histories, only: add_hub_angle
   use bw_case_loads, only: add_loads, without_tolerance
   use bw_case_modes, only: find_modes
   use bw_case_moments, only: find_moments
@@ -26,7 +26,6 @@ module bw_one_case
   use bw_missing, only: is_missing
   use bw_modes_par, only: relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_note, only: remark
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout

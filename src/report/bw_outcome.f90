@@ -3,7 +3,7 @@ module bw_outcome
   use bw_case_result, only: case_done
   use bw_error, only: status_done, status_not_trusted, status_stopped
   use bw_existing_result, only: existing_result
-  use bw_kinds, only: dp, i1, i8
+  use bw_kinds, only: i1, i8
   use bw_report, only: notes_report
   use bw_result_draft, only: not_done
   use bw_result_layout, only: result_layout

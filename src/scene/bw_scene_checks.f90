@@ -4,7 +4,7 @@ module bw_scene_checks
   use bw_hub_par, only: check_hub
   use bw_input_name, only: accepted_text, has_word, is_simulated, place_of
   use bw_input_table, only: group_row, group_table, name_table
-  use bw_input_values, only: group_values, position_of, positions_of
+  use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
   use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: message_list

@@ -28,7 +28,6 @@ module bw_changing_case
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_note, only: remark
-  use bw_response, only: response_type
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: is_met, judge_tolerance, part_of_peak, with_counts
   use bw_scene, only: is_loaded, scene_type

@@ -9,7 +9,6 @@ module bw_changing_motion
   use bw_first_motion, only: find_first_motion
   use bw_initial_state, only: find_jump, initial_state
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_rotation, only: speed_in_plane

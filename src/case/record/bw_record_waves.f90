@@ -3,8 +3,6 @@ module bw_record_waves
   use bw_beam_units, only: beam_units, units_of
   use bw_case_result, only: case_result, record_result
   use bw_input_values, only: position_of
-  use bw_kinds, only: dp
-  use bw_measured, only: measured_type
   use bw_monitor, only: monitor_type
   use bw_note, only: is_remark, remark, unmarked
   use bw_result_layout, only: has, result_layout

@@ -5,7 +5,7 @@ module bw_load_par
     unit_interval
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: missing
   use bw_record_par, only: column_choice, one_choice
   use bw_scene_messages, only: message_list
   use bw_text, only: replaced, text_of

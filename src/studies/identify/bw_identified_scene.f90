@@ -5,7 +5,6 @@ module bw_identified_scene
   use bw_descriptors, only: close_file, flush_file, is_file, new_file, open_file, read_bytes, to_read, write_text
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read, cannot_be_written, directory_of, flush_directory, look_at, path_state, remove_file
-  use bw_fit_problem, only: value_at
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i1, i8

@@ -1,7 +1,6 @@
 module bw_measured_state
   !! One state of the identified beam: the lines measured in it, and its modes as functions of the unknowns.
   use bw_beam_units, only: beam_units, units_of
-  use bw_double_double, only: dd
   use bw_error, only: error_type
   use bw_spurious_lines, only: spurious_chance
   use bw_identify_par, only: identify_par
