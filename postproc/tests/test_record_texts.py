@@ -139,6 +139,13 @@ def test_a_labview_measurement(tmp_path, x_columns, parts, separator, decimal):
         np.testing.assert_allclose(channel.times, number // 2 + np.arange(COUNT) / 4)
 
 
+def test_labviews_rounded_times_are_those_of_the_interval(tmp_path):
+    text = labview("One").replace("0.25", "1.953125E-5")
+    rows = [f"{number / 51200:.6f}\t{sample}\t0" for number, sample in enumerate(SAMPLES)]
+    found = read(tmp_path / "a.lvm", text[: text.index("0.0\t")] + "\r\n".join(rows))
+    np.testing.assert_allclose(found[0].times, np.arange(COUNT) / 51200, rtol=1e-15)
+
+
 def portioned(start, heads):
     """Two portions, the second from `start` samples on, with a head of its own or without."""
     text = labview("One").rstrip()

@@ -379,6 +379,7 @@ def _part(
 ) -> list[Channel]:
     """The channels of one part: times of a column, of a column for each, or of `X0` and `Delta_X`.
 
+    LabVIEW prints times with six decimals, so that those of a column are only those of `X0` and `Delta_X` rounded.
     `Samples` is that of the first portion that was written, and tells nothing; further ones may follow without a header.
     """
     comma, x_columns = form
@@ -403,8 +404,11 @@ def _part(
         if values.size == 0:
             continue
         times = table[: values.size, column - 1 if x_columns == "multi" else 0]
-        if x_columns == "no" or not np.isfinite(times).all():
-            times = even_times(values.size, _cell(head, "Delta_X", channel, comma), _cell(head, "X0", channel, comma))
+        if x_columns == "no" or not np.isfinite(times).all() or "Delta_X" in head:
+            interval = _cell(head, "Delta_X", channel, comma)
+            even = even_times(values.size, interval, _cell(head, "X0", channel, comma))
+            if not (np.abs(times - even) > interval / 2).any():
+                times = even
         name = names[column] if column < len(names) and names[column] else f"channel_{channel + 1}"
         if not wanted.variables or name in wanted.variables:
             unit = (head.get("Y_Unit_Label", []) + [""] * count)[channel].strip()
