@@ -59,7 +59,7 @@ contains
     integer, intent(in) :: missing(:)        !! samples, ascending
     real(dp), intent(in), optional :: place(:)  !! times of uneven samples, in steps
     type(band_type) :: band
-    real(dp) :: lowest, highest, widest, longest, width, lives
+    real(dp) :: lowest, highest, widest, longest, width, life, lives
     complex(dp) :: ends
     integer, dimension(0:ubound(stretches, 2)) :: used, shares   !! numbers of samples and of parts of a stretch
     integer :: blocks, b, k, n
@@ -74,11 +74,12 @@ contains
     lives = 1
     do k = 1, size(lines)
       associate (line => lines(k))
-        ends = pole_at(line, longest)
+        life = life_of(line, folds, longest)
+        ends = pole_at(line, life)
         lowest = min(lowest, line%pole%im, ends%im)
         highest = max(highest, line%pole%im, ends%im)
         widest = max(widest, abs(line%pole%re))
-        lives = max(lives, life_of(line, folds, longest))
+        lives = max(lives, life)
       end associate
     end do
     if (.not. present(place)) then

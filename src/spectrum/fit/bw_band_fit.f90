@@ -23,7 +23,7 @@ module bw_band_fit
 
 contains
 
-  subroutine fit_band(band, with_trend, most_steps, lines, reduced, slowest)
+  subroutine fit_band(band, with_trend, most_steps, lines, reduced, slowest, least)
     !! Refit poles and courses of the lines by Gauss–Newton steps, which are shortened until the squares fall.
     type(band_type), intent(in) :: band          !! with rows that contain these lines
     logical, intent(in) :: with_trend            !! fit an offset and a slope, too
@@ -31,6 +31,7 @@ contains
     type(line_type), intent(inout) :: lines(:)   !! amplitudes are not used
     type(reduced_type), allocatable, intent(out) :: reduced(:)   !! (parts)
     real(dp), intent(in), optional :: slowest    !! fraction of the squares; the fit ends with a step that leaves more
+    real(dp), intent(in), optional :: least      !! the fit ends at once if its first step predicts a smaller decrease
     type(reduced_type), allocatable :: trial(:)
     type(line_type) :: moved(size(lines))
     real(dp) :: step(unknown_place(lines, size(lines) + 1) - 1), gain, factor, left, before
@@ -40,6 +41,9 @@ contains
     do i = 1, most_steps
       call step_of(reduced, lines, step, gain)
       if (.not. gain > converged) exit
+      if (i == 1 .and. present(least)) then
+        if (gain < least) exit
+      end if
       factor = min(1.0_dp, 1/farthest(band, lines, step))
       do j = 0, most_halvings
         moved = moved_lines(band, lines, factor*step)

@@ -110,10 +110,31 @@ contains
     !! The number of steps in which a line decays by `folds` e-folds, at most `longest`.
     type(line_type), intent(in) :: line
     real(dp), intent(in) :: folds, longest
-    real(dp) :: slowest
-    slowest = min(-line%pole%re, -real(pole_at(line, longest), dp))
+    real(dp) :: low, middle
     life_of = longest
-    if (slowest*longest > folds) life_of = folds/slowest
+    if (-left(longest) <= folds) return
+    if (size(line%courses) == 0) then
+      life_of = -folds/line%pole%re
+      return
+    end if
+    low = 0
+    do while (life_of - low > 0.01_dp*life_of)
+      middle = (low + life_of)/2
+      if (-left(middle) <= folds) then
+        low = middle
+      else
+        life_of = middle
+      end if
+    end do
+
+  contains
+
+    pure real(dp) function left(m)
+      !! The real part of the exponent after m steps.
+      real(dp), intent(in) :: m
+      left = line%pole%re*m + real(bend_of(line, m), dp)
+    end function left
+
   end function life_of
 
   pure subroutine find_wave(line, from, place, wave)

@@ -4,6 +4,7 @@ module bw_limited_range
   !! A sample of expectation μ that is known to be below a limit L is on average σφ(a)/Φ(a) less than μ, where a = (L − μ)/σ, φ is
   !! the normal density and Φ its integral. With this correction the normal equations of least squares are those of the likelihood
   !! of truncated samples. Source: Amemiya, Econometrica 41 (1973) 997.
+  use bw_band_fit, only: converged
   use bw_constants, only: pi
   use bw_cost, only: order_price
   use bw_kinds, only: dp
@@ -38,7 +39,7 @@ contains
       call correct(limits, recorded, residual, samples)
       if (allocated(model%last)) deallocate (model%last)
       call renew(samples, order_price(samples), .false., model)
-      call refit_all(all_steps, 0.0_dp, model)
+      call refit_all(all_steps, converged, model)
     end do
     call renew(samples, order_price(samples), .false., model)
     call move_alloc(recorded, samples%value)

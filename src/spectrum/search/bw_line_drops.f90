@@ -1,6 +1,6 @@
 module bw_line_drops
   !! Lines that gain less than their penalty are dropped, with the noise renewed on both sides of the comparison.
-  use bw_cost, only: akaike, cost_of_all, order_price, penalty_of_course, penalty_of_line
+  use bw_cost, only: akaike, cost_of_all, order_price, penalty_of_line
   use bw_kinds, only: dp
   use bw_line, only: life_of, line_type
   use bw_model, only: find_misfit, model_type
@@ -21,9 +21,16 @@ module bw_line_drops
     !! How a search ended.
     logical :: converged = .true.                !! no move lowers J any more
     logical :: driven = .false.                  !! noise alone explains the motion better than all lines found
-    complex(dp), allocatable :: poles(:)         !! of lines that were dropped, or that noise alone explains
+    complex(dp), allocatable :: poles(:)         !! of lines that noise alone explains
     real(dp), allocatable :: gains(:)            !! their decreases of the squares, over the noise's variance
   end type line_outcome
+
+  type :: drop_type
+    !! What replaces lines if a line or a course is dropped.
+    complex(dp), allocatable :: old(:)           !! poles of the lines that are replaced
+    type(line_type), allocatable :: lines(:)     !! which take their place
+    real(dp) :: rise = 0                         !! of J
+  end type drop_type
 
 contains
 
@@ -103,60 +110,66 @@ contains
     type(line_outcome), intent(inout) :: outcome
     integer :: k
     outcome%driven = .true.
-    outcome%poles = [outcome%poles, model%lines%pole]
-    outcome%gains = [outcome%gains, [(energy_of(model, model%lines(k)), k=1, size(model%lines))]]
+    outcome%poles = model%lines%pole
+    outcome%gains = [(energy_of(model, model%lines(k)), k=1, size(model%lines))]
     model%lines = model%lines(:0)
     call renew(samples, order_price(samples), .false., model)
   end subroutine clear
 
-  subroutine drop_lines(samples, false_alarm, model, dropped, outcome, monitor)
-    !! Drop lines and courses that gain less than their penalty with the best coloured noise, one after the other.
+  subroutine drop_lines(samples, false_alarm, model, dropped, monitor)
+    !! Drop lines and courses that gain less than their penalty with the best coloured noise: first those whose loss lowers J most,
+    !! then others that do not overlap with them.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
-    type(line_outcome), intent(inout) :: outcome
     class(monitor_type), intent(inout), optional :: monitor
-    type :: line_list
-      type(line_type), allocatable :: lines(:)
-    end type line_list
-    type(line_list), allocatable :: without(:)
+    type(drop_type), allocatable :: drop(:)
     type(line_type), allocatable :: all_of(:)
-    real(dp), allocatable :: cost(:)
-    real(dp) :: with_all
-    integer :: k, n
+    real(dp) :: before                           !! J
+    integer :: i, k
     call drop_weakest(samples, false_alarm, model, dropped)
-    do while (size(model%lines) > 0)
-      if (stops(monitor)) return
-      all_of = model%lines
-      n = size(all_of)
-      with_all = model%noise%cost
-      allocate (without(2*n), cost(2*n))
-      do k = 1, n
-        if (least_rise(model, all_of(k)) < sure*penalty_of_line(samples, false_alarm, model)) &
-          & without(k)%lines = lines_without(model, k, .false.)
-        if (size(all_of(k)%courses) > 0) without(n + k)%lines = lines_without(model, k, .true.)
-      end do
-      cost = huge(1.0_dp)
-      do k = 1, 2*n
-        if (.not. allocated(without(k)%lines)) cycle
-        model%lines = without(k)%lines
-        call renew(samples, order_price(samples), .false., model)
-        cost(k) = model%noise%cost &
-          & - merge(penalty_of_line(samples, false_alarm, model), penalty_of_course(false_alarm), k <= n)
-      end do
-      k = minloc(cost, dim=1)
-      model%lines = all_of
-      if (cost(k) < with_all) model%lines = without(k)%lines
-      if (cost(k) < with_all .and. k <= n) then
-        outcome%poles = [outcome%poles, all_of(k)%pole]
-        outcome%gains = [outcome%gains, energy_of(model, all_of(k))]
-      end if
-      call renew(samples, order_price(samples), .false., model)
-      if (.not. cost(k) < with_all) exit
-      dropped = dropped + 1
-      deallocate (without, cost)
+    all_of = model%lines
+    before = cost_of_all(samples, false_alarm, model)
+    drop = [drop_type ::]
+    do k = 1, size(all_of)
+      if (least_rise(model, all_of(k)) < sure*penalty_of_line(samples, false_alarm, model)) &
+        & drop = [drop, drop_of(model, k, .false.)]
+      if (size(all_of(k)%courses) > 0) drop = [drop, drop_of(model, k, .true.)]
     end do
+    do i = 1, size(drop)
+      if (stops(monitor)) return
+      call try(drop(i))
+      drop(i)%rise = cost_of_all(samples, false_alarm, model) - before
+      model%lines = all_of
+    end do
+    call renew(samples, order_price(samples), .false., model)
+    do while (any(drop%rise < 0))
+      i = minloc(drop%rise, dim=1)
+      all_of = model%lines
+      before = cost_of_all(samples, false_alarm, model)
+      if (all([(any(abs(all_of%pole - drop(i)%old(k)) <= 0), k=1, size(drop(i)%old))])) then
+        call try(drop(i))
+        if (cost_of_all(samples, false_alarm, model) < before) then
+          dropped = dropped + 1
+        else
+          model%lines = all_of
+          call renew(samples, order_price(samples), .false., model)
+        end if
+      end if
+      drop(i)%rise = 0
+    end do
+
+  contains
+
+    subroutine try(drop)
+      !! Drop a line or a course, with the noise renewed.
+      type(drop_type), intent(in) :: drop
+      integer :: k
+      model%lines = [pack(model%lines, [(all(abs(drop%old - model%lines(k)%pole) > 0), k=1, size(model%lines))]), drop%lines]
+      call renew(samples, order_price(samples), .false., model)
+    end subroutine try
+
   end subroutine drop_lines
 
   subroutine drop_weakest(samples, false_alarm, model, dropped)
@@ -174,12 +187,12 @@ contains
       energy(k) = energy_of(model, model%lines(k))
     end do
     by_energy = model%lines(ascending(energy))
-    least = model%noise%cost + n*penalty_of_line(samples, false_alarm, model)
+    least = cost_of_all(samples, false_alarm, model)
     do k = 1, n
       model%lines = by_energy(k + 1:)
       call renew(samples, order_price(samples), .false., model)
       if (model%noise%cost >= least) exit        ! fewer lines do not make the noise cheaper either
-      cost = model%noise%cost + (n - k)*penalty_of_line(samples, false_alarm, model)
+      cost = cost_of_all(samples, false_alarm, model)
       if (cost >= least) cycle
       least = cost
       dropped = k
@@ -223,26 +236,26 @@ contains
     end do
   end function least_rise
 
-  function lines_without(model, k, course_alone) result(lines)
-    !! All lines without line k, or without its last course, with overlapping lines refitted.
+  function drop_of(model, k, course_alone) result(drop)
+    !! The drop of line k, or of its last course, with overlapping lines refitted.
     type(model_type), intent(in) :: model
     integer, intent(in) :: k
     logical, intent(in) :: course_alone
-    type(line_type), allocatable :: lines(:)
+    type(drop_type) :: drop
     logical :: own(size(model%lines)), others(size(model%lines))
+    type(line_type), allocatable :: lines(:)
     type(refit_type) :: found
     own = near(model, model%lines(k)%pole)
     own(k) = .true.
-    others = .true.
+    others = own
     others(k) = course_alone
     lines = model%lines
     if (course_alone) lines(k)%courses = lines(k)%courses(:size(lines(k)%courses) - 1)
-    if (any(own .and. others)) then
-      call refit(model, own, pack(lines, own .and. others), trial_steps, found)
-      lines = [pack(model%lines, .not. own), found%lines]
-    else
-      lines = pack(lines, others)
-    end if
-  end function lines_without
+    drop%old = pack(lines%pole, own)
+    drop%lines = pack(lines, others)
+    if (size(drop%lines) == 0) return
+    call refit(model, own, drop%lines, trial_steps, found)
+    drop%lines = found%lines
+  end function drop_of
 
 end module bw_line_drops

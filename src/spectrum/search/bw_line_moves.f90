@@ -26,8 +26,9 @@ module bw_line_moves
   integer, parameter :: first_steps = 8           !! of a new line's fit
   real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of the residual of its drift
   integer, parameter :: first_window = 64         !! a drifting line is fitted first to 1/first_window of the longest stretch
+  real(dp), parameter :: far = 0.1_dp             !! of a line's energy: less is a drift by less than a third of a radian
   real(dp), parameter :: faint = 1.0e-3_dp        !! tuned: of the strongest candidate's gain, which that line's residual may have
-  real(dp), parameter :: promised = 0.5_dp        !! tuned: fraction of a candidate's gain that it must have beside those before
+  real(dp), parameter :: promised = 0.5_dp        !! tuned: fraction of a gain that is enough to go on
 
 contains
 
@@ -97,7 +98,7 @@ contains
     if (.not. any(own)) return
     host = minloc(abs(model%lines%pole%im - line%pole%im), dim=1, mask=own)
     if (.not. may_be_residual(model%lines(host), found%lines(size(found%lines)), span_of_model(model))) return
-    call add_course(model, own, own, host, bent)
+    call add_course(model, own, own, host, found%gain, bent)
     if (.not. allocated(bent%lines)) return
     if (.not. bent%gain - need_of_course > found%gain - need) return
     found = bent
@@ -120,56 +121,66 @@ contains
       & abs(line%pole%im - other%pole%im) < 3*(abs(line%pole%re) + abs(other%pole%re)) + 2*pi*4/span
   end function may_be_residual
 
-  subroutine add_course(model, own, kept, host, best)
-    !! Fit the best further course of a line, from a few rates. The line alone is followed from the blow over longer and longer
-    !! parts of the record, so that its phase is never far from that of the fit. With fewer than `edge` periods it is a trend of
-    !! undetermined frequency: n periods determine a frequency to about 1/n of it, and a fit that starts outside this range does not
-    !! converge.
+  subroutine add_course(model, own, kept, host, energy, best)
+    !! Fit the best further course of a line, from a few rates. If it has to explain much of the line's energy, the line alone is
+    !! followed from the blow over longer and longer parts of the record, so that its phase is never far from that of the fit. With
+    !! fewer than `edge` periods it is a trend of undetermined frequency: n periods determine a frequency to about 1/n of it, and a
+    !! fit that starts outside this range does not converge.
     type(model_type), intent(in) :: model
     logical, intent(in) :: own(:)                !! lines to be replaced
     logical, intent(in) :: kept(:)               !! those of them that are fitted again; the course replaces the others
     integer, intent(in) :: host                  !! which of these gets the course
+    real(dp), intent(in) :: energy               !! which the course has to explain
     type(refit_type), intent(out) :: best
-    type(line_type) :: line                      !! followed best
-    type(line_type), allocatable :: lines(:)
+    type(line_type), allocatable :: lines(:), bent(:)
     type(refit_type) :: found
     real(dp) :: span, gain
-    integer :: c
+    integer :: c, place
     span = span_of_model(model)
     c = size(model%lines(host)%courses) + 1
+    place = count(kept(:host))
     gain = -huge(1.0_dp)
-    call follow(2/span)
-    call follow(2*abs(model%lines(host)%pole%re) + 1/span)
-    lines = pack(model%lines, kept)
-    lines(count(kept(:host))) = line
-    call refit(model, own, lines, trial_steps, found)
-    lines = found%lines
-    lines(count(kept(:host)))%courses(c)%held = .false.
-    call refit(model, own, lines, all_steps, found)
+    call try(2/span)
+    call try(2*abs(model%lines(host)%pole%re) + 1/span)
+    bent(place)%courses(c)%held = .false.
+    call refit(model, own, bent, all_steps, found)
     if (all(decays(found%lines))) best = found
 
   contains
 
-    subroutine follow(rate)
-      !! Follow the line with a course of this rate.
+    subroutine try(rate)
+      !! Fit a course of this rate.
       real(dp), intent(in) :: rate
+      lines = pack(model%lines, kept)
+      if (energy > far*energy_of(model, model%lines(host))) then
+        lines(place) = followed(rate)
+      else
+        lines(place)%courses = [lines(place)%courses, course_type(rate, (0.0_dp, 0.0_dp), .true.)]
+      end if
+      call refit(model, own, lines, trial_steps, found)
+      if (.not. found%gain > gain) return
+      gain = found%gain
+      bent = found%lines
+    end subroutine try
+
+    type(line_type) function followed(rate) result(line)
+      !! The line with a course of this rate, followed to the end of the record.
+      real(dp), intent(in) :: rate
+      type(line_type) :: alone(1)
       logical :: replaced(size(own))
       integer :: window
       replaced = own .and. .not. kept
       replaced(host) = .true.
-      lines = model%lines([host])
-      window = max(nint(span)/first_window, min(ceiling(2*pi*edge/lines(1)%pole%im), nint(span)/3))
+      alone = model%lines([host])
+      window = max(nint(span)/first_window, min(ceiling(2*pi*edge/alone(1)%pole%im), nint(span)/3))
       do while (2*window < span)
-        call refit(model, replaced, lines, trial_steps, found, window)
-        lines = found%lines
-        if (size(lines(1)%courses) < c) lines(1)%courses = [lines(1)%courses, course_type(rate, (0.0_dp, 0.0_dp), .true.)]
+        call refit(model, replaced, alone, trial_steps, found, window)
+        alone = found%lines
+        if (size(alone(1)%courses) < c) alone(1)%courses = [alone(1)%courses, course_type(rate, (0.0_dp, 0.0_dp), .true.)]
         window = 2*window
       end do
-      call refit(model, replaced, lines, trial_steps, found)
-      if (.not. found%gain > gain) return
-      gain = found%gain
-      line = found%lines(1)
-    end subroutine follow
+      line = alone(1)
+    end function followed
 
     elemental logical function decays(line)
       !! Whether a line never grows much, as the beat of two lines does.
@@ -203,7 +214,7 @@ contains
       host = count(own(:k))
       start = pack(model%lines, own)
       start(host)%courses = [course_type(0.0_dp, (0.0_dp, 0.0_dp), .true.)]
-      call refit(model, own, start, first_steps, found)
+      call refit(model, own, start, first_steps, found, least=promised*chi_squared(false_alarm, 2))
       call accept(found, chi_squared(false_alarm, 2), model, gain)
       if (.not. abs(gain) > 0) cycle
       added = added + 1
@@ -276,7 +287,7 @@ contains
       if (.not. may_be_residual(model%lines(host), model%lines(k), span_of_model(model))) cycle
       kept = own
       own(k) = .true.
-      call add_course(model, own, kept, host, found)
+      call add_course(model, own, kept, host, energy(k), found)
       if (.not. allocated(found%lines)) cycle
       call accept(found, penalty_of_course(false_alarm) - penalty, model, gain)
       if (abs(gain) > 0) merged = merged + 1

@@ -5,17 +5,18 @@ module bw_line_search
   !! course to a line; renew the noise; move, add and drop blows; and drop what gains less than its penalty. The search ends when no
   !! move lowers J. This module has the order of the moves; `bw_line_moves`, `bw_line_drops` and `bw_blow_moves` have the moves.
   use bw_band, only: enough_for
+  use bw_band_fit, only: converged
   use bw_blow_moves, only: add_missing_blows, drop_blow, move_blows
   use bw_blows, only: find_blows
   use bw_cost, only: akaike, cost_beside_noise, cost_of_all, order_price
   use bw_decay_bank, only: highest_decay
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
-  use bw_line, only: line_type
+  use bw_line, only: find_wave, line_type
   use bw_line_drops, only: clear_if_growing, drop_lines, drop_weakest, keep_or_clear, line_outcome
   use bw_line_moves, only: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, &
     & most_additions, most_lines
-  use bw_model, only: model_type
+  use bw_model, only: clear_invalid, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise_alone, only: cost_of_shared_motion, dies, most_colour, most_orders
   use bw_refit, only: all_steps, at_rest, refit_all, trial_steps
@@ -73,7 +74,6 @@ contains
     type(state_type) :: best
     integer :: round, changed, dropped, moved
     logical :: is_worse                          !! J has risen
-    allocate (outcome%poles(0), outcome%gains(0))
     call start_model(samples, blows, model)
     alone = huge(1.0_dp)
     if (.not. dies(samples, blows)) then
@@ -110,12 +110,12 @@ contains
         call refit_all(all_steps, at_rest, model)
         call renew(samples, order_price(samples), .false., model)
       end if
-      call drop_lines(samples, false_alarm, model, dropped, outcome, monitor)
+      call drop_lines(samples, false_alarm, model, dropped, monitor)
       call judge_moves()
       if (changed + dropped == 0) exit
     end do
     call add_drifts(false_alarm, model, changed, monitor)
-    call refit_all(all_steps, 0.0_dp, model)
+    call refit_all(all_steps, converged, model)
     call renew(samples, order_price(samples), .false., model)
     call keep_or_clear(samples, false_alarm, alone, least_share, model, outcome)
     if (alone < huge(alone)) call clear_if_growing(samples, model, outcome)
@@ -244,35 +244,54 @@ contains
   end subroutine try_blows
 
   subroutine try_tones(samples, false_alarm, model, changed)
-    !! Turn lines that hardly decay into tones that were there before the first blow, one after the other, if that lowers J. A
-    !! record that begins within such a tone seems to begin with a blow.
+    !! Turn lines that hardly decay into tones that were there before the first blow, if that lowers J. A record that begins within
+    !! such a tone seems to begin with a blow, which is dropped with the strongest of them.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! number of lines
     type(state_type) :: before
-    complex(dp), allocatable :: modes(:)         !! poles of lines that are no tones
     logical :: open(size(model%lines)), is_cut
-    integer :: k, b, accepted
+    integer :: k
     changed = 0
-    allocate (modes(0))
-    do
-      open = [(may_be_tone(model, model%lines(k)) .and. all(abs(modes - model%lines(k)%pole) > 0), k=1, size(open))]
-      if (.not. any(open) .or. count(.not. model%lines%steady) < 2) return   ! at least one line must be struck
-      is_cut = model%stretches(2, 0) < model%stretches(1, 0)
-      b = merge(1, 0, is_cut .and. ubound(model%stretches, 2) > 1)
-      if (model%stretches(2, b) - model%stretches(1, b) + 1 < enough_for(1)) return   ! too few samples before the blow
-      k = minloc(abs(model%lines%pole%re), dim=1, mask=open)
-      modes = [modes, model%lines(k)%pole]
+    if (count(.not. model%lines%steady) < 2) return  ! at least one line must be struck
+    open = [(may_be_tone(model, model%lines(k)), k=1, size(open))]
+    is_cut = model%stretches(2, 0) < model%stretches(1, 0) .and. ubound(model%stretches, 2) > 1 .and. .not. allocated(samples%blow)
+    if (is_cut .and. any(open) .and. model%stretches(2, 1) - model%stretches(1, 1) + 1 >= enough_for(1)) then
+      k = maxloc([(tone_power(samples, model, model%lines(k)%pole%im), k=1, size(open))], dim=1, mask=open)
       before = state_of(samples, false_alarm, model)
       model%lines(k)%pole = cmplx(0, model%lines(k)%pole%im, dp)
       model%lines(k)%steady = .true.
-      if (is_cut .and. .not. allocated(samples%blow)) call drop_blow(model, 1)
-      accepted = 1
-      call keep_if_cheaper(samples, false_alarm, before, model, accepted)
-      changed = changed + accepted
-    end do
+      call drop_blow(model, 1)
+      changed = 1
+      call keep_if_cheaper(samples, false_alarm, before, model, changed)
+    end if
+    call judge_steady(samples, false_alarm, model, k)
+    changed = changed + k
   end subroutine try_tones
+
+  pure real(dp) function tone_power(samples, model, frequency) result(power)
+    !! The part of the first stretch's motion that is a tone of this frequency, summed over sensors.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    real(dp), intent(in) :: frequency            !! rad per step
+    type(line_type) :: tone
+    complex(dp) :: wave(model%stretches(2, 1) - model%stretches(1, 1) + 1)
+    real(dp) :: motion(samples%count, 1)
+    integer :: s
+    tone%pole = cmplx(0, frequency, dp)
+    allocate (tone%courses(0))
+    call find_wave(tone, 0.0_dp, wave=wave)
+    power = 0
+    do s = 1, size(samples%value, 2)
+      motion(:, 1) = samples%value(:samples%count, s)
+      call clear_invalid(samples, motion)
+      associate (x => motion(model%stretches(1, 1):model%stretches(2, 1), 1))
+        x = x - sum(x)/size(x)
+        power = power + abs(sum(wave*x))**2/max(sum(x**2), tiny(1.0_dp))
+      end associate
+    end do
+  end function tone_power
 
   function state_of(samples, false_alarm, model) result(state)
     !! The state of a model, with J.

@@ -11,13 +11,12 @@ module bw_refit
   private
   public :: accept, all_steps, at_rest, cluster_of, is_broken, near, overlaps, refit, refit_all, span_of_model, trial_steps
 
-  real(dp), parameter :: reach = 6               !! tuned: decay rates within which lines are fitted together
-  real(dp), parameter :: bins_apart = 12         !! tuned: multiples of 1/T within which they are, too
+  real(dp), parameter :: unlike = 1/37.0_dp      !! tuned: squared scalar product of two lines that are not fitted together
   real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
   integer, parameter :: most_sweeps = 6
   integer, parameter :: most_together = 8        !! tuned: lines of a chain fitted at once; of a longer one each with its neighbours
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a trial fit, and of a final one
-  real(dp), parameter :: at_rest = 1             !! fall of −2 ln L in a sweep over all lines, below which they have converged
+  real(dp), parameter :: at_rest = 1             !! fall of −2 ln L that is expected of another fit, below which lines rest
   real(dp), parameter :: low = 24                !! periods in the longest stretch; slower lines are fitted with a trend
 
   type, public :: refit_type
@@ -38,19 +37,33 @@ contains
   end function span_of_model
 
   elemental logical function overlaps(pole, other, span)
-    !! Whether two lines are fitted together.
+    !! Whether two lines are fitted together: if they are equally damped, within 6 times the sum of their decay rates, and within
+    !! 12/T if they are undamped.
     complex(dp), intent(in) :: pole, other
     real(dp), intent(in) :: span                 !! samples
-    overlaps = abs(pole%im - other%im) < reach*(abs(pole%re) + abs(other%re)) + 2*pi*bins_apart/span
+    overlaps = likeness(pole, other, span) > unlike
   end function overlaps
 
+  elemental real(dp) function likeness(pole, other, span)
+    !! The squared scalar product of two lines of norm 1. A finite record widens lines: it counts as a decay rate of 2π/T.
+    complex(dp), intent(in) :: pole, other
+    real(dp), intent(in) :: span                 !! samples
+    real(dp) :: rate(2)
+    rate = abs([real(pole, dp), real(other, dp)]) + 2*pi/span
+    likeness = 4*product(rate)/(sum(rate)**2 + (pole%im - other%im)**2)
+  end function likeness
+
   pure function near(model, pole) result(are)
-    !! The lines that overlap with one at a pole.
+    !! The lines that overlap with one at a pole; tones also with tones before the first blow.
     type(model_type), intent(in) :: model
     complex(dp), intent(in) :: pole
     logical :: are(size(model%lines))
     integer :: k
     are = overlaps(model%lines%pole, pole, span_of_model(model))
+    associate (before => steps_between(model, model%stretches(1, 0), model%stretches(2, 0)))
+      if (before > 1 .and. any(model%lines%steady .and. abs(model%lines%pole - pole) <= 0)) &
+        & are = are .or. (model%lines%steady .and. overlaps(model%lines%pole, pole, max(1.0_dp, before)))
+    end associate
     are = are .or. [(is_broken(model, model%lines(k)%pole%re, real(pole, dp)), k=1, size(are))]
   end function near
 
@@ -73,7 +86,7 @@ contains
     is_broken = lost > broken*sqrt(product(both))
   end function is_broken
 
-  subroutine refit(model, old, start, most_steps, found, window)
+  subroutine refit(model, old, start, most_steps, found, window, least)
     !! Fit lines that replace some of the model's, from initial values. The model does not change.
     type(model_type), intent(in) :: model
     logical, intent(in) :: old(:)                !! lines that are replaced
@@ -81,6 +94,7 @@ contains
     integer, intent(in) :: most_steps
     type(refit_type), intent(out) :: found
     integer, intent(in), optional :: window      !! samples after each blow in use; all if absent
+    real(dp), intent(in), optional :: least      !! the fit ends at once if its first step predicts a smaller gain
     type(line_type), allocatable :: white(:)
     type(band_type) :: band
     real(dp) :: before
@@ -97,7 +111,7 @@ contains
     before = sum([(sum(band%part(p)%rows**2), p=1, size(band%part))])
     call put_back(white, band)
     with_trend = minval(start%pole%im)*span_of_model(model) < 2*pi*low
-    call fit_band(band, with_trend, most_steps, found%lines, found%reduced)
+    call fit_band(band, with_trend, most_steps, found%lines, found%reduced, least=least)
     found%gain = before - squares_left(found%reduced)
     do k = 1, size(start)
       found%lines(k)%amplitude = amplitude_of(model%noise, found%lines(k)%pole, &
@@ -128,28 +142,44 @@ contains
   end subroutine accept
 
   subroutine refit_all(most_steps, rest, model)
-    !! Refit all lines, overlapping ones together, until a sweep lowers the squares by no more than `rest`.
+    !! Refit all lines, overlapping ones together, until no refit is expected to lower the squares by more than `rest`. Gauss–Newton
+    !! steps gain less and less, and what one fit gains can fall again in others by the square of their scalar product.
     integer, intent(in) :: most_steps
     real(dp), intent(in) :: rest
     type(model_type), intent(inout) :: model
+    real(dp) :: due(size(model%lines))           !! expected fall of the squares if a line is fitted again
     logical :: done(size(model%lines)), own(size(model%lines))
     type(refit_type) :: found
-    real(dp) :: gain, total
-    integer :: sweep
+    real(dp) :: gain, span
+    integer :: sweep, first, k, b
+    span = span_of_model(model)
+    do b = merge(0, 1, any(model%lines%steady)), ubound(model%stretches, 2)   ! lines overlap more in a shorter stretch
+      associate (own_span => steps_between(model, model%stretches(1, b), model%stretches(2, b)))
+        if (own_span > 1) span = min(span, own_span)
+      end associate
+    end do
+    due = huge(1.0_dp)
     do sweep = 1, most_sweeps
-      done = .false.
-      total = 0
+      done = .not. due > rest
       do while (.not. all(done))
-        own = cluster_of(model, findloc(done, .false., dim=1))
-        if (count(own) > most_together) own = near(model, model%lines(findloc(done, .false., dim=1))%pole)
+        first = findloc(done, .false., dim=1)
+        own = cluster_of(model, first)
+        if (count(own) > most_together) own = near(model, model%lines(first)%pole)
         call refit(model, own, pack(model%lines, own), most_steps, found)
         gain = 0
         if (found%gain > converged) call accept(found, 0.0_dp, model, gain)
+        if (gain > 0) then
+          done = [pack(done, .not. own), pack(done, own)]
+          due = [pack(due, .not. own), pack(due, own)]
+          own = [pack(own, .not. own), pack(own, own)]
+          do k = 1, size(own)
+            due(k) = due(k) + gain*maxval(likeness(model%lines(k)%pole, model%lines%pole, span), mask=own)
+          end do
+        end if
         done = done .or. own
-        if (gain > 0) done = [pack(done, .not. own), pack(done, own)]
-        total = total + gain
+        where (own) due = gain
       end do
-      if (total <= rest) exit
+      if (.not. any(due > rest)) exit
     end do
   end subroutine refit_all
 
