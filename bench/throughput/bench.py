@@ -71,6 +71,14 @@ def ranks(rows: Rows) -> str:
     )
 
 
+def designs(rows: Rows) -> str:
+    """A table of cases beside a sweep."""
+    lines = [["cases of a sweep", "cases", "as a sweep, CPU s", "as rows of a table, CPU s", "more"]]
+    for row in rows:
+        lines.append([row["what"], str(row["cases"]), f"{row['sweep']:g}", f"{row['design']:g}", f"{row['ratio']:.2f}"])
+    return "A `&design` also reads its table and computes quantiles; the cases are those of a sweep.\n\n" + table(lines)
+
+
 def memory(rows: Rows) -> str:
     """The peak against the number of cases."""
     lines = [["cases", "CPU, s", "peak, MB"], *([str(row["cases"]), f"{row['cpu']:g}", f"{row['peak_mb']:g}"] for row in rows)]
@@ -96,6 +104,6 @@ def scenes(rows: Rows) -> str:
     return "Cost of one of 200 small scenes, and of starting the program alone.\n\n" + table(lines)
 
 
-TABLES = {"rates": rates, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": scenes}
+TABLES = {"rates": rates, "designs": designs, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": scenes}
 BENCH = Bench("throughput", "cases per second of sweeps", measured, section, packages=("numpy",),
               options={"--only": {"choices": list(PARTS), "help": "measure one part; keep the others"}})  # fmt: skip

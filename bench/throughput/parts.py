@@ -1,9 +1,10 @@
-"""The parts of the bench: cases per second beside numpy, two processes beside one, memory against the number of cases,
-whether `beamwave check` says beforehand what a run takes, and what many small scenes cost in one call."""
+"""The parts of the bench: cases per second beside numpy, a design beside a sweep, two processes beside one, memory against the
+number of cases, whether `beamwave check` says beforehand what a run takes, and what many small scenes cost in one call."""
 
 from __future__ import annotations
 
 import os
+import re
 import resource
 import shutil
 import statistics
@@ -23,9 +24,10 @@ from .jobs import JOBS, Job
 from .with_numpy import case, loop, save
 
 WAYS = ["beamwave", "numpy loop", "by products"]
-ROUNDS, ROUNDS_OF_RUNS = 9, 3
+ROUNDS, ROUNDS_OF_DESIGNS, ROUNDS_OF_RUNS = 9, 15, 3
 NUMPY_PART = 10  # numpy does a part of the cases, spread over all of them
 AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
+DESIGN_CASES = 10_000
 RANKS = [  # with little, more and much work for each number that a case has
     Job("ranks", "frequencies and wave velocities of 20 modes", modes=20, cases=100_000),
     Job("ranks", "histories of 4096 samples at two points, 40 modes", modes=40, cases=10_000, samples=4096),
@@ -101,6 +103,38 @@ def check(job: Job, cases: int, directory: Path) -> float:
     return worst
 
 
+def designs(program: Path, directory: Path, small: bool) -> Rows:
+    """CPU seconds of a design and of a sweep of the same cases, and the median of how much more the design takes in each turn."""
+    rows = []
+    cases = 100 if small else DESIGN_CASES
+    for job in JOBS[:2]:
+
+        def run(words: Callable[[Path, Job, int], list[Any]]) -> tuple:
+            return launched(program, *words(directory, job, cases))
+
+        sweeps, tables = in_turns([sweep_words, design_words], run, 1 if small else ROUNDS_OF_DESIGNS, lambda way: way.__name__)
+        ratio = median(one[0] / other[0] for one, other in zip(tables, sweeps))  # of neighbours in time
+        took = {"sweep": median(t[0] for t in sweeps), "design": median(t[0] for t in tables)}
+        rows.append({"what": job.what, "cases": cases, **took, "ratio": ratio})
+    return rows
+
+
+def sweep_words(directory: Path, job: Job, cases: int) -> list[Any]:
+    """The sweep itself."""
+    return job.words(directory, cases)
+
+
+def design_words(directory: Path, job: Job, cases: int) -> list[Any]:
+    """The sweep's scene with a table of its cases."""
+    words = job.words(directory, cases)
+    scene = Path(words[1])
+    text = re.sub(r"&sweep.*\n", "", scene.read_text()) + "&design file = 'cases.csv' /\n"
+    scene.write_text(text)
+    table = "".join(f"{float(ratio)!r},{float(speed)!r}\n" for speed, ratio in job.grid(cases))
+    (directory / "cases.csv").write_text("impact%mass_ratio,rotation%angular_velocity\n" + table)
+    return words
+
+
 def ranks(program: Path, directory: Path, small: bool) -> Rows:
     """One and two processes of the twin, and two parts without MPI, in turns; start-up is what 20 cases take."""
     twin = program.with_name("beamwave-mpi")
@@ -146,7 +180,7 @@ def predictions(program: Path, directory: Path, small: bool) -> Rows:
         paths.append(job.words(directory, 100 if small else cases)[1])
 
     def run(scene: Path) -> tuple[float, ...]:
-        foretold = expected(program, scene)
+        foretold = expected(program, scene)[:3]
         took = launched(program, "run", scene, "--output", directory, "--overwrite", "--quiet")
         result = directory / f"{scene.stem}.nc"
         size = result.stat().st_size
@@ -207,4 +241,4 @@ def rewritten(model: Path, path: Path, count: int) -> float:
     return (time.process_time() - before) / count
 
 
-PARTS = {part.__name__: part for part in (rates, ranks, memory, predictions, scenes)}
+PARTS = {part.__name__: part for part in (rates, designs, ranks, memory, predictions, scenes)}

@@ -16,7 +16,7 @@ FORMAT_VERSIONS = (1, 2)  # NetCDF-4; classic NetCDF
 DIMENSIONS = {
     *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
     *("response_frequency", "junction", "body", "rung", "effect", "unknown", "unknown_too", "point_too"),
-    *("contact_sample", "window", "candidate", "pooled", "letter", "note_letter", "parameter_letter"),
+    *("contact_sample", "window", "candidate", "pooled", "quantile", "letter", "note_letter", "parameter_letter"),
 }
 
 

@@ -110,6 +110,10 @@ contains
     case ('--verbose'); command%verbose = .true.
     case ('--max-seconds'); call read_seconds(value, command%max_seconds, error)
     case ('--json'); command%json = .true.
+    case ('--progress')
+      command%json = value == 'json'
+      if (.not. command%json) call fail(error, status_bad_input, 'beamwave: --progress: '''//shortened(value)// &
+                                        ''' is not a known format; accepted: json')
     case ('--part')
       command%has_part = .true.
       call read_part(value, command%part, error)

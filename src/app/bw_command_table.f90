@@ -42,7 +42,7 @@ module bw_command_table
     real(dp) :: max_seconds = huge(1.0_dp)        !! --max-seconds
     integer :: part(2) = 1                        !! --part: index and number of parts
     logical :: has_part = .false.                 !! it is given
-    logical :: json = .false.                     !! --json
+    logical :: json = .false.                     !! --json, or --progress json
     class(process_group), pointer :: group => null()    !! the processes started together
   end type command_type
 
@@ -67,6 +67,7 @@ module bw_command_table
     option_row('--verbose', '', 'print the whole report instead of one screen'), &
     option_row('--max-seconds', 'S', 'stop after S seconds, finished cases saved; the same command goes on from there'), &
     option_row('--part', 'I/N', 'run the cases i = I mod N of a sweep; N such commands share it without MPI'), &
+    option_row('--progress', 'json', 'report progress, warnings and errors as lines of JSON on standard error'), &
     option_row('--json', '', 'print one JSON document for programs')]
 
   character(*), parameter :: nl = new_line('a')
@@ -139,10 +140,7 @@ contains
       if (rows(i)%shared) text = text//'  mpirun -n N beamwave-mpi '//usage(rows(i))// &
         '   the same, with the cases of sweeps shared among N processes'//nl
     end do
-    text = text//nl
-    do i = 1, size(rows)
-      if (rows(i)%options /= '') text = text//'  '//trim(rows(i)%name)//' takes '//trim(rows(i)%options)//nl
-    end do
+    text = text//nl//'  '//options_heading(rows)//nl
     do i = 1, size(options)
       text = text//column('    '//trim(options(i)%name)//' '//options(i)%value, 23)//trim(options(i)%help)//nl
     end do
@@ -165,5 +163,28 @@ contains
     character(:), allocatable :: wide
     wide = trim(text)//repeat(' ', max(1, width - len_trim(text)))
   end function column
+
+  pure function options_heading(rows) result(text)
+    !! Say which commands take which of the options listed below; those that take most come first.
+    type(command_row), intent(in) :: rows(:)
+    character(:), allocatable :: text
+    integer :: number, i, j
+    text = ''
+    do number = size(options), 1, -1
+      do i = 1, size(rows)
+        if (count(lists(rows(i)%options, options%name)) /= number .or. any(rows(:i - 1)%options == rows(i)%options)) cycle
+        text = text//'; '//trim(rows(i)%name)
+        do j = i + 1, size(rows)
+          if (rows(j)%options == rows(i)%options) text = text//' and '//trim(rows(j)%name)
+        end do
+        if (number == size(options)) then
+          text = text//' takes all of these'
+        else
+          text = text//trim(merge(' take ', ' takes', any(rows(i + 1:)%options == rows(i)%options)))//' '//trim(rows(i)%options)
+        end if
+      end do
+    end do
+    text = text(3:)
+  end function options_heading
 
 end module bw_command_table

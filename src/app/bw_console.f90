@@ -5,15 +5,17 @@ module bw_console
   use bw_descriptors, only: look_at_open, standard_error, standard_output, write_text
   use bw_error, only: error_type
   use bw_files, only: path_state, same_file
+  use bw_json, only: json_member, json_text
   use bw_note, only: is_remark
   use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_nobody_reads
   use bw_text, only: lines_of, printable, string
   implicit none (type, external)
   private
-  public :: print_report, print_warning, print_warnings, print_error, seen_together
+  public :: print_report, print_warning, print_warnings, print_error, seen_together, speak_json
 
   logical, protected, public :: report_lost = .false.   !! standard output could not be written
+  logical :: in_json = .false.                          !! standard error gets JSON lines
 
 contains
 
@@ -27,11 +29,21 @@ contains
     if (problem /= 0 .and. bw_kind_of_error(problem) /= error_nobody_reads) report_lost = .true.
   end subroutine print_report
 
+  subroutine speak_json(asked)
+    !! Switch standard error to JSON lines, if requested.
+    logical, intent(in) :: asked
+    in_json = asked
+  end subroutine speak_json
+
   subroutine print_warning(text)
     !! Print lines to standard error. A failure cannot be reported.
     character(*), intent(in) :: text
     integer :: ignored
-    ignored = write_text(standard_error, whole_lines(text))
+    if (in_json) then
+      ignored = write_text(standard_error, '{"event": "message"'//json_member('message', json_text(text))//'}'//new_line('a'))
+    else
+      ignored = write_text(standard_error, whole_lines(text))
+    end if
   end subroutine print_warning
 
   subroutine print_warnings(scene, notes)

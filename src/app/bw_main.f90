@@ -23,7 +23,7 @@ contains
     type(command_row) :: rows(7)
     character(*), parameter :: writing = '--output --overwrite --quiet --verbose'
     rows = [ &
-      command_row('run', some_scenes, writing//' --max-seconds --part', &
+      command_row('run', some_scenes, writing//' --max-seconds --part --progress', &
                   'run scenes; a directory stands for its *.nml', run_command, shared=.true.), &
       command_row('check', some_scenes, '--quiet --json', &
                   'read and validate; report what would be simulated, how, and in what time and memory', check_command), &

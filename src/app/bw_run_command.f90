@@ -2,7 +2,7 @@ module bw_run_command
   !! The commands that write results: run scenes, or study one scene by running it in several ways.
   use bw_accuracy, only: measure_accuracy
   use bw_command_table, only: command_type
-  use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
+  use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together, speak_json
   use bw_effects, only: compare_effects
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i4
@@ -36,7 +36,9 @@ contains
     integer(i4), allocatable :: stop(:)            ! of size 1: 1 if the leader has to stop
     integer :: i, count
     if (command%max_seconds < huge(1.0_dp)) call stop_after(command%max_seconds)
-    progress = terminal_progress_to(huge(1.0_dp), command%quiet .or. .not. command%group%leads())
+    call speak_json(command%json)
+    progress = terminal_progress_to(huge(1.0_dp), command%quiet .and. .not. command%json .or. .not. command%group%leads(), &
+                                    command%json)
     call read_and_list(command%words, command%group%leads(), scenes, count, status, tally)
     call agree_on_scenes(command%group, count, error)
     if (allocated(error)) then

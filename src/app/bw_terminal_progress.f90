@@ -1,7 +1,8 @@
 module bw_terminal_progress
-  !! Progress on standard error, if a run takes longer than a second: a bar on a terminal, lines in a log; and requests to
-  !! stop after a signal or when the time limit is reached.
+  !! Progress on standard error: a bar on a terminal if a run takes longer than a second, lines in a log, or JSON lines
+  !! for a program; and requests to stop after a signal or when the time limit is reached.
   use bw_descriptors, only: is_terminal, standard_error, write_text
+  use bw_json, only: json_member, json_number, json_text
   use bw_kinds, only: dp, i8
   use bw_monitor, only: progress_type
   use bw_process, only: stop_asked
@@ -14,6 +15,7 @@ module bw_terminal_progress
   real(dp), parameter :: quiet_seconds = 1.0_dp       !! shorter runs show nothing
   real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two updates of the bar
   real(dp), parameter :: log_interval = 5.0_dp        !! s between two lines of a log
+  real(dp), parameter :: program_interval = 1.0_dp    !! s between two lines for a program
   real(dp), parameter :: least_part = 0.01_dp         !! of a single case, done before the remaining time is estimated
   integer, parameter :: bar_width = 30
 
@@ -25,6 +27,7 @@ module bw_terminal_progress
     real(dp) :: started = 0.0_dp, shown = 0.0_dp
     real(dp) :: deadline = huge(1.0_dp)               !! on the clock of `wall_seconds`
     character(:), allocatable :: stage                !! of the present case
+    logical :: json = .false.                         !! as JSON lines
     logical :: quiet = .false.
     logical :: on_terminal = .false.
     logical :: bar_stands = .false.                   !! a bar is displayed
@@ -39,10 +42,12 @@ module bw_terminal_progress
 
 contains
 
-  type(terminal_progress) function terminal_progress_to(deadline, quiet) result(progress)
+  type(terminal_progress) function terminal_progress_to(deadline, quiet, json) result(progress)
     !! Return a progress that requests a stop at a deadline.
     real(dp), intent(in) :: deadline                  !! on the clock of `wall_seconds`
     logical, intent(in) :: quiet
+    logical, intent(in), optional :: json             !! as JSON lines; absent: for people
+    if (present(json)) progress%json = json
     progress%deadline = deadline
     progress%quiet = quiet
     progress%on_terminal = is_terminal(standard_error)
@@ -61,6 +66,7 @@ contains
     self%started = wall_seconds()
     self%shown = self%started
     self%stage = ''
+    if (self%json .and. .not. self%quiet) call tell(self, 'begin', 0.0_dp, self%started)
   end subroutine begin
 
   subroutine cases_done(self, count)
@@ -80,6 +86,10 @@ contains
     self%reached = max(self%reached, fraction)
     if (self%quiet .or. .not. allocated(self%name)) return
     now = wall_seconds()
+    if (self%json) then
+      if (now - self%shown >= program_interval) call tell(self, 'progress', self%reached, now)
+      return
+    end if
     if (now - self%started < quiet_seconds) return
     interval = merge(terminal_interval, log_interval, self%on_terminal)
     if (now - self%shown < interval) return
@@ -93,6 +103,22 @@ contains
     character(*), intent(in) :: stage
     self%stage = stage
   end subroutine enter
+
+  subroutine tell(self, event, fraction, now)
+    !! Write a JSON line.
+    class(terminal_progress), intent(inout) :: self
+    character(*), intent(in) :: event                 !! `begin`, `progress` or `end`
+    real(dp), intent(in) :: fraction, now
+    character(:), allocatable :: stage
+    integer :: ignored
+    self%shown = now
+    stage = 'null'
+    if (self%stage /= '' .and. event == 'progress') stage = json_text(self%stage)
+    ignored = write_text(standard_error, '{"event": '//json_text(event)//json_member('scene', json_text(self%name))// &
+      json_member('done', text_of(self%done))//json_member('cases', text_of(self%cases))// &
+      json_member('part', json_number(min(1.0_dp, (real(self%done, dp) + fraction)/real(self%cases, dp))))// &
+      json_member('seconds', json_number(now - self%started))//json_member('stage', stage)//'}'//new_line('a'))
+  end subroutine tell
 
   subroutine show(self, fraction, now)
     !! Draw the bar, or write a log line: the fraction done, cases per second, the time left. The search for lines in a spectrum
@@ -141,6 +167,7 @@ contains
     !! Remove the bar; nothing is shown until the next scene begins.
     class(terminal_progress), intent(inout) :: self
     integer :: ignored
+    if (self%json .and. .not. self%quiet .and. allocated(self%name)) call tell(self, 'end', self%reached, wall_seconds())
     if (allocated(self%name)) deallocate (self%name)
     if (.not. self%bar_stands) return
     ignored = write_text(standard_error, achar(13)//achar(27)//'[K')

@@ -34,7 +34,7 @@ module bw_case_cost
   end enum
   public :: numbers_term, cases_term, run_term
 
-  ! Fitted to the CPU seconds of 156 random scenes of every kind, by least relative squares.
+  ! Fitted: bench/cost prints these lines.
   type(term_type), parameter :: term(*) = [ &
     term_type(modes_share, 6.0e-8_dp), &             !! a mode in closed form
     term_type(modes_share, 6.7e-6_dp), &             !! a mode in a piece

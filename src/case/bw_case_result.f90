@@ -14,6 +14,7 @@ module bw_case_result
   use bw_record, only: record_extent
   use bw_record_lines, only: record_lines
   use bw_response, only: response_type
+  use bw_response_extremes, only: extreme_type
   use bw_segment, only: alone, segment_type
   use bw_text, only: append, string
   use bw_timeline, only: timeline_type
@@ -82,6 +83,7 @@ module bw_case_result
     real(dp), allocatable :: error(:)               !! estimated largest error; unallocated if only rounding limits it, (points)
     real(dp), allocatable :: junction(:)            !! ξ of bodies and steps within a beam of uniform pieces; missing: none
     real(dp), allocatable :: transmitted(:, :), reflected(:, :) !! shares of a wave's power there, (frequencies, junctions)
+    type(extreme_type), allocatable :: extremes(:)  !! resonances and antiresonances, SI; unallocated if not requested
   end type answer_type
 
   type, public :: case_spectrum

@@ -105,7 +105,7 @@ contains
     logical, intent(out) :: completed
     type(part_monitor) :: part
     part = stage_part(monitor, case_shares(scene), answer_share)
-    call find_frequency_response(scene, result%units, layout%junctions, part, cache%motion%modes, &
+    call find_frequency_response(scene, result%units, layout%junctions, layout%cases == 0, part, cache%motion%modes, &
                                  result%answer, result%notes, result%status)
     completed = .not. monitor%stop_requested()
     call watch%lap(stage_response)

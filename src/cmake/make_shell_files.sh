@@ -42,9 +42,16 @@ roff() { sed 's/\\/\\e/g; s/-/\\-/g; s/^\([.'\'']\)/\\\&\1/'; }
 # --- completions ---
 
 commands=$(printf '%s\n' "$help" | sed -n 's/^  beamwave \([a-z]\{1,\}\) .*/\1/p' | tr '\n' ' ')
+options=$(printf '%s\n' "$help" | sed -n 's/^    \(--[a-z-]*\) .*/\1/p' | tr '\n' ' ')
 groups=$("$program" describe | sed -n 's/^## &//p' | tr '\n' ' ')
 # which command takes which options, a line each: `run --output --overwrite`
-taken=$(printf '%s\n' "$help" | sed -n 's/^  \([a-z]\{1,\}\) takes /\1 /p')
+taken=$(printf '%s\n' "$help" | sed -nE '/^  [a-z].* takes? /p' | tr ';' '\n' | awk -v all="$options" '
+  { taken = ""; n = 0; seen = 0
+    for (i = 1; i <= NF; i++)
+      if ($i ~ /^takes?$/) seen = 1
+      else if (!seen && $i != "and") names[++n] = $i
+      else if ($i ~ /^--/) taken = taken " " $i
+    for (i = 1; i <= n; i++) print names[i] (taken == "" ? " " all : taken) }')
 
 {
   printf '# bash completion of beamwave\n_beamwave() {\n  local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} words=\n'

@@ -1,28 +1,30 @@
 module bw_frequency_report
-  !! The printed report of a harmonic response: its largest amplitude at each point, and waves at bodies and steps.
+  !! The printed report of a harmonic response: resonances, with damping from their half-power widths, and
+  !! antiresonances.
   use bw_case_result, only: answer_type
   use bw_columns, only: fixed, note_rest, table_of, text_table
+  use bw_constants, only: two_pi
   use bw_frequency_response_par, only: frequency_response_par
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
+  use bw_response_extremes, only: most_extremes
   use bw_text, only: shortest, text_builder
   implicit none (type, external)
   private
   public :: report_answer
 
-  integer, parameter :: shown = 20                   !! rows
+  integer, parameter :: shown = 20                   !! rows that are no details
 
 contains
 
   subroutine report_answer(asked, answer, lines)
-    !! Print the largest amplitude of each point, and its frequency.
+    !! Print the resonances and antiresonances of all points.
     type(frequency_response_par), intent(in) :: asked
     type(answer_type), intent(in) :: answer
     type(text_builder), intent(inout) :: lines
     type(text_table) :: table
-    real(dp) :: amplitude(size(answer%value, 1))
-    character(:), allocatable :: unit
-    integer :: p, at
+    character(:), allocatable :: at, unit
+    integer :: i
     select case (asked%quantity)
     case ('velocity'); unit = 'm/s/N'
     case ('acceleration'); unit = 'm/s2/N'
@@ -30,15 +32,23 @@ contains
     end select
     call lines%append_line('')
     call lines%append_line('response to a harmonic force of 1 N at xi = '//shortest(asked%position, 6)//': '//asked%quantity)
-    table = table_of('xi|largest amplitude|at', '|'//unit//'|Hz', [10, 19, 13])
+    table = table_of('xi|resonance|amplitude|damping ratio|antiresonance', '|Hz|'//unit//'||Hz', [10, 13, 13, 15, 15])
     call table%put_head(lines)
-    do p = 1, min(shown, size(asked%points))
-      if (any(is_missing(answer%value(:, p)%re))) cycle
-      amplitude = abs(answer%value(:, p))
-      at = maxloc(amplitude, dim=1)
-      call table%put_row(lines, fixed(asked%points(p))//'|'//fixed(amplitude(at))//'|'//fixed(asked%frequency(at)))
+    do i = 1, min(most_extremes, size(answer%extremes))
+      associate (extreme => answer%extremes(i))
+        at = shortest(extreme%omega/two_pi, 7)
+        if (extreme%is_resonance) then
+          call table%put_row(lines, fixed(asked%points(extreme%point))//'|'//at//'|'//fixed(extreme%amplitude)//'|'// &
+                             fixed(extreme%ratio), detail=i > shown)
+        else
+          call table%put_row(lines, fixed(asked%points(extreme%point))//'||||'//at, detail=i > shown)
+        end if
+      end associate
     end do
-    call note_rest(lines, size(asked%points), shown)
+    if (size(answer%extremes) > most_extremes) &
+      call lines%append_line('   ...  and more; fewer points or a narrower band show them')
+    if (size(answer%extremes) == 0) &
+      call lines%append_line('  neither a resonance nor an antiresonance lies between these frequencies')
     if (allocated(answer%junction)) call report_junctions(asked%frequency, answer, lines)
   end subroutine report_answer
 

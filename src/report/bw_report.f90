@@ -45,7 +45,9 @@ contains
     if (allocated(result%contact)) call report_contact(scene, result, lines)
     if (allocated(result%loads)) call report_loads(scene, result, lines)
     if (allocated(result%response)) call report_histories(scene, result, lines)
-    if (allocated(result%answer)) call report_answer(scene%frequency_response, result%answer, lines)
+    if (allocated(result%answer)) then
+      if (allocated(result%answer%extremes)) call report_answer(scene%frequency_response, result%answer, lines)
+    end if
     if (allocated(result%measured)) call report_measured(result, lines)
     text = lines%text()
   end function case_report

@@ -250,11 +250,13 @@ contains
     integer, parameter :: time_copies = 3
     integer, parameter :: line_bytes = 20000000      ! of a group of lines that are fitted together
     integer, parameter :: of_case = 16               ! its number and status
+    integer(i8), parameter :: column_numbers = 2**22 ! of all cases, for which quantiles are found together
     integer(i8) :: shapes, numbers
     shapes = int(max(layout%modes, layout%modes_before), i8)*max(layout%points, 2*layout%profile)
     shapes = min(shapes, int(most_shapes, i8))
     numbers = case_numbers(scene, layout)
     bytes = 8*(2*numbers + shapes + wave_numbers*int(layout%frequencies, i8) + time_copies*int(layout%samples, i8)) + 27000000
+    if (layout%quantiles > 0) bytes = bytes + 8*min(column_numbers, int(layout%cases, i8)*max(layout%modes, layout%points, 1))
     if (.not. allocated(scene%record)) bytes = bytes + case_bytes(scene)
     if (allocated(layout%record)) bytes = bytes + record_bytes(layout%record%longest, layout%points)
     if (allocated(scene%spectrum)) bytes = bytes + line_bytes

@@ -87,7 +87,8 @@ contains
     character(*), intent(in) :: equations(:)           !! of the paper, for each of `of_modes`
     integer :: i
     do i = 1, size(of_modes)
-      if (table%real_row(trim(of_modes(i)%name), dimension, trim(of_modes(i)%units), trim(of_modes(i)%long_name), equations(i))) &
+      if (table%real_row(trim(of_modes(i)%name), dimension, trim(of_modes(i)%units), trim(of_modes(i)%long_name), equations(i), &
+                         summary=dimension == 'mode' .and. of_modes(i)%name == 'angular_frequency')) &
         call table%put(modal_values(modes, units, of_modes(i)%name))
     end do
   end subroutine modal_rows
@@ -178,7 +179,8 @@ contains
     associate (velocity => result%approach_velocity)
       if (table%real_row('velocity_jump', 'profile', 'm s-1', 'jump of the velocity along the beam at the impact', 'Fig. 3', &
                          needs='blow')) call table%put(result%velocity_jump*velocity)
-      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='blow')) &
+      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='blow', &
+                         summary=.true.)) &
         call table%put([in_newton_seconds(result%impact%impulse, result%units, velocity)])
       if (table%real_row('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', of_blow, needs='blow')) &
         call table%put([result%impact%mass_velocity*velocity])
@@ -186,7 +188,7 @@ contains
                          of_blow, needs='blow')) call table%put([result%impact%tip_velocity*velocity])
     end associate
     if (table%real_row('critical_angular_velocity', '', 'rad s-1', 'lowest angular velocity at which a mode is unstable', &
-                       'Eq. 31', needs='mode')) call table%put([critical_speed(result, modes)])
+                       'Eq. 31', needs='mode', summary=.true.)) call table%put([critical_speed(result, modes)])
     if (table%real_row('critical_angular_velocity_before', '', 'rad s-1', &
                        'lowest angular velocity at which a mode is unstable, before the capture', 'Eq. 31', &
                        needs='mode_before')) call table%put([critical_speed(result, before)])
@@ -239,12 +241,13 @@ contains
     class(result_table), intent(inout) :: table
     type(contact_result), intent(in), optional :: contact
     if (table%real_row('restitution', '', '1', 'velocity at which mass and beam separate after the first contact over that at '// &
-                       'which they met', needs='contact_sample')) call table%put([contact%restitution])
+                       'which they met', needs='contact_sample', summary=.true.)) call table%put([contact%restitution])
     if (table%real_row('final_mass_velocity', '', 'm s-1', 'velocity of the mass after its last contact', &
-                       needs='contact_sample')) call table%put([contact%leaving])
-    if (table%real_row('largest_indentation', '', 'm', 'largest indentation of all contacts', needs='contact_sample')) &
-      call table%put([contact%indentation])
-    if (table%real_row('largest_contact_force', '', 'N', 'largest contact force of all contacts', needs='contact_sample')) &
+                       needs='contact_sample', summary=.true.)) call table%put([contact%leaving])
+    if (table%real_row('largest_indentation', '', 'm', 'largest indentation of all contacts', needs='contact_sample', &
+                       summary=.true.)) call table%put([contact%indentation])
+    if (table%real_row('largest_contact_force', '', 'N', 'largest contact force of all contacts', needs='contact_sample', &
+                       summary=.true.)) &
       call table%put(largest_of(reshape(contact%largest, [size(contact%largest), 1])))
     if (table%real_row('event_force', 'event', 'N', 'largest contact force of the event', needs='contact_sample')) &
       call table%put(contact%largest)
@@ -272,12 +275,12 @@ contains
     !! Put histories, their peaks and their errors.
     class(result_table), intent(inout) :: table
     type(response_type), intent(in), optional :: response
-    if (table%real_row('largest_displacement', 'point', 'm', 'largest sample of the displacement', needs='simulated')) &
-      call table%put(largest_of(response%displacement))
+    if (table%real_row('largest_displacement', 'point', 'm', 'largest sample of the displacement', needs='simulated', &
+                       summary=.true.)) call table%put(largest_of(response%displacement))
     if (table%real_row('largest_displacement_time', 'point', 's', 'time of that sample', needs='simulated')) &
       call table%put(times_of_largest(response%displacement, response%sampling))
-    if (table%real_row('largest_stress', 'point', 'Pa', 'largest sample of the bending stress', needs='bending_stress')) &
-      call table%put(largest_of(stresses_of(response)))
+    if (table%real_row('largest_stress', 'point', 'Pa', 'largest sample of the bending stress', needs='bending_stress', &
+                       summary=.true.)) call table%put(largest_of(stresses_of(response)))
     if (table%real_row('largest_stress_time', 'point', 's', 'time of that sample', needs='bending_stress')) &
       call table%put(times_of_largest(stresses_of(response), response%sampling))
     if (table%real_row('displacement_error', 'point', 'm', estimate_of//'displacement'//limit_of, needs='estimates')) &

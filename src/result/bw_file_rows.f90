@@ -7,8 +7,9 @@ module bw_file_rows
   use bw_line_windows, only: window_end, window_start
   use bw_missing, only: is_missing
   use bw_record, only: sensor_type
+  use bw_over_cases, only: case_quantiles, over_cases
   use bw_repeats, only: pooled_lines, pooled_words
-  use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
+  use bw_result_layout, only: dimension_length, dimension_names, has, quantile_levels, result_layout
   use bw_result_table, only: result_table, unit_of_sensors
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
@@ -72,6 +73,8 @@ contains
     call count_row(table, 'configuration', 'number of the configuration, in the order in which they come')
     call count_row(table, 'unknown', 'number of the unknown, in the order of the scene, then of further scenes')
     call count_row(table, 'unknown_too', 'number of the unknown, as unknown')
+    if (table%real_row('quantile', 'quantile', '1', 'part of the cases that are at or below; 0: the least, 1: the largest', &
+                       is_complete=.true.)) call table%put(quantile_levels)
     call count_row(table, 'stage', 'stage of the work', stage_words)
     if (.not. has(table%layout, 'places')) then
       call count_row(table, 'point', 'number of the sensor')
@@ -257,14 +260,31 @@ contains
     end do
   end subroutine put_series
 
-  subroutine end_rows(table, seconds, pooled)
+  subroutine end_rows(table, seconds, over)
     !! Put values known when all cases are done.
     class(result_table), intent(inout) :: table
     real(dp), intent(in) :: seconds(:)                  !! (stages)
-    type(pooled_lines), intent(in), optional :: pooled  !! of repeats; absent while rows are defined
+    type(over_cases), intent(in) :: over                !! all cases; empty while rows are defined, and for one case
     if (table%real_row('stage_seconds', 'stage', 's', 'wall time of the stage over all cases')) call table%put(seconds)
-    call pooled_rows(table, pooled)
+    call pooled_rows(table, over%pooled)
+    call quantile_rows(table, over%quantiles)
   end subroutine end_rows
+
+  subroutine quantile_rows(table, quantiles)
+    !! Put quantiles of the summaries of a design, and the number of cases behind them.
+    class(result_table), intent(inout) :: table
+    type(case_quantiles), intent(in), optional :: quantiles(:)   !! of each summary; absent while rows are defined
+    integer :: s
+    do s = 1, size(table%summaries)
+      associate (summary => table%summaries(s))
+        if (table%real_row('quantile_'//summary%name, 'quantile '//summary%dimensions, summary%units, 'quantiles of the '// &
+                           summary%long_name//', over the cases')) &
+          call table%put(reshape(quantiles(s)%values, [size(quantiles(s)%values)]))
+        if (table%whole_row('quantile_cases_'//summary%name, summary%dimensions, 'number of cases that have the '// &
+                            summary%long_name, needs='quantile')) call table%put(quantiles(s)%cases)
+      end associate
+    end do
+  end subroutine quantile_rows
 
   subroutine pooled_rows(table, pooled)
     !! Put the lines shared by repeats of a record.

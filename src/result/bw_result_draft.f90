@@ -9,7 +9,7 @@ module bw_result_draft
   use bw_files, only: cannot_be_read, cannot_be_written, remove_file
   use bw_kinds, only: dp, i1, i8
   use bw_number_file, only: whole_width
-  use bw_repeats, only: pooled_lines
+  use bw_over_cases, only: over_cases
   use bw_result_header, only: history_text, put_attributes, time_stamp
   use bw_result_layout, only: result_layout
   use bw_result_supplement, only: result_supplement
@@ -45,6 +45,7 @@ contains
     type(result_table) :: table
     type(case_result) :: none
     real(dp) :: seconds(stage_count)
+    type(over_cases) :: nothing
     logical :: fits, ignored
     seconds = 0
     self%scene = scene
@@ -66,7 +67,7 @@ contains
       call self%begin_section(of_case_ends)
       ignored = self%whole_row('case_status', '', 'how the case ended', case_words)      ! put by `put_statuses`
       call self%begin_section(after_cases)
-      call end_rows(self, seconds)
+      call end_rows(self, seconds, nothing)
       call self%begin_section(of_supplement)
       if (present(supplement)) call supplement%rows(self)
       call self%begin_section(of_notes)
@@ -244,16 +245,16 @@ contains
     if (self%file%problem == 0) self%file%problem = other%file%problem
   end subroutine take_cases
 
-  subroutine finish(self, notes, report, seconds, error, pooled)
+  subroutine finish(self, notes, report, seconds, over, error)
     !! Put values known when all cases are done, and flush the file to the disk.
     !! **Errors**: the system refuses it.
     class(result_draft), intent(inout) :: self
     character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)                !! (stages)
+    type(over_cases), intent(in) :: over              !! empty for a single case
     type(error_type), allocatable, intent(inout) :: error
-    type(pooled_lines), intent(in), optional :: pooled    !! of repeats
     call self%begin_section(after_cases)
-    call end_rows(self, seconds, pooled)
+    call end_rows(self, seconds, over)
     call self%set_text('notes', notes)
     call self%set_text('report', report)
     call self%set_text('created', time_stamp())

@@ -25,8 +25,14 @@ module bw_result_table
   integer, parameter :: defining = 1, putting = 2, naming = 3         !! purposes of a walk
   integer, parameter, public :: most_waiting = 2**18 !! numbers of cases in memory; a larger case is put at once; tuned
 
+  type, public :: summary_row
+    !! A variable whose quantiles over the cases of a design are requested.
+    character(:), allocatable :: name, dimensions, units, long_name    !! without `case`
+  end type summary_row
+
   type, extends(classic_file), public :: result_table
     type(result_layout) :: layout            !! of the result; the default for any other file
+    type(summary_row), allocatable :: summaries(:)   !! of a design, in the order of the rows; else empty
     character(:), allocatable :: swept       !! variables of swept inputs, separated by spaces
     integer(i8) :: case_numbers = 0          !! numbers per case
     real(dp), allocatable :: found(:)        !! the values of the requested name
@@ -53,7 +59,7 @@ module bw_result_table
     procedure, private :: put_list, put_wholes
     generic :: put => put_list, put_wholes
     procedure :: put_columns, put_texts, put_again, store, write_cases, is_gathered
-    procedure, private :: row, find_row, define, fill, wanted_count
+    procedure, private :: row, find_row, sum_up, define, fill, wanted_count
   end type result_table
 
 contains
@@ -65,6 +71,7 @@ contains
     if (.not. allocated(self%row_names)) then
       self%row_names = ''
       self%row_ends = [0]
+      allocate (self%summaries(0))
       allocate (self%row_variables(0))
     end if
     if (self%walk == defining) self%before(section:) = size(self%row_variables)
@@ -112,7 +119,7 @@ contains
     call self%begin_names('', '')
   end subroutine look_for
 
-  logical function real_row(self, name, dimensions, units, long_name, references, needs, is_complete) result(wanted)
+  logical function real_row(self, name, dimensions, units, long_name, references, needs, is_complete, summary) result(wanted)
     !! Define or request the row of reals.
     class(result_table), intent(inout) :: self
     character(*), intent(in) :: name
@@ -122,17 +129,39 @@ contains
     character(*), intent(in), optional :: references           !! the paper's equation; absent or empty: none
     character(*), intent(in), optional :: needs                !! further condition on the result, for `has`
     logical, intent(in), optional :: is_complete               !! every value exists, as for coordinates; absent: some may not
+    logical, intent(in), optional :: summary                   !! a design has quantiles over its cases; absent: not
     logical :: is_filled
     wanted = self%row(name, reals, dimensions, units, long_name, needs)
     if (wanted .and. self%is_blank) call self%fill(0_i8)
     wanted = wanted .and. .not. self%is_blank
     if (self%walk /= defining .or. self%at == 0) return
+    if (present(summary)) call self%sum_up(name, dimensions, units, long_name, summary)
     is_filled = .true.
     if (present(is_complete)) is_filled = .not. is_complete
     if (is_filled) call self%head%add_fill()
     if (.not. present(references)) return
     if (references /= '') call self%head%add_text('references', trim(references))
   end function real_row
+
+  subroutine sum_up(self, name, dimensions, units, long_name, wanted)
+    !! Store what the quantile rows of a design need of a variable.
+    class(result_table), intent(inout) :: self
+    character(*), intent(in) :: name, dimensions, units, long_name
+    logical, intent(in) :: wanted
+    type(summary_row), allocatable :: more(:)
+    integer :: i, n
+    if (.not. wanted .or. self%layout%quantiles == 0) return
+    n = size(self%summaries)
+    allocate (more(n + 1))
+    do i = 1, n
+      more(i) = self%summaries(i)
+    end do
+    more(n + 1)%name = name
+    more(n + 1)%dimensions = dimensions
+    more(n + 1)%units = units
+    more(n + 1)%long_name = long_name
+    call move_alloc(more, self%summaries)
+  end subroutine sum_up
 
   logical function whole_row(self, name, dimensions, long_name, flags, first_flag, has_masks, needs) result(wanted)
     !! Define or request the row of integers, 0 by default. xarray would read integers with a fill value as reals.

@@ -12,6 +12,7 @@ module bw_run_scene
   use bw_notes, only: notes_type
   use bw_one_case, only: case_cache, run_case
   use bw_outcome, only: outcome_type, unfinished_work_removed
+  use bw_over_cases, only: over_cases
   use bw_process_group, only: process_group
   use bw_record, only: record_extent, record_type
   use bw_record_case, only: keep_record
@@ -157,6 +158,7 @@ contains
     class(result_supplement), intent(inout), optional :: supplement
     type(case_result) :: result
     type(case_cache) :: cache
+    type(over_cases) :: over                              ! empty
     type(stopwatch) :: watch
     type(notes_type) :: notes
     character(:), allocatable :: report
@@ -182,7 +184,7 @@ contains
       call work%draft%put_statuses([1], [result%status])
       call progress%cases_done(1_i8)
       call progress%enter(trim(stage_words(stage_write)))
-      call finish_draft(work, report, watch, progress, outcome, whole, error, supplement)
+      call finish_draft(work, report, watch, progress, outcome, whole, error, over, supplement)
     end if
     call progress%end()
     if (.not. whole) call outcome%set_stopped(0_i8, 1_i8)

@@ -11,7 +11,8 @@ module bw_run_sweep
   use bw_pooled_table, only: pooled_table
   use bw_process_group, only: process_group
   use bw_repeat_cases, only: pooled_cases
-  use bw_repeats, only: pooled_lines
+  use bw_over_cases, only: over_cases, quantiles_of_cases
+  use bw_quantile_table, only: quantile_table
   use bw_result_draft, only: not_done
   use bw_result_layout, only: has
   use bw_result_supplement, only: result_supplement
@@ -169,7 +170,7 @@ contains
     logical, intent(out) :: whole                     !! false if the monitor asked to stop
     type(error_type), allocatable, intent(inout) :: error
     class(result_supplement), intent(inout), optional :: supplement
-    type(pooled_lines), allocatable :: pooled
+    type(over_cases) :: over
     character(:), allocatable :: report
     call watch%start()
     call work%merge(error)
@@ -177,13 +178,17 @@ contains
     if (allocated(error)) return
     report = sweep_table(work%draft, statuses)
     if (has(work%layout, 'pooled')) then
-      pooled = pooled_cases(work%draft)
-      if (size(pooled%count) > 0) report = details(report)
-      report = report//pooled_table(pooled, size(statuses), work%scene%spectrum%confidence, &
-                                     work%layout%record%sensors, work%layout%record%frequencies)
+      over%pooled = pooled_cases(work%draft)
+      if (size(over%pooled%count) > 0) report = details(report)
+      report = report//pooled_table(over%pooled, size(statuses), work%scene%spectrum%confidence, &
+                                       work%layout%record%sensors, work%layout%record%frequencies)
+    end if
+    if (has(work%layout, 'quantile')) then
+      call quantiles_of_cases(work%draft, over%quantiles)
+      report = report//quantile_table(work%draft, over%quantiles)
     end if
     call outcome%set_notes(notes_of(work), work%layout, count(statuses /= case_done, kind=i8))
-    call finish_draft(work, report, watch, progress, outcome, whole, error, supplement, pooled)
+    call finish_draft(work, report, watch, progress, outcome, whole, error, over, supplement)
     if (whole .and. .not. allocated(error)) call move_alloc(report, table%text)
   end subroutine assemble
 
@@ -203,7 +208,7 @@ contains
     lines = notes%lines(work%layout%cases)
   end function notes_of
 
-  subroutine finish_draft(work, report, watch, progress, outcome, whole, error, supplement, pooled)
+  subroutine finish_draft(work, report, watch, progress, outcome, whole, error, over, supplement)
     !! Complete the first draft, whose cases are all done, and give it its final name.
     !! **Errors**: that is refused, or an earlier operation was.
     type(unfinished_work), intent(inout) :: work      !! with that draft open
@@ -213,8 +218,8 @@ contains
     type(outcome_type), intent(inout) :: outcome
     logical, intent(out) :: whole                     !! false if the monitor asked to stop
     type(error_type), allocatable, intent(inout) :: error
+    type(over_cases), intent(in) :: over              !! empty of a single case
     class(result_supplement), intent(inout), optional :: supplement
-    type(pooled_lines), intent(in), optional :: pooled    !! of repeats
     real(dp) :: began, added                          ! seconds of the supplement
     whole = .true.
     began = wall_seconds()
@@ -225,7 +230,7 @@ contains
     if (present(supplement)) call outcome%trust(supplement%trusted)
     call watch%lap(stage_write)
     call watch%rebook(stage_write, stage_spectrum, added)
-    call work%draft%finish(outcome%notes_text(), report, watch%seconds, error, pooled)
+    call work%draft%finish(outcome%notes_text(), report, watch%seconds, over, error)
     call work%publish(error)
     call watch%lap(stage_write)
   end subroutine finish_draft

@@ -71,6 +71,7 @@ def test_every_tolerance_is_kept_and_no_error_is_above_its_estimate(study):
     known = study.true_error > study.converged_error
     assert known.sum() >= 15
     assert (study.estimated_error >= study.true_error).where(known, True).all()
+    np.testing.assert_allclose(study.error_ratio, study.estimated_error / study.true_error, rtol=1e-12)
 
 
 def test_true_errors_are_those_of_the_runs_themselves(measured, study):
@@ -118,6 +119,7 @@ def test_the_printed_list_holds_the_numbers_of_the_file(measured, study):
     np.testing.assert_allclose(shown, ladder(study, "counts").true_error, rtol=0.06)
     milliseconds = [float(row[6]) for row in counted]
     np.testing.assert_allclose(milliseconds, 1e3 * ladder(study, "counts").seconds, rtol=0.006)
+    assert "a tenth of the error takes" in measured[1]
 
 
 def test_a_study_that_is_there_is_left_alone(measured):
@@ -230,6 +232,7 @@ def test_a_beam_at_rest_has_no_error_at_any_price(here):
     assert (ended.returncode, ended.stderr) == (0, "")
     with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
         assert (ds.true_error == 0.0).all() and (ds.estimated_error == 0.0).all()
+        assert np.isnan(ds.work_slope)
 
 
 @pytest.mark.parametrize("number, groups", [(signal.SIGINT, {}), (signal.SIGTERM, {"release": {"time": 0.5}})])
@@ -262,6 +265,7 @@ def test_a_mode_that_grows_and_would_not_changes_all_of_the_displacement(here):
     assert here.beamwave("accuracy", "a.nml", "--quiet").returncode == 0
     with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
         assert float(ds.model_error) >= 1.0
+        assert ds.beyond_model.all()
 
 
 def test_points_that_hardly_move_leave_no_tolerance_to_ask_for(here):

@@ -43,8 +43,9 @@ def product(shared):
 
 
 def differing(one, other):
-    """What two results differ in beside the scene's text and the checksum of the table, and the report, which names it."""
-    return set(results.differences(one, other)) - {"scene", "design_checksum", "report", "given"}
+    """What two results differ in beside the scene's text and the checksum of the table, the report, which names it, and quantiles."""
+    names = set(results.differences(one, other)) - {"scene", "design_checksum", "report", "given"}
+    return {name for name in names if not name.startswith("quantile")}
 
 
 def test_rows_that_are_the_product_of_a_sweep_give_its_bits(here, product):
@@ -239,6 +240,56 @@ def test_the_example_runs_without_a_warning(here):
     assert here.result("design").sizes["case"] == 192
 
 
+LEVELS = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0]
+
+
+def test_quantiles_are_those_of_numpy_over_the_cases_that_have_the_number(here):
+    # the last rows are above the critical speed, where mode 1 has no frequency
+    rows = [(0.1 + 0.02 * i, 4.0 * i) for i in range(40)]
+    scene = captured_beam(response={**RESPONSE, "bending_moment": True}, modes={"before": 5, "after": 5})
+    design(here, scene, NAMES, rows)
+    result = here.run("a", "--quiet")
+    np.testing.assert_array_equal(result["quantile"], LEVELS)
+    summed = [name[len("quantile_") :] for name in result.variables if name.startswith("quantile_") and "cases" not in name]
+    assert set(summed) == {
+        "angular_frequency",
+        "critical_angular_velocity",
+        "impulse",
+        "largest_displacement",
+        "largest_stress",
+    }
+    for name in summed:
+        values = np.where(results.is_fill(result[name]), np.nan, result[name])
+        np.testing.assert_array_equal(result[f"quantile_cases_{name}"], np.isfinite(values).sum(axis=0), name)
+        # two values are weighed with one rounding each
+        np.testing.assert_allclose(result[f"quantile_{name}"], np.nanquantile(values, LEVELS, axis=0), rtol=1e-14, err_msg=name)
+    assert 0 < result["quantile_cases_angular_frequency"][0] < 40
+
+
+def test_a_number_that_no_case_has_has_no_quantile(here):
+    design(here, captured_beam(modes={"before": 2, "after": 2}), NAMES, [(1.0, 2000.0), (2.0, 2000.0)])
+    result = here.run("a", "--quiet")
+    assert results.is_fill(result["quantile_angular_frequency"][:, 0]).all()
+    assert result["quantile_cases_angular_frequency"][0] == 0
+
+
+def test_the_report_has_the_quantiles_in_hertz(here):
+    design(here, captured_beam(), NAMES, PRODUCT)
+    said = here.beamwave("run", "a.nml").stdout
+    median = here.result("a")["quantile_angular_frequency"][3, 0] / (2.0 * np.pi)
+    (line,) = [line for line in said.splitlines() if "frequency, mode 1 (Hz)" in line]
+    assert float(line.split()[4]) == pytest.approx(median, rel=1e-5)  # six digits
+
+
+def test_the_report_leaves_out_what_is_0_in_every_case(here):
+    scene = captured_beam(response={**RESPONSE, "points": [0.0, 1.0], "bending_moment": True})
+    design(here, scene, NAMES, PRODUCT)
+    said = here.beamwave("run", "a.nml").stdout.split("Quantiles over")[1]
+    assert "largest sample of the displacement at xi = 1 (m)" in said
+    assert "largest sample of the bending stress at xi = 0 (Pa)" in said
+    assert "displacement at xi = 0" not in said and "stress at xi = 1" not in said  # a clamped root, a free tip
+
+
 def test_the_report_has_the_numbers_of_a_row_and_its_line_where_columns_are_many(here):
     columns = ["impact%mass_ratio", "beam%density", "beam%length", "beam%diameter", "impact%approach_velocity"]
     rows = [(0.1, 7870, 1, 0.037, 1.5), (0.2, 7850, 1.1, 0.038, 2.5)]
@@ -249,6 +300,10 @@ def test_the_report_has_the_numbers_of_a_row_and_its_line_where_columns_are_many
     design(here, captured_beam(), columns[:4], [row[:4] for row in rows])
     said = here.beamwave("run", "a.nml", "--overwrite").stdout
     assert "beam%length = 1.1, beam%diameter = 0.038\n" in said and "(line" not in said
+
+
+def test_a_sweep_has_no_quantiles(product):
+    assert "quantile" not in product.sizes
 
 
 CASES = 60

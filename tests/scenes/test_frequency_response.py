@@ -137,6 +137,93 @@ def test_histories_and_answers_have_the_same_points(here):
     assert "frequency_response%points: are not those of &response" in ended.stderr
 
 
+def pinned_frequencies(count):
+    """Hz, of a beam that is clamped and pinned, as the tip is where it rests under a force: tan a = tanh a."""
+    a = [brentq(lambda a: np.tan(a) - np.tanh(a), n * np.pi + 0.1, n * np.pi + 1.0, xtol=1e-14) for n in range(1, count + 1)]
+    return np.array(a) ** 2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi
+
+
+def reported(here):
+    """Rows of resonances, and antiresonances, of the scene's report."""
+    table = here.beamwave("run", "a.nml").stdout.split("response to a harmonic force")[1].split("\n\n")[0]
+    rows = [line.split() for line in table.splitlines()[3:]]
+    return [row[1:] for row in rows if len(row) == 4], [float(row[1]) for row in rows if len(row) == 2]
+
+
+def peak_of(size, near, width):
+    """The largest value of a function next to a frequency, and where half of its square is left on both sides."""
+    found = minimize_scalar(lambda f: -size(f), bounds=(near - width, near + width), method="bounded", options={"xatol": 1e-9 * near})
+    half = size(found.x) / np.sqrt(2)
+    return found.x, -found.fun, [brentq(lambda f: size(f) - half, *sorted((found.x, found.x + way * width))) for way in (-2, 2)]
+
+
+@pytest.mark.parametrize("count", [2, 30, 5000])
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_resonances_do_not_depend_on_the_frequencies_that_are_asked_for(here, quantity, count):
+    loss, drag = 3e-6, 3.0
+    order = ["displacement", "velocity", "acceleration"].index(quantity)
+    damping = {"mass_proportional": drag, "stiffness_proportional": loss}
+    here.scene("a", scene({"quantity": quantity, "count": count}, damping=damping))
+    rows, quiet = reported(here)
+    modes = frequencies_of_cantilever(5)
+    assert len(rows) == 5
+    for row, beta in zip(rows, modes):
+        width = (drag + loss * beta**2) / 2 / np.pi
+        at, size, half = peak_of(lambda f: abs((2 * np.pi * f) ** order * tip_of_cantilever(f, loss, drag)), beta / 2 / np.pi, width)
+        assert float(row[0]) == pytest.approx(at, rel=5e-7)
+        assert float(row[1]) == pytest.approx(size, rel=1e-4)
+        assert float(row[2]) == pytest.approx((half[1] - half[0]) / at / 2, rel=2 * width / at + 1e-5)
+        assert float(row[2]) == pytest.approx(np.pi * width / beta, rel=0.04)  # what the other modes add
+    zeros = [brentq(lambda f: tip_of_cantilever(f, loss, drag).real, 0.95 * f, 1.05 * f) for f in pinned_frequencies(4)]
+    np.testing.assert_allclose(quiet[:4], zeros, rtol=5e-7)
+
+
+def test_undamped_resonances_are_the_modes_and_have_no_size(here):
+    here.scene("a", scene({"count": 2}))
+    rows, quiet = reported(here)
+    np.testing.assert_allclose([float(row[0]) for row in rows], frequencies_of_cantilever(5) / 2 / np.pi, rtol=5e-7)
+    assert all(row[1:] == ["-", "-"] for row in rows)
+    np.testing.assert_allclose(quiet, pinned_frequencies(len(quiet)), rtol=5e-7)
+
+
+@pytest.mark.parametrize(("quantity", "peak"), [("displacement", 1 / np.sqrt(1 - 2 * 0.3**2)), ("velocity", 1.0), ("acceleration", np.sqrt(1 - 2 * 0.3**2))])
+def test_a_strongly_damped_mode_has_its_own_peak_of_each_quantity(here, quantity, peak):
+    # a heavy mass at the tip leaves one mode in the band, a mass on a spring
+    tip = {"position": 1.0, "mass": 1e4}
+    here.scene("a", scene({"quantity": quantity, "first": 0.1, "last": 20.0}, body=tip, damping={"ratio": 0.3}))
+    here.scene("b", scene({"quantity": quantity, "first": 0.1, "last": 20.0}, body=tip, modes={"before": 2}))
+    beta = here.run("b")["angular_frequency"].ravel()[0] / 2 / np.pi
+    rows, _ = reported(here)
+    assert len(rows) == 1
+    assert float(rows[0][0]) == pytest.approx(beta / peak, rel=1e-4)
+    assert float(rows[0][2]) == pytest.approx(0.3, rel=1e-3)
+
+
+def test_two_modes_within_one_width_have_one_resonance(here):
+    # two halves of a beam, clamped at both ends and all but clamped between: pairs of modes 1e-4 apart; the curve itself tells its peak
+    halves = {
+        "tip_support": {"stiffness": 1e14, "rotational_stiffness": 1e12},
+        "body": {"position": 0.5, "mass": 0.01, "stiffness": 1e11, "rotational_stiffness": 1e8},
+        "damping": {"mass_proportional": 30.0},
+    }
+    clamped = float(4.730040744862704**2 / 0.5**2 * np.sqrt(STIFFNESS / MASS) / 2 / np.pi)
+    asked = {"first": 0.99 * clamped, "last": 1.01 * clamped, "count": 4001, "position": 0.2, "points": [0.2, 0.3]}
+    here.scene("a", scene(asked, **halves))
+    rows, _ = reported(here)
+    frequency, size = here.result("a")["response_frequency"], np.abs(answer(here.result("a")))
+    assert len(rows) == 2
+    for row, curve in zip(rows, size):
+        assert float(row[0]) == pytest.approx(frequency[np.argmax(curve)], rel=1e-5)
+        assert float(row[1]) == pytest.approx(curve.max(), rel=1e-4)
+
+
+def test_a_node_has_no_resonance(here):
+    # mode 2 of a cantilever rests at 0.7834417 of its length, the root of its shape
+    here.scene("a", scene({"points": [0.783441692264, 1.0], "first": 100.0, "last": 250.0}, damping={"ratio": 0.01}))
+    rows, _ = reported(here)
+    assert len(rows) == 1
+
+
 def on_a_hub(frequency, position, points, inertia, radius):
     """Deflections from the line of a hub that a force turns with the beam: waves on both sides of the force, and the hub's balance of moments."""
     omega, a = 2 * np.pi * frequency, position
@@ -187,12 +274,14 @@ def test_what_cannot_be_asked_is_refused(here, asked, message):
 def test_what_is_held_rests(here):
     ended = here.beamwave("run", here.scene("a", scene({"position": 0.0, "points": [0.5, 1.0]})))
     assert ended.returncode == 0 and "NaN" not in ended.stdout
+    assert "neither a resonance nor an antiresonance" in ended.stdout
     assert not np.abs(answer(here.result("a"))).any()
 
 
 def test_what_is_less_than_its_error_is_missing(here):
     ended = here.beamwave("run", here.scene("a", scene({"last": 1e6, "count": 30}, damping={"ratio": 1e30})))
     assert ended.returncode == 4
+    assert "neither a resonance nor an antiresonance" in ended.stdout
     assert results.is_fill(here.result("a")["frequency_response_real"]).all()
 
 

@@ -16,13 +16,10 @@ from .main_effects import first_order_indices, ranks
 from .spacing import space_axis
 from .units import drawable, si_prefix, units_of
 
-LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")
+LARGEST = ("largest_displacement", "largest_stress", "largest_contact_force")  # of a sweep, whose file has no quantiles
 OUTCOMES = (*LARGEST, "restitution", "final_mass_velocity")
+QUANTILE = "quantile_"  # how the name of a variable begins that sums up another over the cases of a design
 CRITICAL, SPEED = "critical_angular_velocity", "rotation_angular_velocity"
-OF_DESIGNS = (
-    *("angular_frequency", "impulse", CRITICAL, "restitution", "final_mass_velocity", "largest_indentation"),
-    *("largest_contact_force", "largest_displacement", "largest_stress"),
-)
 FEWEST = 30  # cases: of fewer chance says more than the inputs
 CORRELATED = 0.3  # rank correlation of two inputs beyond which they do not vary independently …
 BY_CHANCE = 4.0  # … unless it is within so many standard deviations, 1/√cases, of inputs that do
@@ -38,12 +35,13 @@ class Outcome:
 
 
 def outcomes_of(ds: xr.Dataset) -> list[Outcome]:
-    """What cases of a design or a sweep came to, as far as it differs between them; of modes the first, of points the one with
-    the largest median. A beam that does not rotate has no critical speed worth a rank."""
+    """What a design sums up, or the largest values of a sweep, as far as it differs between cases; of modes the first, of
+    points the one with the largest median. A beam that does not rotate has no critical speed worth a rank."""
+    summed = [str(name)[len(QUANTILE) :] for name in ds.data_vars if str(name).startswith(QUANTILE)]
+    if SPEED not in ds:
+        summed = [name for name in summed if name != CRITICAL]
     found = []
-    for name in OF_DESIGNS if "design_checksum" in ds.attrs else OUTCOMES:
-        if name not in ds or (name == CRITICAL and SPEED not in ds):
-            continue
+    for name in [one for one in summed if one in ds] or [one for one in OUTCOMES if one in ds]:
         one = _outcome(ds, drawable(ds[name]))
         values = one.variable.values
         finite = values[np.isfinite(values)]

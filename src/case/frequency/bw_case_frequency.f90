@@ -7,17 +7,18 @@ module bw_case_frequency
   use bw_case_modes, only: case_mode_cache, extend_source, find_sources
   use bw_case_result, only: answer_type, case_done, case_modes, case_not_converged
   use bw_constants, only: two_pi
-  use bw_damping, only: damping_law, law_of
+  use bw_damping, only: law_of
   use bw_double_double, only: dd
   use bw_forced_beam, only: forced_beam
   use bw_junction_waves, only: find_scattered
   use bw_kinds, only: dp
-  use bw_missing, only: missing
-  use bw_modal_response, only: modal_response, terms_of
+  use bw_missing, only: missing, scaled
+  use bw_modal_response, only: chosen, modal_response, modal_terms, terms_of
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: joint_position, junctions_of, piece_beam
   use bw_piece_source, only: source_of_pieces
+  use bw_response_extremes, only: find_extremes, harmonic_response
   use bw_scene, only: answers_by_modes, scene_type, varies_along_pieces
   use bw_scene_pieces, only: in_uniform_parts, pieces_of, struck_beam, varying_of
   use bw_text, only: append, shortest, string, text_of
@@ -30,13 +31,22 @@ module bw_case_frequency
   real(dp), parameter :: beyond = 4.0_dp             !! aim for modes up to so many times the highest frequency
   integer, parameter :: at_once = 256                !! frequencies between two calls of the monitor
 
+  type, extends(harmonic_response) :: boundary_response
+    !! Solves the boundary value problem.
+    type(forced_beam) :: forced
+    real(dp) :: mass = 0.0_dp, stiffness = 0.0_dp    !! Rayleigh damping
+  contains
+    procedure :: at => solve_boundary
+  end type boundary_response
+
 contains
 
-  subroutine find_frequency_response(scene, units, junctions, monitor, cache, answer, notes, status)
+  subroutine find_frequency_response(scene, units, junctions, with_extremes, monitor, cache, answer, notes, status)
     !! Find the response of all points at all frequencies, SI.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: junctions                 !! most junctions of the beam; 0: not requested
+    logical, intent(in) :: with_extremes             !! find resonances and antiresonances
     class(monitor_type), intent(inout) :: monitor    !! the answer is invalid if it requests a stop
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), allocatable, intent(out) :: answer
@@ -56,9 +66,9 @@ contains
       factor = factors_of(asked%quantity, two_pi*asked%frequency, units%time%hi**2/units%mass)
     end associate
     if (answers_by_modes(scene)) then
-      call by_modes(scene, units, pieces, omega, factor, monitor, cache, answer)
+      call by_modes(scene, units, pieces, omega, factor, with_extremes, monitor, cache, answer)
     else
-      call by_boundary(scene, units, pieces%beam, omega, factor, monitor, answer)
+      call by_boundary(scene, units, pieces%beam, omega, factor, with_extremes, monitor, cache, answer)
     end if
     if (monitor%stop_requested()) return
     call keep_numbers(answer%value)
@@ -94,38 +104,82 @@ contains
     end where
   end subroutine scatter
 
-  subroutine by_boundary(scene, units, beam, omega, factor, monitor, answer)
+  subroutine by_boundary(scene, units, beam, omega, factor, with_extremes, monitor, cache, answer)
     !! Solve the boundary value problem at all frequencies.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(piece_beam), intent(in) :: beam             !! in uniform parts
     real(dp), intent(in) :: omega(:)
     complex(dp), intent(in) :: factor(:)             !! to SI units, (frequencies)
+    logical, intent(in) :: with_extremes
     class(monitor_type), intent(inout) :: monitor
+    type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), intent(inout) :: answer
-    type(forced_beam) :: forced
-    type(damping_law) :: law                         ! Rayleigh damping
+    type(boundary_response) :: response
+    type(modal_terms) :: modes
+    class(mode_set), allocatable :: set
     integer :: j
-    call forced%place(beam, scene%frequency_response%position, scene%frequency_response%points)
-    if (allocated(scene%damping)) law = law_of(scene%damping, units)
+    call response%forced%place(beam, scene%frequency_response%position, scene%frequency_response%points)
+    if (allocated(scene%damping)) then
+      associate (law => law_of(scene%damping, units))
+        response%mass = law%mass
+        response%stiffness = law%stiffness
+      end associate
+    end if
     do j = 1, size(omega)
       if (mod(j, at_once) == 0) then
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      call forced%respond(cmplx(omega(j)**2, -omega(j)*law%mass, dp), cmplx(0.0_dp, omega(j)*law%stiffness, dp), &
-                          answer%value(j, :))
+      call response%at(omega(j), 0, answer%value(j, :))
       answer%value(j, :) = factor(j)*answer%value(j, :)
     end do
+    if (.not. with_extremes) return
+    call find_enough(scene, units, omega(size(omega)), monitor, cache, set)
+    if (monitor%stop_requested() .or. .not. set%resolved) return
+    modes = terms_of(scene, set)
+    call look_for_extremes(scene, units, response, modes, omega, monitor, answer)
   end subroutine by_boundary
 
-  subroutine by_modes(scene, units, pieces, omega, factor, monitor, cache, answer)
+  subroutine solve_boundary(self, omega, point, value)
+    class(boundary_response), intent(inout) :: self
+    real(dp), intent(in) :: omega
+    integer, intent(in) :: point
+    complex(dp), intent(out) :: value(:)
+    complex(dp) :: all(self%forced%points())
+    call self%forced%respond(cmplx(omega**2, -omega*self%mass, dp), cmplx(0.0_dp, omega*self%stiffness, dp), all)
+    value = chosen(all, point)
+  end subroutine solve_boundary
+
+  subroutine look_for_extremes(scene, units, response, modes, omega, monitor, answer)
+    !! Find resonances and antiresonances, SI.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(harmonic_response), intent(inout) :: response
+    type(modal_terms), intent(in) :: modes
+    real(dp), intent(in) :: omega(:)
+    class(monitor_type), intent(inout) :: monitor
+    type(answer_type), intent(inout) :: answer
+    integer :: order
+    order = 0
+    if (scene%frequency_response%quantity == 'velocity') order = 1
+    if (scene%frequency_response%quantity == 'acceleration') order = 2
+    call find_extremes(response, modes%square, modes%damping, order, [omega(1), omega(size(omega))], &
+                       size(answer%value, 2), monitor, answer%extremes)
+    associate (extremes => answer%extremes)
+      extremes%omega = extremes%omega/units%time%hi
+      extremes%amplitude = scaled(extremes%amplitude, units%time%hi**(2 - order)/units%mass)
+    end associate
+  end subroutine look_for_extremes
+
+  subroutine by_modes(scene, units, pieces, omega, factor, with_extremes, monitor, cache, answer)
     !! Sum all modes that are found, and half of them, whose difference estimates the error.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(struck_beam), intent(in) :: pieces
     real(dp), intent(in) :: omega(:)
     complex(dp), intent(in) :: factor(:)             !! to SI units, (frequencies)
+    logical, intent(in) :: with_extremes
     class(monitor_type), intent(inout) :: monitor
     type(case_mode_cache), intent(inout), target :: cache
     type(answer_type), intent(inout) :: answer
@@ -159,13 +213,14 @@ contains
         call monitor%advance(real(j, dp)/size(omega))
         if (monitor%stop_requested()) return
       end if
-      call response%find(omega(j), answer%value(j, :))
+      call response%at(omega(j), 0, answer%value(j, :))
       response%n = n/2
-      call response%find(omega(j), half)
+      call response%at(omega(j), 0, half)
       response%n = n
       answer%value(j, :) = factor(j)*answer%value(j, :)
       answer%error = max(answer%error, abs(answer%value(j, :) - factor(j)*half) + abs(factor(j))*response%rounding_at(omega(j)))
     end do
+    if (with_extremes) call look_for_extremes(scene, units, response, response%own, omega, monitor, answer)
   end subroutine by_modes
 
   subroutine find_enough(scene, units, omega, monitor, cache, set)
@@ -235,6 +290,7 @@ contains
                   ' of the largest value at point '//text_of(p))
       if (answer%error(p) < largest) cycle
       answer%value(:, p) = cmplx(missing, missing, dp)
+      if (allocated(answer%extremes)) answer%extremes = pack(answer%extremes, answer%extremes%point /= p)
       if (status == case_done) status = case_not_converged
     end do
   end subroutine judge_error

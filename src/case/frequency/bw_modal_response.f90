@@ -14,12 +14,13 @@ module bw_modal_response
   use bw_forced_beam, only: forced_beam
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_response_extremes, only: harmonic_response
   use bw_scene, only: scene_type
   use bw_static_shape, only: deflection, static_shapes
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: terms_of
+  public :: chosen, terms_of
 
   real(dp), parameter :: off_axis = 0.01_dp !! tuned: of Ω², distance from the axis at which r is evaluated; its square is the error
   integer, parameter :: nodes = 4                    !! of the polynomial in s²
@@ -31,7 +32,7 @@ module bw_modal_response
     real(dp), allocatable :: damping(:)              !! c_k
   end type modal_terms
 
-  type, public :: modal_response
+  type, extends(harmonic_response), public :: modal_response
     !! Sums n modes and adds the correction for all others.
     type(modal_terms) :: own, plain                  !! of the beam, and of its uniform pieces without tension
     type(forced_beam) :: forced
@@ -41,23 +42,23 @@ module bw_modal_response
     type(damping_law) :: law
     real(dp), allocatable :: rounding(:, :)          !! errors of β², and of M relatively, (modes, 2); with `grown`
   contains
-    procedure :: find => sum_modes
+    procedure :: at => sum_modes
     procedure :: let_grow
     procedure :: rounding_at
   end type modal_response
 
 contains
 
-  subroutine sum_modes(self, omega, value)
-    !! Find the displacements of all points.
+  subroutine sum_modes(self, omega, point, value)
     class(modal_response), intent(inout) :: self
     real(dp), intent(in) :: omega
-    complex(dp), intent(out) :: value(:)             !! (points)
-    value = sum_of(self%own, self%n, cmplx(omega**2, 0.0_dp, dp), omega)
+    integer, intent(in) :: point
+    complex(dp), intent(out) :: value(:)
+    value = sum_of(self%own, self%n, cmplx(omega**2, 0.0_dp, dp), omega, point)
     if (allocated(self%grown)) then
-      value = value + rest_of_growth(self, omega)
+      value = value + rest_of_growth(self, omega, point)
     else
-      value = value + rest_of(self%own, self%plain, self%n, omega, self%forced)
+      value = value + rest_of(self%own, self%plain, self%n, omega, point, self%forced)
     end if
   end subroutine sum_modes
 
@@ -77,24 +78,27 @@ contains
     if (allocated(set%damping)) terms%damping = set%damping(:set%count)
   end function terms_of
 
-  pure function sum_of(terms, n, square, omega) result(value)
-    !! Sum the first n modes at all points.
+  pure function sum_of(terms, n, square, omega, point) result(value)
+    !! Sum the first n modes, at all points or at one.
     type(modal_terms), intent(in) :: terms
     integer, intent(in) :: n
     complex(dp), intent(in) :: square                !! Ω², or a complex value near it
     real(dp), intent(in) :: omega                    !! Ω of the damping term; 0: undamped
-    complex(dp) :: value(size(terms%weight, 2))
-    value = matmul(1.0_dp/(terms%square(:n) - square + cmplx(0.0_dp, terms%damping(:n)*omega, dp)), terms%weight(:n, :))
+    integer, intent(in) :: point                     !! 0: all
+    complex(dp) :: value(merge(1, size(terms%weight, 2), point > 0))
+    associate (first => max(1, point))
+      value = matmul(1.0_dp/(terms%square(:n) - square + cmplx(0.0_dp, terms%damping(:n)*omega, dp)), &
+                     terms%weight(:n, first:first + size(value) - 1))
+    end associate
   end function sum_of
 
-  function rest_of(own, plain, n, omega, forced) result(rest)
-    !! Return r for the first n modes at all points.
+  function rest_of(own, plain, n, omega, point, forced) result(rest)
+    !! Return r for the first n modes, at all points or at one.
     type(modal_terms), intent(in) :: own, plain      !! of the beam, and of its uniform pieces without tension
-    integer, intent(in) :: n
+    integer, intent(in) :: n, point
     real(dp), intent(in) :: omega
     type(forced_beam), intent(inout) :: forced
-    complex(dp), dimension(size(own%weight, 2)) :: rest, whole
-    complex(dp) :: square(2)
+    complex(dp) :: rest(merge(1, size(own%weight, 2), point > 0)), square(2), whole(size(own%weight, 2))
     real(dp) :: damped
     integer :: i
     damped = own%damping(n)*omega
@@ -102,7 +106,7 @@ contains
     rest = 0.0_dp
     do i = 1, 2
       call forced%respond(square(i), (0.0_dp, 0.0_dp), whole)
-      rest = rest + 0.5_dp*(whole - sum_of(plain, n, square(i), 0.0_dp))
+      rest = rest + 0.5_dp*(chosen(whole, point) - sum_of(plain, n, square(i), 0.0_dp, point))
     end do
   end function rest_of
 
@@ -137,17 +141,19 @@ contains
     rounding = matmul((self%rounding(:, 2) + self%rounding(:, 1)/away)/away, abs(self%own%weight))
   end function rounding_at
 
-  pure function rest_of_growth(self, omega) result(rest)
-    !! Return r on a free hub at all points.
+  pure function rest_of_growth(self, omega, point) result(rest)
+    !! Return r on a free hub, at all points or at one.
     class(modal_response), intent(in) :: self
     real(dp), intent(in) :: omega
-    complex(dp) :: rest(size(self%own%weight, 2)), node, weight
+    integer, intent(in) :: point                     !! 0: all
+    complex(dp) :: rest(merge(1, size(self%own%weight, 2), point > 0)), node, weight
     integer :: i, j
     node = node_at(self, self%n, omega)/self%shift
     rest = 0.0_dp
     do i = 1, nodes
       weight = product([((node - j)/(i - j), j=1, i - 1), ((node - j)/(i - j), j=i + 1, nodes)])
-      rest = rest + weight*(self%grown(:, i) - sum_of(self%own, self%n, cmplx(-i*self%shift, 0.0_dp, dp), 0.0_dp))
+      rest = rest + weight*(chosen(cmplx(self%grown(:, i), 0.0_dp, dp), point) &
+                            - sum_of(self%own, self%n, cmplx(-i*self%shift, 0.0_dp, dp), 0.0_dp, point))
     end do
     rest = rest/cmplx(1.0_dp, self%law%stiffness*omega, dp)
   end function rest_of_growth
@@ -162,5 +168,14 @@ contains
     if (self%law%ratio > 0.0_dp) rate = self%own%damping(n)
     node = cmplx(-omega**2, rate*omega, dp)/cmplx(1.0_dp, self%law%stiffness*omega, dp)
   end function node_at
+
+  pure function chosen(values, point) result(some)
+    !! Return the value at one point, or all values.
+    complex(dp), intent(in) :: values(:)
+    integer, intent(in) :: point                     !! 0: all
+    complex(dp), allocatable :: some(:)
+    some = values
+    if (point > 0) some = values(point:point)
+  end function chosen
 
 end module bw_modal_response

@@ -8,7 +8,7 @@ module bw_price_list
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
-  public :: digit_noise, is_above_estimate, price_digits, what_is_bounded
+  public :: beyond_model, digit_noise, is_above_estimate, is_resolved, price_digits, what_is_bounded, work_slope
 
   integer, parameter, public :: by_tolerances = 1, by_counts = 2
   character(*), parameter, public :: ladder_words(2) = [character(9) :: 'tolerance', 'counts']   !! by number
@@ -52,6 +52,15 @@ module bw_price_list
 
 contains
 
+  elemental logical function is_resolved(rung, converged_error)
+    !! Return whether the measured error is the rung's own, and not that of the converged run.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: converged_error
+    is_resolved = .false.
+    if (is_missing(rung%error) .or. rung%error == 0.0_dp) return
+    is_resolved = rung%error > converged_error
+  end function is_resolved
+
   elemental logical function is_above_estimate(rung, reference_error)
     !! Return whether the true error exceeds the rung's estimate by more than the error of the reference run.
     type(rung_type), intent(in) :: rung
@@ -60,6 +69,14 @@ contains
     if (rung%status /= rung_measured .or. is_missing(rung%error) .or. is_missing(rung%estimate)) return
     is_above_estimate = rung%error > rung%estimate + reference_error
   end function is_above_estimate
+
+  elemental logical function beyond_model(rung, model_error)
+    !! Return whether the rung's numerical error is below the modelling error.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: model_error       !! the largest in the list
+    beyond_model = .false.
+    if (.not. (is_missing(rung%error) .or. is_missing(model_error))) beyond_model = rung%error < model_error
+  end function beyond_model
 
   pure integer function next_rung(rungs, i)
     !! Return the next timed rung of the same ladder; 0 if there is none.
@@ -105,6 +122,25 @@ contains
     end do
   end function digit_noise
 
+  pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
+    !! Return d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means
+    !! that a tenth of the error takes 10^0.05 times as long. Missing if the errors span less than a factor of ten, as
+    !! this would extrapolate.
+    type(rung_type), intent(in) :: rungs(:)
+    integer, intent(in) :: ladder
+    real(dp), intent(in) :: converged_error
+    real(dp), allocatable :: x(:), y(:)
+    logical :: used(size(rungs))
+    used = rungs%ladder == ladder .and. .not. is_missing(rungs%seconds) .and. is_resolved(rungs, converged_error)
+    x = log(pack(rungs%error, used))
+    y = log(pack(rungs%seconds, used))
+    slope = missing
+    if (size(x) < 2) return
+    x = x - sum(x)/size(x)
+    if (maxval(x) - minval(x) < log(10.0_dp)) return
+    slope = sum(x*y)/sum(x**2)
+  end function work_slope
+
   subroutine put_prices(self, file)
     !! Put all measured values into the file.
     class(price_list), intent(in) :: self
@@ -132,13 +168,15 @@ contains
   end subroutine put_rungs
 
   subroutine put_errors(file, list)
-    !! Put true and estimated errors.
+    !! Put true errors, estimated errors, and their ratios.
     type(study_file), intent(inout) :: file
     class(price_list), intent(in) :: list
     associate (rungs => list%rungs)
       call file%put_numbers('true_error', 'rung', '1', &
                             'largest difference from the converged run of '//what_is_bounded(list)//', over its peak', rungs%error)
       call file%put_numbers('estimated_error', 'rung', '1', 'the run''s own estimate of that error', rungs%estimate)
+      call file%put_numbers('error_ratio', 'rung', '1', 'estimated over true error', &
+                            ratio(rungs%estimate, rungs%error))
     end associate
   end subroutine put_errors
 
@@ -162,6 +200,10 @@ contains
                             'uncertainty of the additional wall time from the scatter of the repeats', digit_noise(rungs))
       call file%put_numbers('digit_growth', 'rung', '1', &
                             'additional wall time for a tenth of the tolerance, as a fraction of the rung''s', growth)
+      call file%put_numbers('work_slope', '', '1', 'd log(seconds)/d log(true error) over the tolerances', &
+                            [work_slope(rungs, by_tolerances, list%converged_error)])
+      call file%put_numbers('work_slope_of_counts', '', '1', 'd log(seconds)/d log(true error) over the fixed counts', &
+                            [work_slope(rungs, by_counts, list%converged_error)])
     end associate
   end subroutine put_seconds
 
@@ -178,6 +220,8 @@ contains
     call file%put_numbers('model_error', '', '1', &
                           'estimated change of the displacement by effects that are left out, over the peak', &
                           [maxval(list%model_errors)])
+    call file%put_counts('beyond_model', 'rung', '1 where the true error is smaller than that of the model', &
+                         merge(1, 0, beyond_model(list%rungs, maxval(list%model_errors))))
     call file%put_numbers('reachable_tolerance', '', '1', 'smallest tolerance in reach, where one that was tried is not', &
                           [list%reachable])
   end subroutine put_converged
@@ -189,5 +233,13 @@ contains
     words = 'the displacement'
     if (list%bounds_all) words = 'each history'
   end function what_is_bounded
+
+  elemental real(dp) function ratio(estimate, error)
+    !! Return the estimated error over the true one; missing if either is missing or the true one is zero.
+    real(dp), intent(in) :: estimate, error
+    ratio = missing
+    if (is_missing(estimate) .or. is_missing(error)) return
+    if (error > 0.0_dp) ratio = estimate/error
+  end function ratio
 
 end module bw_price_list

@@ -4,8 +4,9 @@ module bw_price_report
   use bw_absent_effects, only: absent_words
   use bw_columns, only: right, short, table_of, text_table
   use bw_missing, only: is_missing
-  use bw_price_list, only: by_counts, by_tolerances, digit_noise, method_words, price_digits, price_list, priced_stages, &
-    rung_out_of_reach, rung_too_long, rung_type, what_is_bounded
+  use bw_price_list, only: beyond_model, by_counts, by_tolerances, digit_noise, method_words, price_digits, &
+    price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, what_is_bounded, &
+    & work_slope
   use bw_stopwatch, only: processor_name
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -26,6 +27,7 @@ contains
     call report_ladder(list, by_tolerances, 'tolerance', lines)
     call report_ladder(list, by_counts, 'before = after (the time of the error estimate is part of response here, of modes '// &
                        'above)', lines)
+    call report_slopes(list, lines)
     call report_model(list, lines)
     text = lines%text()
   end function price_report
@@ -49,16 +51,23 @@ contains
   end subroutine report_converged
 
   subroutine report_model(list, lines)
-    !! Report the modelling error, beyond which further digits do not describe a real beam better.
+    !! Report the tolerance below which the modelling error exceeds the numerical one.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
-    integer :: largest
+    integer :: largest, i
     largest = maxloc(list%model_errors, dim=1)
     if (is_missing(list%model_errors(largest)) .or. list%model_errors(largest) == 0.0_dp) return
     call lines%append_line('')
     call lines%append_line('  The model: '//trim(absent_words(largest))//', which the scene leaves out, would change the '// &
                            'displacement by about '//shortest(list%model_errors(largest), 2))
-    call lines%append_line('  times its peak (estimated).')
+    i = findloc(list%rungs%ladder == by_tolerances .and. beyond_model(list%rungs, list%model_errors(largest)), .true., &
+                dim=1)
+    if (i == 0) then
+      call lines%append_line('  times its peak (estimated). No tolerance has a true error as small as that.')
+    else
+      call lines%append_line('  times its peak (estimated). From tolerance '//shortest(list%rungs(i)%tolerance, 2)// &
+                             ' on the numerical error is smaller than the model''s.')
+    end if
   end subroutine report_model
 
   subroutine report_ladder(list, ladder, title, lines)
@@ -123,6 +132,41 @@ contains
       text = 'the motion overflows'
     end select
   end function reason
+
+  subroutine report_slopes(list, lines)
+    !! Report the cost of a further digit, by a straight line through all errors.
+    type(price_list), intent(in) :: list
+    type(text_builder), intent(inout) :: lines
+    real(dp) :: slope
+    real(dp), dimension(size(list%rungs)) :: seconds, growth
+    call price_digits(list%rungs, seconds, growth)
+    call lines%append_line('')
+    slope = work_slope(list%rungs, by_tolerances, list%converged_error)
+    call lines%append(slope_words('By tolerance', slope))
+    if (.not. is_missing(slope)) call lines%append(', and at the steepest step '// &
+      times_words(1.0_dp + maxval(growth, mask=.not. is_missing(growth))))
+    call lines%append_line('')
+    call lines%append_line(slope_words('By counts', work_slope(list%rungs, by_counts, list%converged_error)))
+  end subroutine report_slopes
+
+  pure function slope_words(ladder, slope) result(words)
+    !! Report the cost of a tenth of the error on a ladder, by its slope.
+    character(*), intent(in) :: ladder
+    real(dp), intent(in) :: slope                 !! missing: unknown
+    character(:), allocatable :: words
+    if (is_missing(slope)) then
+      words = '  '//ladder//' the errors differ too little to say how long a tenth of them takes'
+    else
+      words = '  '//ladder//' a tenth of the error takes '//times_words(10.0_dp**(-slope))//' as long (seconds ~ error^'// &
+        shortest(slope, 2)//')'
+    end if
+  end function slope_words
+
+  pure function times_words(factor) result(words)
+    real(dp), intent(in) :: factor
+    character(:), allocatable :: words
+    words = shortest(factor, 2)//' times'
+  end function times_words
 
   pure function next_text(seconds, growth, noise) result(text)
     !! Return the columns on the cost of the next digit; empty if unknown.

@@ -45,7 +45,7 @@ contains
       asked%frequency = frequency(2:)
       asked%quantity = 'displacement'
     end associate
-    call find_frequency_response(scene, units_of(scene%beam), 0, monitor, cache, answer, notes, status)
+    call find_frequency_response(scene, units_of(scene%beam), 0, .false., monitor, cache, answer, notes, status)
     if (monitor%stop_requested()) return
     do s = 1, size(sensors)
       associate (known => abs(answer%value(:, s)) < missing, rate => cmplx(0.0_dp, two_pi*frequency(2:), dp))
