@@ -1,6 +1,6 @@
 module bw_record_case
   !! A case whose histories are measured: record ► lines ► waves ► result.
-  use bw_belief, only: believed_line, find_believed_lines
+  use bw_estimated_lines, only: estimated_line, estimate_lines
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_found_lines, only: found_lines
   use bw_hammer, only: find_constants, hammer_of, hammer_response, hammer_type
@@ -47,7 +47,7 @@ contains
     type(record_type) :: record
     type(samples_type) :: samples
     type(found_lines) :: found
-    type(believed_line), allocatable :: believed(:)
+    type(estimated_line), allocatable :: estimated(:)
     type(hammer_type), allocatable :: hammer
     call watch%start()
     completed = .false.
@@ -68,9 +68,9 @@ contains
     call take_force(record, samples, layout, hammer, result)
     call take_values(record, samples)
     call monitor%enter('spectrum')
-    call find_believed_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, believed, monitor)
+    call estimate_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, estimated, monitor)
     if (monitor%stop_requested()) return
-    result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
+    result%record%lines = lines_in_si(samples, found, estimated, scene%spectrum%confidence, scene%spectrum%max_peaks)
     if (allocated(hammer)) call find_constants_of_lines(hammer, samples, result%record)
     call view_spectra(samples, layout, scene%spectrum%window, found, result%amplitude, result%record%noise)
     call view_fit(record, samples, layout, found, result%record)

@@ -6,7 +6,7 @@ module bw_blow_moves
   !! n + 1, so that all n together cost no more than a few transforms.
   use bw_kinds, only: dp
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
-  use bw_missing_samples, only: missing_among, take_off
+  use bw_missing_samples, only: missing_among, project_out_missing
   use bw_model, only: add_lines, at_sensors, clear_invalid, model_type
   use bw_noise, only: mix, mixed_amplitude, white_amplitude, whiten
   use bw_penalty, only: chi_squared
@@ -184,7 +184,7 @@ contains
     do s = 1, size(white, 2)
       associate (filter => model%noise%filter(:model%noise%order(chosen(s)), chosen(s)))
         call whiten(filter, white(:, s))
-        call take_off(missing_among(model%missing, first, last - first + 2 - size(filter), filter), white(:, s))
+        call project_out_missing(missing_among(model%missing, first, last - first + 2 - size(filter), filter), white(:, s))
       end associate
     end do
     white(pack(model%missing, model%missing >= first .and. model%missing <= last) - first + 1, :) = 0

@@ -9,12 +9,12 @@ module bw_band
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
   use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pole_at, psi, psi_bend, psi_by_rate, psi_slope
-  use bw_missing_samples, only: fills_of, find_reach, missing_among, missing_type, take_off
+  use bw_missing_samples, only: fills_of, find_reach, missing_among, missing_type, project_out_missing
   use bw_noise, only: noise_type
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, enough_for, fill_rows, holds, line_columns, put_back, trend_columns, tapered_band
+  public :: band_around, enough_for, fill_rows, holds, line_columns, add_to_band, trend_columns, tapered_band
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 1024         !! tuned: sums that are enough for a broad line
@@ -285,7 +285,7 @@ contains
         start(:) = [(exp(cmplx(0, -band%centre*real(band%length, dp)*j, dp)), j=0, size(part%turn) - 1)]
         do s = part%sensors(1), part%sensors(2)
           own = white(part%first:part%first + part%used - 1, s)
-          call take_off(part%missing, own)
+          call project_out_missing(part%missing, own)
           if (band%length == 1) then
             part%rows(:, s) = own
             cycle
@@ -302,7 +302,7 @@ contains
     end do
   end subroutine fill_rows
 
-  pure subroutine put_back(lines, band)
+  pure subroutine add_to_band(lines, band)
     !! Add lines, with their amplitudes, to the rows of a band.
     type(line_type), intent(in) :: lines(:)
     type(band_type), intent(inout) :: band
@@ -320,7 +320,7 @@ contains
         end do
       end associate
     end do
-  end subroutine put_back
+  end subroutine add_to_band
 
   pure function line_columns(band, part, line, slopes) result(columns)
     !! The rows of a line of amplitude 1 and of one of amplitude i, and their derivatives by the pole, and by κ and κ·rate of each

@@ -1,6 +1,6 @@
 module bw_line_windows
   !! Lines in halves and quarters of the longest interval after a blow: frequencies and decay rates from each window alone.
-  use bw_band, only: band_around, band_type, fill_rows, put_back
+  use bw_band, only: band_around, band_type, fill_rows, add_to_band
   use bw_band_fit, only: fit_band, reduced_type
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -64,7 +64,7 @@ contains
       end do
       band = band_around(moved, own, model%noise, model%missing, model%place)
       call fill_rows(model%white, band)
-      call put_back([(later(of_white(j), since), j=1, size(lines))], band)
+      call add_to_band([(later(of_white(j), since), j=1, size(lines))], band)
       call fit_band(band, .false., most_steps, moved, reduced)
       errors = line_errors_of(moved, reduced)
       window = spread(no_estimate, 2, size(lines))

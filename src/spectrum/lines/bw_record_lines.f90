@@ -1,7 +1,7 @@
 module bw_record_lines
   !! The lines of a record in SI with their errors, and the candidates that were rejected: the interface of this folder to the rest
   !! of the program.
-  use bw_belief, only: believed_line, undetermined
+  use bw_estimated_lines, only: estimated_line, undetermined
   use bw_constants, only: two_pi
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
@@ -65,41 +65,41 @@ module bw_record_lines
 
 contains
 
-  pure function lines_in_si(samples, found, believed, confidence, most) result(lines)
+  pure function lines_in_si(samples, found, estimated, confidence, most) result(lines)
     !! The strongest lines, converted from periods and e-folds per step to SI.
     type(samples_type), intent(in) :: samples     !! only their times are used
     type(found_lines), intent(in) :: found
-    type(believed_line), intent(in) :: believed(:)
+    type(estimated_line), intent(in) :: estimated(:)
     real(dp), intent(in) :: confidence            !! of the intervals, 0 … 1
     integer, intent(in) :: most                   !! largest number of lines
     type(record_lines) :: lines
     integer, allocatable :: chosen(:)
     real(dp) :: turn, rate
     integer :: i
-    chosen = strongest(believed, most)
+    chosen = strongest(estimated, most)
     lines%quantile = normal_quantile((1 + confidence)/2)
     rate = 1/samples%step
     turn = two_pi/samples%step
-    lines%left_out = size(believed) - size(chosen)
+    lines%left_out = size(estimated) - size(chosen)
     lines%converged = found%outcome%converged
     lines%driven = found%outcome%driven
     lines%blow = samples%step*[(place_of(samples, found%model%stretches(1, i)), i=1, ubound(found%model%stretches, 2))]
-    lines%angular_frequency = turn*believed(chosen)%frequency
-    lines%angular_frequency_error = in_unit(believed(chosen)%frequency_error, turn)
-    lines%angular_frequency_bound = in_unit(believed(chosen)%frequency_bound, turn)
-    lines%decay_rate = rate*believed(chosen)%decay
-    lines%decay_rate_error = in_unit(believed(chosen)%decay_error, rate)
-    lines%decay_rate_bound = in_unit(believed(chosen)%decay_bound, rate)
-    lines%drift = turn*believed(chosen)%drift
-    lines%drift_bound = in_unit(believed(chosen)%drift_bound, turn)
-    lines%status = merge(2*believed(chosen)%status, 1, believed(chosen)%status > 0)
+    lines%angular_frequency = turn*estimated(chosen)%frequency
+    lines%angular_frequency_error = in_unit(estimated(chosen)%frequency_error, turn)
+    lines%angular_frequency_bound = in_unit(estimated(chosen)%frequency_bound, turn)
+    lines%decay_rate = rate*estimated(chosen)%decay
+    lines%decay_rate_error = in_unit(estimated(chosen)%decay_error, rate)
+    lines%decay_rate_bound = in_unit(estimated(chosen)%decay_bound, rate)
+    lines%drift = turn*estimated(chosen)%drift
+    lines%drift_bound = in_unit(estimated(chosen)%drift_bound, turn)
+    lines%status = merge(2*estimated(chosen)%status, 1, estimated(chosen)%status > 0)
     associate (sensors => size(found%distinct%place), n => size(chosen))
       allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n), &
                 lines%amplitude_noise(sensors, n))
       allocate (lines%windows(4, size(window_start), n))
     end associate
     do i = 1, size(chosen)
-      associate (line => believed(chosen(i)))
+      associate (line => estimated(chosen(i)))
         lines%amplitude(:, i) = line%amplitude
         lines%amplitude_bound(:, i) = in_unit(line%amplitude_bound, 1.0_dp)
         lines%amplitude_noise(:, i) = line%amplitude_noise
@@ -110,8 +110,8 @@ contains
     lines%amplitude_error = length_error(abs(lines%amplitude), lines%amplitude_bound, lines%phase_bound*abs(lines%amplitude), &
       & lines%quantile)
     lines%phase_error = phase_error(lines%phase_bound, lines%quantile, confidence)
-    if (any([(allocated(believed(i)%noise_correlation), i=1, size(believed))])) &
-      & lines%noise_correlation = reshape([(believed(chosen(i))%noise_correlation, i=1, size(chosen))], &
+    if (any([(allocated(estimated(i)%noise_correlation), i=1, size(estimated))])) &
+      & lines%noise_correlation = reshape([(estimated(chosen(i))%noise_correlation, i=1, size(chosen))], &
       & [size(found%distinct%place), size(found%distinct%place), size(chosen)])
     lines%own = [(any(found%distinct%kept == i), i=1, size(found%distinct%place))]
     lines%rejected = candidates_in_si(found, same_place*two_pi/span_of(samples), rate)
@@ -163,15 +163,15 @@ contains
     end do
   end function windows_in_si
 
-  pure function strongest(believed, most) result(chosen)
+  pure function strongest(estimated, most) result(chosen)
     !! Indices of the lines of largest amplitude, all sensors combined, in their order.
-    type(believed_line), intent(in) :: believed(:)
+    type(estimated_line), intent(in) :: estimated(:)
     integer, intent(in) :: most
     integer, allocatable :: chosen(:)
-    real(dp) :: strength(size(believed))
+    real(dp) :: strength(size(estimated))
     integer :: i
-    strength = [(norm2(abs(believed(i)%amplitude)), i=1, size(believed))]
-    chosen = pack([(i, i=1, size(believed))], [(count(strength > strength(i)) < most, i=1, size(believed))])
+    strength = [(norm2(abs(estimated(i)%amplitude)), i=1, size(estimated))]
+    chosen = pack([(i, i=1, size(estimated))], [(count(strength > strength(i)) < most, i=1, size(estimated))])
   end function strongest
 
   function fitted_history(samples, found, s) result(history)

@@ -7,7 +7,7 @@ module bw_missing_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: factorise, fills_of, find_reach, missing_among, solve, take_off
+  public :: factorise, fills_of, find_reach, missing_among, solve, project_out_missing
 
   real(dp), parameter :: dependent = 1.0e-10_dp  !! of a column's square: a smaller part independent of earlier columns is rounding
   real(dp), parameter :: rounding = 1.0e-13_dp   !! of a column's square: uncertainty of sums of products
@@ -106,7 +106,7 @@ contains
     end do
   end subroutine solve
 
-  pure subroutine take_off(missing, white)
+  pure subroutine project_out_missing(missing, white)
     !! Subtract from white rows the part that missing samples explain.
     type(missing_type), intent(in) :: missing
     real(dp), intent(inout) :: white(:)      !! (rows or more)
@@ -123,7 +123,7 @@ contains
         rows = rows - x(1, j)*missing%filter(high:low:-1)
       end associate
     end do
-  end subroutine take_off
+  end subroutine project_out_missing
 
   pure subroutine find_reach(missing, j, low, high)
     !! Find the range of the filter's coefficients by which missing sample j enters the rows.

@@ -19,7 +19,7 @@ module bw_line_search
   use bw_model, only: clear_invalid, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise_alone, only: cost_of_shared_motion, dies, most_colour, most_orders
-  use bw_refit, only: all_steps, at_rest, refit_all, trial_steps
+  use bw_refit, only: all_steps, negligible_gain, refit_all, trial_steps
   use bw_renewal, only: renew
   use bw_samples, only: samples_type
   implicit none (type, external)
@@ -86,7 +86,7 @@ contains
     do round = 1, most_rounds
       if (stops(monitor)) return
       if (present(monitor)) call monitor%advance(first_lines + (1 - first_lines)*round/(most_rounds + 2))
-      call refit_all(all_steps, at_rest, model)
+      call refit_all(all_steps, negligible_gain, model)
       call renew(samples, order_price(samples), .false., model)
       call try_blows(samples, false_alarm, model, moved)
       call try_tones(samples, false_alarm, model, changed)
@@ -107,7 +107,7 @@ contains
         if (is_worse) exit
       end do
       if (changed > 0) then
-        call refit_all(all_steps, at_rest, model)
+        call refit_all(all_steps, negligible_gain, model)
         call renew(samples, order_price(samples), .false., model)
       end if
       call drop_lines(samples, false_alarm, model, dropped, monitor)
@@ -134,7 +134,7 @@ contains
         if (accepted == 0) exit
         if (stops(monitor)) exit
         added = added + accepted
-        call refit_all(trial_steps, at_rest, model)
+        call refit_all(trial_steps, negligible_gain, model)
         call renew(samples, order_price(samples), .false., model)
         call judge_moves()
         if (is_worse) exit
@@ -144,7 +144,7 @@ contains
     subroutine judge_moves()
       !! Keep the state of least J, and return to it if moves have raised J.
       call keep_best(samples, false_alarm, model, best)
-      is_worse = cost_of_all(samples, false_alarm, model) > best%cost + at_rest
+      is_worse = cost_of_all(samples, false_alarm, model) > best%cost + negligible_gain
       if (is_worse) call go_back(samples, best, model)
     end subroutine judge_moves
 
@@ -180,15 +180,15 @@ contains
       call renew(samples, order_price(samples), .true., model)
       call add_round(samples, false_alarm, .true., model, added)
       if (stops(monitor)) exit
-      if (added > 0) call refit_all(trial_steps, at_rest, model)
+      if (added > 0) call refit_all(trial_steps, negligible_gain, model)
       if (added > 0) call renew(samples, order_price(samples), .true., model)
       call judge_steady(samples, false_alarm, model, steady)
-      if (steady > 0) call refit_all(trial_steps, at_rest, model)
+      if (steady > 0) call refit_all(trial_steps, negligible_gain, model)
       moved = 0
       if (.not. allocated(samples%blow)) call move_blows(samples, false_alarm, model, moved)
       if (moved > 0) then
         call renew(samples, order_price(samples), .true., model)
-        call refit_all(trial_steps, at_rest, model)
+        call refit_all(trial_steps, negligible_gain, model)
       end if
       last = best%cost
       call keep_best(samples, false_alarm, model, best)
@@ -212,7 +212,7 @@ contains
       call add_round(samples, false_alarm, .false., model, added)
       if (added == 0) exit
       if (stops(monitor)) exit
-      call refit_all(trial_steps, at_rest, model)
+      call refit_all(trial_steps, negligible_gain, model)
       call renew(samples, order_price(samples), .false., model)
     end do
     call keep_or_clear(samples, false_alarm, alone, 0.0_dp, model, outcome)
@@ -315,7 +315,7 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(inout) :: moved              !! number of changes; 0 if the model returns
     call renew(samples, order_price(samples), .false., model)
-    call refit_all(trial_steps, at_rest, model)
+    call refit_all(trial_steps, negligible_gain, model)
     call renew(samples, order_price(samples), .false., model)
     if (cost_of_all(samples, false_alarm, model) < before%cost) return
     moved = 0

@@ -7,7 +7,7 @@ module bw_model
   use bw_kinds, only: dp
   use bw_lapack, only: ddot, dgemm
   use bw_line, only: find_wave, life_of, line_type
-  use bw_missing_samples, only: missing_among, take_off
+  use bw_missing_samples, only: missing_among, project_out_missing
   use bw_noise, only: mixed_amplitude, noise_type, squares_at_end, white_amplitude, whiten
   use bw_samples, only: place_of, samples_type
   implicit none (type, external)
@@ -318,7 +318,7 @@ contains
     rows = rows_of_stretches(model)
     do b = 0, ubound(rows, 2)
       do s = 1, size(model%white, 2)
-        call take_off(missing_among(model%missing, rows(1, b), rows(2, b) - rows(1, b) + 1, &
+        call project_out_missing(missing_among(model%missing, rows(1, b), rows(2, b) - rows(1, b) + 1, &
           & model%noise%filter(:model%noise%order(s), s)), model%white(rows(1, b):rows(2, b), s))
       end do
     end do

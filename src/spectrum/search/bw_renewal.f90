@@ -5,7 +5,7 @@ module bw_renewal
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
   use bw_line, only: line_type
-  use bw_missing_samples, only: missing_among, take_off
+  use bw_missing_samples, only: missing_among, project_out_missing
   use bw_model, only: chunk, clear_invalid, find_residual, model_type, subtract_missing
   use bw_noise, only: ends_of, whiten
   use bw_noise_with_gaps, only: fit_with_gaps
@@ -229,7 +229,8 @@ contains
         error = model%white(first:min(first + n + lost - 1, model%stretches(2, b)), :)
         do s = 1, sensors
           call whiten(noise(s)%predictor, error(:, s))
-          call take_off(missing_among(model%missing, first, size(error, 1) - ubound(noise(s)%predictor, 1), noise(s)%predictor), &
+          call project_out_missing(missing_among(model%missing, first, size(error, 1) - ubound(noise(s)%predictor, 1), &
+            & noise(s)%predictor), &
             & error(:, s))
         end do
         call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, size(error, 1), error, size(error, 1), 1.0_dp, correlation, &

@@ -2,7 +2,7 @@ module bw_measured_notes
   !! This module writes the notes on measured waves.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
-  use bw_mode_check, only: is_folded, is_none, record_facts, not_known, verdict_type
+  use bw_mode_check, only: is_alias, is_none, record_facts, not_known, verdict_type
   use bw_note, only: remark
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
@@ -27,7 +27,7 @@ contains
     character(:), allocatable :: left_out
     logical, dimension(size(peaks)) :: aliased, stray, shown
     allocate (notes(0))
-    aliased = verdict%kind == is_folded .and. peaks%located
+    aliased = verdict%kind == is_alias .and. peaks%located
     stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(is_wave) .and. .not. is_wave &
       & .and. peaks%members == 1 .and. .not. peaks%at_edge)
     stray = stray .and. peaks%located

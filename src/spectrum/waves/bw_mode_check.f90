@@ -16,7 +16,7 @@ module bw_mode_check
   real(dp), parameter :: hides = 0.58_dp                !! 2π times the standard deviation of time under the squared taper sin⁶
   real(dp), parameter :: rounding = 32*epsilon(1.0_dp)   !! relative, of the frequencies of modes
 
-  integer, parameter, public :: not_known = 0, is_mode = 1, is_folded = 2, is_none = 3
+  integer, parameter, public :: not_known = 0, is_mode = 1, is_alias = 2, is_none = 3
 
   type, public :: known_modes
     !! The modes of a record, from the first on.
@@ -38,7 +38,7 @@ module bw_mode_check
   end type record_facts
 
   type, public :: verdict_type
-    integer :: kind = not_known       !! not_known, is_mode, is_folded or is_none
+    integer :: kind = not_known       !! not_known, is_mode, is_alias or is_none
     integer :: number = 0           !! of the mode that the peak is, or is aliased from
   end type verdict_type
 
@@ -71,7 +71,7 @@ contains
     do i = 1, size(peaks)
       single = as_single(peaks(i))
       first = verdict_of(single, modes)
-      if (any(first%kind == [is_mode, is_folded]) .and. min(single%hidden, strength_beside(single, first, modes)) <= faint) &
+      if (any(first%kind == [is_mode, is_alias]) .and. min(single%hidden, strength_beside(single, first, modes)) <= faint) &
         & peaks(i) = single
       peaks(i) = widened(peaks(i), verdict_of(peaks(i), modes), modes)
     end do
@@ -116,7 +116,7 @@ contains
     else
       holds = abs(modes%image - peak%position) <= reach .and. modes%image < modes%position
       verdict_of = verdict_type(is_none, 0)
-      if (any(holds)) verdict_of = verdict_type(is_folded, findloc(holds, .true., dim=1))
+      if (any(holds)) verdict_of = verdict_type(is_alias, findloc(holds, .true., dim=1))
     end if
   end function verdict_of
 
@@ -150,7 +150,7 @@ contains
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
-    if (any(own%kind == [is_mode, is_folded])) then
+    if (any(own%kind == [is_mode, is_alias])) then
       widened = with_hidden(peak, min(peak%hidden, strength_beside(peak, own, modes)), hidden_part(peak, own, modes))
     else
       widened = with_hidden(peak, merge(peak%hidden, 0.0_dp, peak%doubtful))

@@ -6,7 +6,7 @@ module bw_wave_choice
   use bw_monitor, only: monitor_type, stops
   use bw_shape_fit, only: worse
   use bw_wave_candidates, only: choice_type, problem_of, problem_type
-  use bw_wave_curve, only: apart, begun, curve_type, foreseen_variance, is_curve, mass_cost, take
+  use bw_wave_curve, only: curve_through, curve_type, distance_cost, is_curve, mass_cost, predicted_variance, take
   implicit none (type, external)
   private
   public :: choose_waves
@@ -71,7 +71,7 @@ contains
         if (.not. problem%rotates) then
           chosen = 0
           chosen(anchors(a)) = i
-          curve = begun(problem, anchors([a]), [i])
+          curve = curve_through(problem, anchors([a]), [i])
           call complete
           cycle
         end if
@@ -81,7 +81,7 @@ contains
           do j = 1, problem%count(anchors(b))
             chosen = 0
             chosen(anchors([a, b])) = [i, j]
-            curve = begun(problem, anchors([a, b]), [i, j])
+            curve = curve_through(problem, anchors([a, b]), [i, j])
             call complete
           end do
         end do
@@ -141,7 +141,7 @@ contains
         if (problem%tip) then
           if (taken(problem%mode(j, next))) cycle
         end if
-        cost = problem%cost(j, next) + apart(problem, j, next, curve) + mass_cost(problem, j, next, curve)
+        cost = problem%cost(j, next) + distance_cost(problem, j, next, curve) + mass_cost(problem, j, next, curve)
         if (cost >= least) cycle
         least = cost
         chosen(next) = j
@@ -187,7 +187,7 @@ contains
     do k = 1, size(remaining)
       if (.not. remaining(k)) cycle
       power = max(dot_product(curve%value, [problem%square(k), 1.0_dp]), epsilon(1.0_dp)*curve%value(1))
-      uncertainty = foreseen_variance(problem, k, curve)/power**1.5_dp
+      uncertainty = predicted_variance(problem, k, curve)/power**1.5_dp
       if (uncertainty >= least) cycle
       least = uncertainty
       best = k

@@ -7,7 +7,7 @@ module bw_wave_curve
   use bw_wave_candidates, only: problem_type
   implicit none (type, external)
   private
-  public :: apart, begun, foreseen_variance, is_curve, mass_cost, take
+  public :: curve_through, distance_cost, is_curve, mass_cost, predicted_variance, take
 
   type, public :: curve_type
     !! α⁴ = sum(value·[β², 1]) with its covariance, and the mean of the masses so far.
@@ -25,7 +25,7 @@ contains
       & .and. curve%cost < huge(1.0_dp)/8
   end function is_curve
 
-  pure type(curve_type) function begun(problem, lines, own) result(curve)
+  pure type(curve_type) function curve_through(problem, lines, own) result(curve)
     !! The curve through one candidate and the origin, or through two candidates.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: lines(:), own(:)
@@ -50,7 +50,7 @@ contains
     if (size(lines) == 1) return
     if (problem%tip .and. problem%mode(own(1), lines(1)) == problem%mode(own(size(own)), lines(size(lines)))) &
       & curve%cost = huge(1.0_dp)/4
-  end function begun
+  end function curve_through
 
   pure subroutine add_mass(problem, own, line, curve)
     !! Add the mass that a candidate implies to the mean, and its squared distance from the mean to the cost.
@@ -76,22 +76,22 @@ contains
       & (curve%angle_variance + problem%angle_variance(own, line) + tiny(1.0_dp)))
   end function mass_cost
 
-  pure real(dp) function foreseen_variance(problem, line, curve) result(variance)
+  pure real(dp) function predicted_variance(problem, line, curve) result(variance)
     !! Variance of the curve's α⁴ at a line.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: line
     type(curve_type), intent(in) :: curve
     variance = max(0.0_dp, dot_product([problem%square(line), 1.0_dp], matmul(curve%covariance, [problem%square(line), 1.0_dp])))
-  end function foreseen_variance
+  end function predicted_variance
 
-  pure real(dp) function apart(problem, own, line, curve)
+  pure real(dp) function distance_cost(problem, own, line, curve)
     !! Squared distance of a candidate from the curve, over its variance.
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: own, line
     type(curve_type), intent(in) :: curve
-    apart = (problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))**2/ &
-      & (problem%variance(own, line) + foreseen_variance(problem, line, curve))
-  end function apart
+    distance_cost = (problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))**2/ &
+      & (problem%variance(own, line) + predicted_variance(problem, line, curve))
+  end function distance_cost
 
   pure subroutine take(problem, own, line, curve)
     !! Add a candidate to the curve.
@@ -99,9 +99,9 @@ contains
     integer, intent(in) :: own, line
     type(curve_type), intent(inout) :: curve
     real(dp) :: gain(2), reduction(2, 2), variance
-    variance = problem%variance(own, line) + foreseen_variance(problem, line, curve)
+    variance = problem%variance(own, line) + predicted_variance(problem, line, curve)
     gain = matmul(curve%covariance, [problem%square(line), 1.0_dp])/variance
-    curve%cost = curve%cost + problem%cost(own, line) + apart(problem, own, line, curve)
+    curve%cost = curve%cost + problem%cost(own, line) + distance_cost(problem, own, line, curve)
     curve%value = curve%value + gain*(problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))
     reduction = -spread(gain, 2, 2)*spread([problem%square(line), 1.0_dp], 1, 2)
     reduction(1, 1) = reduction(1, 1) + 1

@@ -1,7 +1,7 @@
 module noisy_records
   !! Random records of known lines in noise, the Cramér–Rao bounds of their lines from the whole Jacobian, and how often what
   !! is found keeps to them. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
-  use bw_belief, only: believed_line, drifting, find_believed_lines, harmonic
+  use bw_estimated_lines, only: estimated_line, drifting, estimate_lines, harmonic
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, qp
   use bw_samples, only: samples_type
@@ -95,20 +95,20 @@ contains
   end function noise_behind
 
   function analysed(samples) result(lines)
-    !! What is believed of a record.
+    !! What is estimated of a record.
     type(samples_type), intent(in) :: samples
-    type(believed_line), allocatable :: lines(:)
+    type(estimated_line), allocatable :: lines(:)
     type(samples_type) :: used
     type(found_lines) :: found
     used = samples
-    call find_believed_lines(used, confidence, false_alarm, found, lines)
+    call estimate_lines(used, confidence, false_alarm, found, lines)
   end function analysed
 
   subroutine judge(recipe, tally)
     !! Draw a record, and add what is found in it to the tally. Lines of the recipe are in ascending order.
     type(recipe_type), intent(in) :: recipe
     type(tally_type), intent(inout) :: tally
-    type(believed_line), allocatable :: found(:)
+    type(estimated_line), allocatable :: found(:)
     real(dp) :: bound(2, size(recipe%frequency)), error(2), turn
     integer :: k
     found = analysed(made(recipe))

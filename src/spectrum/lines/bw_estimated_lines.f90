@@ -1,4 +1,4 @@
-module bw_belief
+module bw_estimated_lines
   !! Statistics of the lines of a record: bounds in the noise found, intervals that include drift, and the status of lines that are
   !! not single steady modes.
   !!
@@ -9,7 +9,7 @@ module bw_belief
   use bw_kinds, only: dp
   use bw_line, only: life_of, line_type, pole_at
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, drift_deviation, line_errors, line_errors_of, pole_deviation
-  use bw_line_names, only: at_edge, believed_line, close_pair, drifting, harmonic, name_lines
+  use bw_line_names, only: at_edge, close_pair, drifting, estimated_line, harmonic, name_lines
   use bw_line_windows, only: windows_of
   use bw_model, only: colour_at, model_type
   use bw_monitor, only: monitor_type, stops
@@ -21,7 +21,7 @@ module bw_belief
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: at_edge, believed_line, close_pair, drifting, find_believed_lines, harmonic
+  public :: at_edge, close_pair, drifting, estimate_lines, estimated_line, harmonic
 
   real(dp), parameter :: life = 3                !! decay times after which a line has died out
   real(dp), parameter :: most_share = 0.9_dp     !! largest share of noise in a line's squared amplitudes
@@ -29,32 +29,32 @@ module bw_belief
 
 contains
 
-  subroutine find_believed_lines(samples, confidence, false_alarm, found, believed, monitor)
+  subroutine estimate_lines(samples, confidence, false_alarm, found, estimated, monitor)
     !! Find the lines of a record with their intervals, by ascending frequency.
     type(samples_type), intent(inout) :: samples   !! loses sensors that are constant or multiples of others
     real(dp), intent(in) :: confidence             !! of the intervals, 0 … 1
     real(dp), intent(in) :: false_alarm            !! probability that noise alone yields any line
     type(found_lines), intent(out) :: found
-    type(believed_line), allocatable, intent(out) :: believed(:)
+    type(estimated_line), allocatable, intent(out) :: estimated(:)
     class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
     call find_record_lines(samples, false_alarm, found, monitor)
-    allocate (believed(0))
+    allocate (estimated(0))
     if (stops(monitor)) return
-    call judge_lines(found%model, confidence, false_alarm, believed)
-    believed = believed(ascending(believed%frequency))
-    call name_lines(samples, false_alarm, believed)
-    call add_multiples(found, believed)
-  end subroutine find_believed_lines
+    call judge_lines(found%model, confidence, false_alarm, estimated)
+    estimated = estimated(ascending(estimated%frequency))
+    call name_lines(samples, false_alarm, estimated)
+    call add_multiples(found, estimated)
+  end subroutine estimate_lines
 
-  subroutine judge_lines(model, confidence, false_alarm, believed)
+  subroutine judge_lines(model, confidence, false_alarm, estimated)
     !! Judge all lines; those that overlap are fitted together.
     type(model_type), intent(in) :: model
     real(dp), intent(in) :: confidence, false_alarm
-    type(believed_line), allocatable, intent(inout) :: believed(:)
+    type(estimated_line), allocatable, intent(inout) :: estimated(:)
     logical :: done(size(model%lines)), own(size(model%lines))
     type(refit_type) :: found
     type(line_errors) :: errors
-    type(believed_line) :: line
+    type(estimated_line) :: line
     real(dp), allocatable :: windows(:, :, :)
     integer :: j, k
     done = .false.
@@ -72,7 +72,7 @@ contains
         line = judged_line(model, errors, j, confidence)
         if (.not. is_in_band(line, student_quantile(confidence, freedom_of(model))/span_of_model(model))) cycle
         line%windows = windows(:, :, j)
-        believed = [believed, line]
+        estimated = [estimated, line]
       end do
     end do
   end subroutine judge_lines
@@ -80,13 +80,13 @@ contains
   pure logical function is_in_band(line, unresolved)
     !! Whether a line's frequency is certainly between 0 and half the sampling rate, to within the resolution. If not, the line
     !! represents something else.
-    type(believed_line), intent(in) :: line
+    type(estimated_line), intent(in) :: line
     real(dp), intent(in) :: unresolved             !! half-width of the interval of a frequency at the record's resolution
     real(dp), parameter :: middle = 0.25_dp        ! of the band, periods per step
     is_in_band = abs(line%frequency - middle) + line%frequency_error <= middle + 2*unresolved
   end function is_in_band
 
-  type(believed_line) function judged_line(model, errors, j, confidence) result(line)
+  type(estimated_line) function judged_line(model, errors, j, confidence) result(line)
     !! Frequency and decay at the time at which they are known best. Intervals of a drifting line cover the values from the blow
     !! to the end of its life.
     type(model_type), intent(in) :: model
@@ -178,7 +178,7 @@ contains
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j                       !! index of the line in the fit
     real(dp), intent(in) :: wider                  !! factor of all bounds
-    type(believed_line), intent(inout) :: line
+    type(estimated_line), intent(inout) :: line
     complex(dp) :: factor(size(model%white, 2), size(model%white, 2)), noises(size(model%white, 2), size(model%white, 2)), turn
     real(dp) :: noise(size(model%white, 2)), length
     integer :: s, p, stretch
@@ -230,18 +230,18 @@ contains
     end do
   end function factors_of
 
-  subroutine add_multiples(found, believed)
+  subroutine add_multiples(found, estimated)
     !! Extend the lines to sensors that are multiples of others. Constant sensors do not determine amplitudes.
     type(found_lines), intent(in) :: found
-    type(believed_line), intent(inout) :: believed(:)  !! noise correlations are those of the sensors kept, else 0
+    type(estimated_line), intent(inout) :: estimated(:)  !! noise correlations are those of the sensors kept, else 0
     complex(dp), allocatable :: correlation(:, :)
     integer, allocatable :: source(:)
     integer :: k
     associate (distinct => found%distinct)
       if (size(distinct%kept) == size(distinct%place)) return
       source = max(distinct%place, 1)
-      do k = 1, size(believed)
-        associate (line => believed(k), is_constant => distinct%place == 0)
+      do k = 1, size(estimated)
+        associate (line => estimated(k), is_constant => distinct%place == 0)
           line%amplitude = merge((0.0_dp, 0.0_dp), distinct%factor*line%amplitude(source), is_constant)
           line%amplitude_bound = merge(undetermined, abs(distinct%factor)*line%amplitude_bound(source), is_constant)
           line%amplitude_noise = merge(undetermined, abs(distinct%factor)*line%amplitude_noise(source), is_constant)
@@ -255,4 +255,4 @@ contains
     end associate
   end subroutine add_multiples
 
-end module bw_belief
+end module bw_estimated_lines
