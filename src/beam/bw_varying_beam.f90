@@ -5,7 +5,7 @@ module bw_varying_beam
   !! `piece_beam`. The tension is T(ξ) = Ω²[∫ρA(R + ξ)dξ + Σm_b(R + ξ_b)] over all that lies beyond ξ.
   use bw_double_double, only: dd, to_dd, to_quad, operator(/), operator(*)
   use bw_kinds, only: dp, qp
-  use bw_piece_beam, only: beam_joint, joint_position, piece_beam, uniform_piece
+  use bw_piece_beam, only: beam_joint, joint_position, piece_beam
   implicit none (type, external)
   private
   public :: pull_at, softest, stepped, tension_in_pieces, turning_inertia, under_tension, value_of, without_tension

@@ -9,7 +9,7 @@ module bw_timeline
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
-  use bw_scene, only: at_start, bodies_change, has_configurations, scene_type
+  use bw_scene, only: at_start, has_configurations, scene_type
   use bw_segment, only: alone, leaves_range, segment_type
   implicit none (type, external)
   private

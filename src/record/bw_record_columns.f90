@@ -4,7 +4,7 @@ module bw_record_columns
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_record, only: bare_name, column_type, sensor_type
+  use bw_record, only: bare_name, sensor_type
   use bw_record_par, only: column_choice, most_columns, record_par
   use bw_record_source, only: record_source
   use bw_scene, only: scene_type

@@ -2,7 +2,7 @@ module random_records
   !! Files of histories as nobody should write them: tables of text and NetCDF files, by a grammar that makes each part of a file
   !! odd now and then, and by changing bytes of what comes of it.
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_ptr, c_size_t
-  use bw_kinds, only: dp, i8
+  use bw_kinds, only: dp
   use bw_text, only: text_builder, text_of
   use netcdf, only: nf90_64bit_data, nf90_64bit_offset, nf90_byte, nf90_char, nf90_classic_model, nf90_clobber, nf90_close, &
     nf90_create, nf90_def_var, nf90_def_var_deflate, nf90_double, nf90_enddef, nf90_float, nf90_int, nf90_int64, nf90_netcdf4, &

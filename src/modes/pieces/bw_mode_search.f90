@@ -12,8 +12,8 @@ module bw_mode_search
     start_bodies, system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
   use bw_modes_below_rest, only: growing_modes, may_grow
-  use bw_piece_dispersion, only: mean_waves, next_half_wave
-  use bw_piece_waves, only: frequency_at, parts_at_rest
+  use bw_piece_dispersion, only: next_half_wave
+  use bw_piece_waves, only: parts_at_rest
   implicit none (type, external)
   private
   public :: search_in, find_mode

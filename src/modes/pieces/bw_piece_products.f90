@@ -6,7 +6,7 @@ module bw_piece_products
   !! integrated in pairs. For C and S at z and z', ∫CC' dx = 2(zSC' − z'CS')/(z − z') and ∫SS' dx = 2(SC' − CS')/(z −
   !! z') at the end; two waves of one kind use sums and differences of their wave numbers instead, p = √|z|, as the
   !! difference may vanish. Slowly varying products use Gauss quadrature.
-  use bw_double_double, only: dd, dd_pi, operator(+), operator(-), operator(*)
+  use bw_double_double, only: dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
   use bw_piece_shape, only: states_inside, wave_values
   use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of

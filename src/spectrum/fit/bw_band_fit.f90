@@ -4,7 +4,7 @@ module bw_band_fit
   use bw_band, only: band_type, enough_for, holds, line_columns, trend_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: highest, line_type, pole_at, psi, psi_slope
+  use bw_line, only: highest, line_type, pole_at, psi
   use bw_line_projection, only: find_step, project, projected_type
   implicit none (type, external)
   private

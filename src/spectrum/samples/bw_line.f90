@@ -4,7 +4,6 @@ module bw_line
   !! Sensor s moves as Re A_s e^(zm + Σκψ(m)), m steps after a blow. The pole z = −δ + iω is that at the blow. A mode that drifts
   !! has courses: ψ(m) = 2(m − (1 − e^(−gm))/g)/g is m² at first, and its slope levels off after 1/g steps, so that the pole moves
   !! from z to z + 2κ/g. With g = 2δ the frequency follows the square of the amplitude.
-  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private

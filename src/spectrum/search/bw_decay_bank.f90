@@ -5,7 +5,6 @@ module bw_decay_bank
   !! F(ω) = Σ w e^(−δm − iωm), E = Σ e^(−2δm) and P = Σ e^(−2δm − 2iωm): one transform for each δ = 0, 1/T, 2/T, 4/T, … A line that
   !! decays early is as visible as one that lasts.
   use bw_constants, only: pi
-  use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_model, only: model_type, rows_of_stretches, steps_between
   use bw_order, only: local_maxima

@@ -10,7 +10,6 @@ module bw_corrected_models
   use bw_kinds, only: dp
   use bw_correction_candidates, only: correction_candidate, list_candidates, apply_correction
   use bw_scene_states, only: all_unknowns, measured_scene, states_of
-  use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: find_corrections

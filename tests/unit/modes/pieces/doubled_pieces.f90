@@ -7,7 +7,7 @@ module doubled_pieces
   !! them deflects without turning, in its odd ones it turns without deflecting, and letting it go adds a mode wherever its
   !! stiffness is negative (Wittrick and Williams 1971). What is left are the joints of the beam, whose matrix has as many negative
   !! pivots as modes are to be added.
-  use bw_double_double, only: dd, to_quad
+  use bw_double_double, only: to_quad
   use bw_kinds, only: qp
   use bw_piece_beam, only: piece_beam, uniform_piece
   implicit none (type, external)

@@ -5,7 +5,6 @@ module wave_draws
   use bw_missing, only: is_missing
   use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
   use bw_sensor_waves, only: measure_sensor_waves
-  use bw_text, only: string
   implicit none (type, external)
   private
   public :: beam_lines, facts_of, judge, noisy
