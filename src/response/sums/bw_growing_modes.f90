@@ -11,6 +11,7 @@ module bw_growing_modes
 
   real(dp), parameter :: log_half = log(0.5_dp)
   real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x in `flow`
+  real(dp), parameter :: room = 2.0_dp**64     !! so that velocities do not overflow before displacements
 
 contains
 
@@ -88,11 +89,11 @@ contains
     real(dp), dimension(size(shapes)) :: now, rate
     integer :: j
     do j = samples(1), samples(2)
-      now = q*shapes
-      rate = q_dot*shapes
+      now = q*shapes/room
+      rate = q_dot*shapes/room
       call flow(beta_squared, c, grid%step*real(j - 1, dp), now, rate)
-      displacement(j, :) = displacement(j, :) + now
-      if (present(velocity)) velocity(j, :) = velocity(j, :) + rate
+      displacement(j, :) = displacement(j, :) + now*room
+      if (present(velocity)) velocity(j, :) = velocity(j, :) + rate*room
     end do
   end subroutine add_sample_by_sample
 
