@@ -21,6 +21,7 @@ module bw_absent_of_pieces
   public :: place_shifts, shifts_of_pieces
 
   integer, parameter, public :: highest_estimated = 1000   !! mode; higher shapes would need too many points
+  real(dp), parameter :: pinned = 1.0e12_dp    !! mass over that of the beam; heavier ones do not move either
 
 contains
 
@@ -38,6 +39,12 @@ contains
     class(mode_set), allocatable :: modes
     real(dp) :: hub
     plain = scene
+    if (allocated(plain%impact)) then
+      if (plain%impact%mass_ratio > pinned) then
+        plain%impact%mass_ratio = pinned
+        plain%impact%mass_ratio_low = 0.0_dp
+      end if
+    end if
     if (allocated(plain%shear)) deallocate (plain%shear)
     if (allocated(plain%stiffening)) deallocate (plain%stiffening)
     sheared = plain
