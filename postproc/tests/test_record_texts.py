@@ -146,6 +146,14 @@ def test_labviews_rounded_times_are_those_of_the_interval(tmp_path):
     np.testing.assert_allclose(found[0].times, np.arange(COUNT) / 51200, rtol=1e-15)
 
 
+def test_labviews_uneven_times_are_kept(tmp_path):
+    uneven = np.arange(COUNT) / 4 + np.where(np.arange(COUNT) % 2, 0.02, 0.0)
+    text = labview("One")
+    rows = [f"{time:.6f}\t{sample}\t0" for time, sample in zip(uneven, SAMPLES, strict=True)]
+    found = read(tmp_path / "a.lvm", text[: text.index("0.0\t")] + "\r\n".join(rows))
+    np.testing.assert_allclose(found[0].times, uneven)
+
+
 def portioned(start, heads):
     """Two portions, the second from `start` samples on, with a head of its own or without."""
     text = labview("One").rstrip()

@@ -379,7 +379,8 @@ def _part(
 ) -> list[Channel]:
     """The channels of one part: times of a column, of a column for each, or of `X0` and `Delta_X`.
 
-    LabVIEW prints times with six decimals, so that those of a column are only those of `X0` and `Delta_X` rounded.
+    LabVIEW prints times with six decimals and intervals with seven digits: a column that is no further from `X0` and `Delta_X` is
+    evenly spaced.
     `Samples` is that of the first portion that was written, and tells nothing; further ones may follow without a header.
     """
     comma, x_columns = form
@@ -407,7 +408,7 @@ def _part(
         if x_columns == "no" or not np.isfinite(times).all() or "Delta_X" in head:
             interval = _cell(head, "Delta_X", channel, comma)
             even = even_times(values.size, interval, _cell(head, "X0", channel, comma))
-            if not (np.abs(times - even) > interval / 2).any():
+            if not (np.abs(times - even) > 0.51e-6 + 5e-7 * np.abs(even)).any():
                 times = even
         name = names[column] if column < len(names) and names[column] else f"channel_{channel + 1}"
         if not wanted.variables or name in wanted.variables:

@@ -1,7 +1,7 @@
 module bw_case_units
-  !! Warnings of likely slips of units: numbers that no machine part has. Four tests: speed of sound √(E/ρ) and density
-  !! against the range of solids; the size of the beam; masses over the beam's; and the duration of the record over the
-  !! first period.
+  !! Warnings of likely slips of units: numbers that no machine part has, and the slip that would explain them. Four
+  !! tests: speed of sound √(E/ρ) and density against the range of solids; the size of the beam; masses over the beam's;
+  !! and the duration of the record over the first period.
   use bw_beam_par, only: beam_mass, beam_piece, pieces_of_beam
   use bw_beam_units, only: beam_units
   use bw_constants, only: two_pi
@@ -19,10 +19,22 @@ module bw_case_units
 
   type(number_span), parameter :: sound = number_span(100.0_dp, 20000.0_dp)     !! √(E/ρ), m/s: soft rubber to diamond
   type(number_span), parameter :: density = number_span(1.0_dp, 23000.0_dp)     !! ρ, kg/m³: aerogel to osmium
+  type(number_span), parameter :: usual_sound = number_span(300.0_dp, 20000.0_dp), usual_density = number_span(100.0_dp, 23000.0_dp)
+    !! without rubber and foam: range for numbers in a guessed unit
   real(dp), parameter :: longest = 200.0_dp         !! m: a rotor blade of 2025 has 150
   real(dp), parameter :: heaviest = 1.0e6_dp        !! kg: rotors of large generators have a third of it
   real(dp), parameter :: largest_ratio = 100.0_dp   !! of a mass to the beam's, beyond which the beam is a mere spring
   real(dp), parameter :: least_part = 1.0e-4_dp     !! of the period of the first bending mode
+
+  type :: unit_slip
+    real(dp) :: factor = 1.0_dp                     !! that the number lacks
+    character(32) :: words = ''                     !! name and likely unit
+  end type unit_slip
+
+  type(unit_slip), parameter :: modulus_slips(*) = [unit_slip(), unit_slip(1.0e9_dp, 'youngs_modulus in GPa'), &
+                                                    unit_slip(1.0e6_dp, 'youngs_modulus in MPa')]
+  type(unit_slip), parameter :: density_slips(*) = [unit_slip(), unit_slip(1.0e3_dp, 'density in g/cm3'), &
+    unit_slip(1.0e12_dp, 'density in t/mm3'), unit_slip(1.0e9_dp, 'density in kg/mm3'), unit_slip(1.0e-3_dp, 'density in g/m3')]
 
 contains
 
@@ -66,8 +78,32 @@ contains
     if (count(strange) > 1) others = ' (that of '//text_of(count(strange) - 1)//' more of the pieces too)'
     call append(notes, 'material'//place//': sqrt(E/rho), the speed of sound in it, is '//shortest(sound_of(pieces(i)), 3)// &
                 ' m/s, and its density '//shortest(pieces(i)%density, 3)//' kg/m3; solids have 100 to 20000 m/s and 1 to '// &
-                '23000 kg/m3'//others//'. Is youngs_modulus in Pa, and density in kg/m3?')
+                '23000 kg/m3'//others//'. '//likely_slip(pieces(i)))
   end subroutine note_material
+
+  pure function likely_slip(piece) result(words)
+    !! Return the fewest slips that bring a material into the usual range, in words; else a question.
+    type(beam_piece), intent(in) :: piece
+    character(:), allocatable :: words
+    type(beam_piece) :: meant
+    integer :: e, r, changes
+    words = 'Is youngs_modulus in Pa, and density in kg/m3?'
+    do changes = 1, 2
+      do e = 1, size(modulus_slips)
+        do r = 1, size(density_slips)
+          if (count([e, r] > 1) /= changes) cycle
+          meant = piece
+          meant%youngs_modulus = piece%youngs_modulus*modulus_slips(e)%factor
+          meant%density = piece%density*density_slips(r)%factor
+          if (.not. (lies_in(sound_of(meant), usual_sound) .and. lies_in(meant%density, usual_density))) cycle
+          words = trim(modulus_slips(e)%words)
+          if (changes == 2) words = words//' and '
+          words = 'It looks like '//words//trim(density_slips(r)%words)
+          return
+        end do
+      end do
+    end do
+  end function likely_slip
 
   elemental real(dp) function sound_of(piece) result(speed)
     !! √(E/ρ), m/s.

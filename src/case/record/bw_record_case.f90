@@ -1,7 +1,7 @@
 module bw_record_case
   !! A case whose histories are measured: record ► lines ► waves ► result.
-  use bw_estimated_lines, only: estimated_line, estimate_lines
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
+  use bw_estimated_lines, only: estimate_lines, estimated_line
   use bw_found_lines, only: found_lines
   use bw_hammer, only: find_constants, hammer_of, hammer_response, hammer_type
   use bw_kinds, only: dp, i8

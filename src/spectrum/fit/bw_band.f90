@@ -14,7 +14,7 @@ module bw_band
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, enough_for, fill_rows, holds, line_columns, add_to_band, trend_columns, tapered_band
+  public :: add_to_band, band_around, enough_for, fill_rows, holds, line_columns, tapered_band, trend_columns
 
   integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 1024         !! tuned: sums that are enough for a broad line

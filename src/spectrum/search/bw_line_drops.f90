@@ -8,7 +8,7 @@ module bw_line_drops
   use bw_noise, only: white_amplitude
   use bw_noise_alone, only: most_colour, most_orders
   use bw_order, only: ascending
-  use bw_refit, only: all_steps, negligible_gain, near, refit, refit_all, refit_type, trial_steps
+  use bw_refit, only: all_steps, near, negligible_gain, refit, refit_all, refit_type, trial_steps
   use bw_renewal, only: highest_order, renew
   use bw_samples, only: samples_type
   implicit none (type, external)

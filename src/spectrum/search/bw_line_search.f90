@@ -16,7 +16,7 @@ module bw_line_search
   use bw_line_drops, only: clear_if_growing, drop_lines, drop_weakest, keep_or_clear, line_outcome
   use bw_line_moves, only: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, &
     & most_additions, most_lines
-  use bw_model, only: clear_invalid, model_type
+  use bw_model, only: model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise_alone, only: cost_of_shared_motion, dies, most_colour, most_orders
   use bw_refit, only: all_steps, negligible_gain, refit_all, trial_steps
@@ -277,19 +277,17 @@ contains
     real(dp), intent(in) :: frequency            !! rad per step
     type(line_type) :: tone
     complex(dp) :: wave(model%stretches(2, 1) - model%stretches(1, 1) + 1)
-    real(dp) :: motion(samples%count, 1)
+    real(dp), allocatable :: x(:)
     integer :: s
     tone%pole = cmplx(0, frequency, dp)
     allocate (tone%courses(0))
     call find_wave(tone, 0.0_dp, wave=wave)
     power = 0
     do s = 1, size(samples%value, 2)
-      motion(:, 1) = samples%value(:samples%count, s)
-      call clear_invalid(samples, motion)
-      associate (x => motion(model%stretches(1, 1):model%stretches(2, 1), 1))
-        x = x - sum(x)/size(x)
-        power = power + abs(sum(wave*x))**2/max(sum(x**2), tiny(1.0_dp))
-      end associate
+      x = samples%value(model%stretches(1, 1):model%stretches(2, 1), s)
+      if (allocated(samples%valid)) x = merge(x, 0.0_dp, samples%valid(model%stretches(1, 1):model%stretches(2, 1)))
+      x = x - sum(x)/size(x)
+      power = power + abs(sum(wave*x))**2/max(sum(x**2), tiny(1.0_dp))
     end do
   end function tone_power
 

@@ -1,6 +1,6 @@
 module bw_refit
   !! Refits of some lines of a model, with the others fixed; a refit is accepted if it lowers the cost of the whole record.
-  use bw_band, only: band_around, band_type, fill_rows, add_to_band
+  use bw_band, only: add_to_band, band_around, band_type, fill_rows
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_constants, only: pi
   use bw_kinds, only: dp
@@ -9,14 +9,14 @@ module bw_refit
   use bw_noise, only: amplitude_of
   implicit none (type, external)
   private
-  public :: accept, all_steps, negligible_gain, cluster_of, is_broken, near, overlaps, refit, refit_all, span_of_model, trial_steps
+  public :: accept, all_steps, cluster_of, is_broken, near, negligible_gain, overlaps, refit, refit_all, span_of_model, trial_steps
 
   real(dp), parameter :: unlike = 1/37.0_dp      !! tuned: squared scalar product of two lines that are not fitted together
   real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
   integer, parameter :: most_sweeps = 6
   integer, parameter :: most_together = 8        !! tuned: lines of a chain fitted at once; of a longer one each with its neighbours
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a trial fit, and of a final one
-  real(dp), parameter :: negligible_gain = 1             !! fall of −2 ln L that is expected of another fit, below which lines rest
+  real(dp), parameter :: negligible_gain = 1      !! fall of −2 ln L that is expected of another fit, below which lines rest
   real(dp), parameter :: low = 24                !! periods in the longest stretch; slower lines are fitted with a trend
 
   type, public :: refit_type
