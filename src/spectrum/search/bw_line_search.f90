@@ -277,7 +277,7 @@ contains
     real(dp), intent(in) :: frequency            !! rad per step
     type(line_type) :: tone
     complex(dp) :: wave(model%stretches(2, 1) - model%stretches(1, 1) + 1)
-    real(dp), allocatable :: x(:)
+    real(dp) :: x(size(wave))
     integer :: s
     tone%pole = cmplx(0, frequency, dp)
     allocate (tone%courses(0))
