@@ -1,4 +1,6 @@
-"""The finished cases that unfinished work holds, read by the NetCDF library."""
+"""Unfinished work as it lies in its directory, which a run may remove at any moment, and its finished cases."""
+
+import os
 
 import netCDF4
 import numpy as np
@@ -6,9 +8,17 @@ import numpy as np
 NOT_DONE = -1
 
 
+def files_in(directory, ending):
+    """Paths of the files with this ending, in order of their names; none where the directory is gone."""
+    try:
+        return [directory / name for name in sorted(os.listdir(directory)) if name.endswith(ending)]
+    except FileNotFoundError:
+        return []
+
+
 def drafts_in(directory):
     """The drafts of unfinished work; one that is being laid out has no head yet."""
-    return [path for path in sorted(directory.glob("draft*.nc")) if begins_with(path, b"CDF")]
+    return [path for path in files_in(directory, ".nc") if path.name.startswith("draft") and begins_with(path, b"CDF")]
 
 
 def begins_with(path, letters):

@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 import results
+from drafts import files_in
 from ring_downs import as_text
 from scipy.optimize import brentq
 from workplace import SECONDS, namelist
@@ -97,7 +98,7 @@ def test_a_result_has_its_name_only_with_what_was_identified(here, together, num
     for delay in [0, 0.01, 0.02, 0.04]:
         running = here.start("run", "loaded.nml", "--overwrite")
         until = time.perf_counter() + SECONDS
-        while not list(work.glob("*.nc")) and running.poll() is None and time.perf_counter() < until:
+        while not files_in(work, ".nc") and running.poll() is None and time.perf_counter() < until:
             time.sleep(0.0005)
         time.sleep(delay)
         running.send_signal(number)

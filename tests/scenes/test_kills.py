@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 import results
-from drafts import cases_in
+from drafts import cases_in, files_in
 from ring_downs import text_of
 from workplace import SECONDS, captured_beam
 
@@ -98,7 +98,7 @@ def kill_at_random(here, dice, seconds, words):
 def locks_in(partial):
     """The locks that runs have taken there, each a file of its own."""
     locks = set()
-    for path in partial.glob("*lock"):
+    for path in files_in(partial, "lock"):
         with contextlib.suppress(FileNotFoundError):
             locks.add(path.stat().st_ino)
     return locks
