@@ -7,7 +7,6 @@ import time
 import numpy as np
 import pytest
 import results
-import xarray as xr
 from workplace import SECONDS, captured_beam
 
 SMALL = captured_beam(response={"duration": 0.05, "samples": 256})
@@ -21,15 +20,13 @@ def measured(shared):
     """A place with the study of one scene, and what the program printed."""
     place = shared("accuracy")
     place.scene("a", SMALL)
-    ended = place.beamwave("accuracy", "a.nml")
-    assert ended.returncode == 0, ended.stderr
+    ended = place.beamwave("accuracy", "a.nml", status=0)
     return place, ended.stdout
 
 
 @pytest.fixture(scope="module")
 def study(measured):
-    with xr.open_dataset(measured[0].directory / "output/a.accuracy.nc") as ds:
-        yield ds.load()
+    return measured[0].dataset("a.accuracy")
 
 
 def ladder(ds, name):
@@ -125,8 +122,7 @@ def test_the_printed_list_holds_the_numbers_of_the_file(measured, study):
 def test_a_study_that_is_there_is_left_alone(measured):
     place = measured[0]
     before = (place.directory / "output/a.accuracy.nc").read_bytes()
-    again = place.beamwave("accuracy", "a.nml")
-    assert again.returncode == 0
+    again = place.beamwave("accuracy", "a.nml", status=0)
     assert "nothing to do" in again.stdout
     assert (place.directory / "output/a.accuracy.nc").read_bytes() == before
 
@@ -135,25 +131,22 @@ def test_of_a_sweep_the_first_case_is_measured_and_replaces_another_study_when_t
     speeds = {"parameter": "rotation%angular_velocity", "values": [30.0, 60.0]}
     here.scene("a", {**SMALL, "rotation": {"plane": "in"}}, speeds)
     here.write("output/a.accuracy.nc", "something else")
-    refused = here.beamwave("accuracy", "a.nml")
-    assert refused.returncode == 3
+    refused = here.beamwave("accuracy", "a.nml", status=3)
     assert "--overwrite" in refused.stderr
     assert (here.directory / "output/a.accuracy.nc").read_text(encoding="utf-8") == "something else"
     ended = here.beamwave("accuracy", "a.nml", "--overwrite", "--quiet")
     assert (ended.returncode, ended.stdout) == (0, "")
     assert ended.stderr == ""
     assert here.left() == ["a.accuracy.nc"]
-    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
-        assert ds.rotation_angular_velocity == 30.0
-        assert "Of 2 cases only the first is measured: " in ds.attrs["report"].splitlines()[1]
+    ds = here.dataset("a.accuracy")
+    assert ds.rotation_angular_velocity == 30.0
+    assert "Of 2 cases only the first is measured: " in ds.attrs["report"].splitlines()[1]
 
 
 def test_a_result_of_a_run_is_not_taken_for_a_study(here):
-    here.scene("a.accuracy", SMALL)
-    here.run("a.accuracy")
+    here.simulate("a.accuracy", SMALL)
     here.scene("a", SMALL)
-    refused = here.beamwave("accuracy", "a.nml")
-    assert refused.returncode == 3
+    refused = here.beamwave("accuracy", "a.nml", status=3)
     assert "--overwrite" in refused.stderr
 
 
@@ -169,8 +162,7 @@ def test_a_scene_without_a_converged_answer_is_refused(here, scene, group):
     if "modes" in scene and "capture" not in scene:
         scene = {**scene, "modes": {"before": 12}}
     here.scene("a", scene)
-    ended = here.beamwave("accuracy", "a.nml")
-    assert ended.returncode == 2
+    ended = here.beamwave("accuracy", "a.nml", status=2)
     assert ended.stdout == ""
     assert ended.stderr.startswith(f"a.nml: {group}: ")
     assert "accepted: " in ended.stderr
@@ -189,11 +181,7 @@ COUNTED_IN_RUNS = {
 @pytest.mark.parametrize("groups", COUNTED_IN_RUNS.values(), ids=COUNTED_IN_RUNS.keys())
 def test_where_runs_find_their_modes_errors_are_of_all_histories(here, groups):
     scene = {"beam": captured_beam()["beam"], **{name: group for name, group in groups.items() if name != "modes"}}
-    here.scene("a", scene)
-    ended = here.beamwave("accuracy", "a.nml", "--quiet")
-    assert ended.returncode == 0, ended.stderr
-    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
-        study = ds.load()
+    study = here.study("accuracy", "a", scene)
     asked = ladder(study, "tolerance")
     asked = asked.isel(rung=np.flatnonzero(asked.rung_status == 1))
     assert asked.sizes["rung"] >= 3 and (asked.seconds > 0).all()
@@ -212,16 +200,14 @@ HISTORIES = ["displacement", "velocity", "acceleration", "bending_moment", "shea
 
 def own_run(here, scene, tolerance):
     name = f"at{-round(np.log10(tolerance))}"
-    here.scene(name, {**scene, "modes": {"tolerance": tolerance}})
-    return here.run(name)
+    return here.simulate(name, {**scene, "modes": {"tolerance": tolerance}})
 
 
 def test_two_scenes_are_one_too_many(here):
     here.scene("many/a", SMALL)
     here.scene("many/b", SMALL)
     for words in (["many/a.nml", "many/b.nml"], ["many"], []):
-        ended = here.beamwave("accuracy", *words)
-        assert ended.returncode == 2
+        ended = here.beamwave("accuracy", *words, status=2)
         assert "one scene" in ended.stderr
     assert not (here.directory / "output").exists()
 
@@ -230,9 +216,9 @@ def test_a_beam_at_rest_has_no_error_at_any_price(here):
     here.scene("a", captured_beam(impact={"mass_ratio": 0.0}, response={"duration": 0.01, "samples": 8}))
     ended = here.beamwave("accuracy", "a.nml")
     assert (ended.returncode, ended.stderr) == (0, "")
-    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
-        assert (ds.true_error == 0.0).all() and (ds.estimated_error == 0.0).all()
-        assert np.isnan(ds.work_slope)
+    ds = here.dataset("a.accuracy")
+    assert (ds.true_error == 0.0).all() and (ds.estimated_error == 0.0).all()
+    assert np.isnan(ds.work_slope)
 
 
 @pytest.mark.parametrize("number, groups", [(signal.SIGINT, {}), (signal.SIGTERM, {"release": {"time": 0.5}})])
@@ -255,23 +241,19 @@ def test_a_signal_ends_in_order_and_nothing_is_left(here, number, groups):
 def test_a_place_that_cannot_be_written_is_said_before_any_work(here):
     here.scene("a", SMALL)
     here.write("file", "no directory")
-    ended = here.beamwave("accuracy", "a.nml", "--output", "file/output")
-    assert ended.returncode == 3
+    ended = here.beamwave("accuracy", "a.nml", "--output", "file/output", status=3)
     assert "file/output" in ended.stderr
 
 
 def test_a_mode_that_grows_and_would_not_changes_all_of_the_displacement(here):
-    here.scene("a", captured_beam(rotation={"angular_velocity": 160.0}, modes=None, response=SMALL["response"]))
-    assert here.beamwave("accuracy", "a.nml", "--quiet").returncode == 0
-    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
-        assert float(ds.model_error) >= 1.0
-        assert ds.beyond_model.all()
+    ds = here.study("accuracy", "a", captured_beam(rotation={"angular_velocity": 160.0}, modes=None, response=SMALL["response"]))
+    assert float(ds.model_error) >= 1.0
+    assert ds.beyond_model.all()
 
 
 def test_points_that_hardly_move_leave_no_tolerance_to_ask_for(here):
     still = {"duration": 1e-15, "samples": 50, "points": 1e-7}
     here.scene("a", captured_beam(modes=None, response=still))
-    refused = here.beamwave("run", "a.nml", "--quiet")  # a log of a slow machine has lines of progress
-    assert refused.returncode == 2
+    refused = here.beamwave("run", "a.nml", "--quiet", status=2)  # a log of a slow machine has lines of progress
     assert refused.stderr.startswith("a.nml: modes%tolerance: ")
     assert "nor can any other" in refused.stderr

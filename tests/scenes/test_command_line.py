@@ -26,8 +26,7 @@ WRONG = {
 @pytest.mark.parametrize("words", WRONG.values(), ids=WRONG.keys())
 def test_a_wrong_command_line_is_refused_before_anything_runs(here, words):
     here.scene("a", captured_beam())
-    ended = here.beamwave(*words)
-    assert ended.returncode == 2
+    ended = here.beamwave(*words, status=2)
     assert ended.stderr.strip()
     assert ended.stdout == ""
     assert not (here.directory / "output").exists()
@@ -37,8 +36,7 @@ def test_a_wrong_command_line_is_refused_before_anything_runs(here, words):
     "words", [["{}"], ["run", "--{}"], ["run", "--{}=a"], ["run", "a.nml", "--max-seconds", "{}"], ["describe", "{}"]]
 )
 def test_a_message_shows_no_more_than_80_letters_of_a_word(here, words):
-    ended = here.beamwave(*[word.format("x" * 100_000) for word in words])
-    assert ended.returncode == 2
+    ended = here.beamwave(*[word.format("x" * 100_000) for word in words], status=2)
     assert "x" * 70 in ended.stderr
     assert "x" * 81 not in ended.stderr
 
@@ -83,8 +81,7 @@ def test_the_documented_inputs_are_those_the_program_describes(here):
 
 
 def test_one_group_can_be_described(here):
-    ended = here.beamwave("describe", "impact")
-    assert ended.returncode == 0
+    ended = here.beamwave("describe", "impact", status=0)
     assert "mass_ratio" in ended.stdout
     assert "youngs_modulus" not in ended.stdout
 
@@ -126,8 +123,7 @@ def test_a_file_that_is_named_twice_is_run_once(here):
     assert (ended.returncode, ended.stderr) == (0, "")
     assert "2 scenes: 2 done" in ended.stdout
     assert here.left() == ["a.nc", "b.nc"]
-    absent = here.beamwave("run", "absent.nml", "absent.nml")
-    assert absent.returncode == 3
+    absent = here.beamwave("run", "absent.nml", "absent.nml", status=3)
     assert len(absent.stderr.splitlines()) == 1
     linked = here.beamwave("run", "a.nml", "link.nml", "--overwrite")  # another name of the file has a result of its own
     assert (linked.returncode, linked.stderr) == (0, "")
@@ -138,8 +134,7 @@ def test_two_files_of_one_name_keep_no_other_error_from_view(here):
     for name in ["one/a", "two/a", "b"]:
         here.scene(name, captured_beam())
     here.scene("bad", captured_beam(beam={"length": -1.0}))
-    ended = here.beamwave("run", "one/a.nml", "b.nml", "bad.nml", "absent.nml", "two/a.nml", "one/a.nml")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "one/a.nml", "b.nml", "bad.nml", "absent.nml", "two/a.nml", "one/a.nml", status=3)
     errors = ended.stderr.splitlines()
     assert len(errors) == 3
     assert "beam%length" in errors[0] and errors[1].startswith("absent.nml: ")
@@ -149,8 +144,7 @@ def test_two_files_of_one_name_keep_no_other_error_from_view(here):
 
 
 def test_a_second_run_has_nothing_to_do(here):
-    here.scene("a", captured_beam())
-    first = here.run("a")
+    first = here.simulate("a", captured_beam())
     ended = here.beamwave("run", "a.nml")
     assert (ended.returncode, ended.stderr) == (0, "")
     assert "output/a.nc" in ended.stdout
@@ -159,18 +153,15 @@ def test_a_second_run_has_nothing_to_do(here):
 
 
 def test_a_scene_that_only_reads_differently_is_the_same_scene(here):
-    here.scene("a", captured_beam())
-    here.run("a")
+    here.simulate("a", captured_beam())
     here.write("a.nml", "! a comment\n" + (here.directory / "a.nml").read_text(encoding="utf-8").upper())
     assert "nothing to do" in here.beamwave("run", "a.nml").stdout
 
 
 def test_another_scene_does_not_replace_a_result_unasked(here):
-    here.scene("a", captured_beam())
-    first = here.run("a")
+    first = here.simulate("a", captured_beam())
     here.scene("a", captured_beam(impact={"mass_ratio": 0.5}))
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "a.nml", status=3)
     assert "output/a.nc" in ended.stderr
     assert "--overwrite" in ended.stderr
     assert here.result("a").attributes == first.attributes

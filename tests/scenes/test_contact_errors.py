@@ -179,8 +179,7 @@ def test_with_fewer_digits_of_the_modes_there_is_less_that_is_known(here, inputs
         "modes": {"before": int(count)},
         "response": {"duration": 2.0, "samples": 10},
     }
-    here.scene("a", scene)
-    result = here.run("a", status=4 if len(contacts) == MOST else 0)
+    result = here.simulate("a", scene, status=4 if len(contacts) == MOST else 0)
     known = (result["event_kind"] == 4).sum()
     assert known == len(contacts)
     for name, column in [("event_time", "start"), ("event_end", "end")]:

@@ -88,8 +88,7 @@ def test_a_case_with_a_status_that_is_none_is_run_again(here, half):
     (draft,) = drafts_in(here.directory / "output/a.partial")
     with netCDF4.Dataset(draft, "r+") as file:
         file["case_status"][:4] = [77, -5, 100_000, 6]
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 0
+    ended = here.beamwave("run", "a.nml", status=0)
     assert f"{CASES // 2 - 2} cases were taken over from an earlier run" in ended.stdout  # half has each second case
     assert results.differences(here.result("a"), whole) == []
 
@@ -108,12 +107,10 @@ def leave_rubbish(path):
 
 @pytest.mark.parametrize("leave", [leave_nothing, leave_a_part, leave_rubbish])
 def test_a_damaged_result_is_called_that(here, leave):
-    here.scene("a", captured_beam())
-    expected = here.run("a")
+    expected = here.simulate("a", captured_beam())
     leave(here.directory / "output/a.nc")
     left = (here.directory / "output/a.nc").read_bytes()
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "a.nml", status=3)
     assert "output/a.nc: is damaged, cut short or no NetCDF file; --overwrite replaces it" in ended.stderr
     assert (here.directory / "output/a.nc").read_bytes() == left
     assert results.differences(here.run("a", "--overwrite"), expected) == []
@@ -123,8 +120,7 @@ def test_a_damaged_result_is_called_that(here, leave):
 def test_a_locked_result_is_called_that(here, words):
     import fcntl
 
-    here.scene("a", captured_beam())
-    here.run("a")
+    here.simulate("a", captured_beam())
     with (here.directory / "output/a.nc").open("r+b") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         ended = here.beamwave("run", "a.nml", *words)

@@ -38,8 +38,7 @@ def history(damping, position, time):
 
 @pytest.mark.parametrize("damping", [{"ratio": RATIO}, RAYLEIGH], ids=["ratio", "Rayleigh"])
 def test_frequencies_rates_and_histories_are_those_of_the_characteristic_equation(here, damping):
-    here.scene("a", captured_beam(damping=damping, response=RESPONSE))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(damping=damping, response=RESPONSE))
     s = eigenvalues(damping)
     turns = s[:, 0].imag != 0
     # numpy's roots of a quadratic with real roots c apart: a rounding of c, 1e3 times the slow one
@@ -55,8 +54,7 @@ def test_frequencies_rates_and_histories_are_those_of_the_characteristic_equatio
 
 
 def test_stiffness_proportional_damping_overdamps_high_modes(here):
-    here.scene("a", captured_beam(damping={"stiffness_proportional": 1e-4}, response=RESPONSE))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(damping={"stiffness_proportional": 1e-4}, response=RESPONSE))
     overdamped = results.is_fill(result["angular_frequency"])
     np.testing.assert_array_equal(overdamped, 1e-4 * PAPER.h * PAPER.alpha**2 > 2)
     assert 0 < overdamped.sum() < 10
@@ -67,11 +65,9 @@ def test_stiffness_proportional_damping_overdamps_high_modes(here):
 def test_at_the_critical_ratio_nothing_turns_and_near_it_every_digit_counts(here, shear):
     """A beam at rest: β √(1 − ζ²) of every mode, 0 at ζ = 1, and beyond it −β(ζ − √(ζ² − 1))."""
     scene = captured_beam(rotation=None, shear=shear)
-    here.scene("undamped", scene)
-    undamped = here.run("undamped")["angular_frequency"]
+    undamped = here.simulate("undamped", scene)["angular_frequency"]
     for name, ratio in [("at", 1.0), ("below", 1 - 1e-12), ("above", 1 + 1e-12), ("far", 30.0)]:
-        here.scene(name, {**scene, "damping": {"ratio": ratio}})
-        result = here.run(name)
+        result = here.simulate(name, {**scene, "damping": {"ratio": ratio}})
         apart = np.sqrt(abs(1 - ratio) * (1 + ratio))  # 1 − ζ is exact
         if ratio <= 1:
             np.testing.assert_allclose(result["angular_frequency"], undamped * apart, rtol=1e-13)
@@ -101,8 +97,7 @@ def test_a_slow_rotation_at_the_critical_ratio_adds_what_it_adds(here, groups):
 
 
 def test_the_weakest_damping_is_none(here):
-    here.scene("a", captured_beam(response=RESPONSE))
-    without = here.run("a")
+    without = here.simulate("a", captured_beam(response=RESPONSE))
     peak = np.abs(without["displacement"]).max()
     for name, damping in [("b", {"ratio": 0.0}), ("c", {"ratio": 1e-13}), ("d", {"mass_proportional": 1e-10})]:
         here.scene(name, captured_beam(damping=damping, response=RESPONSE))
@@ -112,8 +107,7 @@ def test_the_weakest_damping_is_none(here):
 
 def test_a_growing_mode_grows_more_slowly(here):
     fast = {"angular_velocity": 300.0}
-    here.scene("a", captured_beam(rotation=fast, damping={"mass_proportional": 40.0}, response=RESPONSE))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(rotation=fast, damping={"mass_proportional": 40.0}, response=RESPONSE))
     beta = np.sqrt(300.0**2 - (PAPER.h * PAPER.alpha[0] ** 2) ** 2)
     np.testing.assert_allclose(result["growth_rate"][0], np.hypot(beta, 20.0) - 20.0, rtol=1e-13)
     tip = result["displacement"][1]
@@ -122,8 +116,7 @@ def test_a_growing_mode_grows_more_slowly(here):
 
 
 def test_the_scene_shows_what_its_head_says(here):
-    ended = here.beamwave("run", PROJECT / "input/effects/damping.nml")
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", PROJECT / "input/effects/damping.nml", status=0)
     result = here.result("damping")
     assert f"{result['angular_frequency'][0]:.1f}" == "111.1"
     late = result["time"] > 0.5

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import results
-import xarray as xr
 from workplace import captured_beam
 
 PROJECT = Path(__file__).parents[2]
@@ -20,10 +19,8 @@ def studied(shared):
     """The paper's scene, studied."""
     here = shared("effects")
     here.scene("paper", PAPER)
-    ended = here.beamwave("effects", "paper.nml")
-    assert ended.returncode == 0, ended.stderr
-    with xr.open_dataset(here.directory / "output/paper.effects.nc") as ds:
-        return here, ended, ds.load()
+    ended = here.beamwave("effects", "paper.nml", status=0)
+    return here, ended, here.dataset("paper.effects")
 
 
 def row(ds, effect):
@@ -90,8 +87,7 @@ def test_the_table_in_the_readme_is_what_the_program_prints(here):
     readme = (PROJECT / "README.md").read_text(encoding="utf-8")
     scene = re.search(r"```fortran\n(.*?)```", readme, re.DOTALL)[1]
     here.write("scene.nml", re.sub(r"^&(response|spectrum).*\n", "", scene, flags=re.MULTILINE))
-    ended = here.beamwave("effects", "scene.nml")
-    assert ended.returncode == 0, ended.stderr
+    ended = here.beamwave("effects", "scene.nml", status=0)
     table = re.search(r"^  effect +state.*?\n(.*?)^```", readme, re.DOTALL | re.MULTILINE)[1]
     rows = [re.split(r"\s{2,}", line.strip()) for line in table.splitlines()]
     assert len(rows) == 5
@@ -103,13 +99,11 @@ def test_the_table_in_the_readme_is_what_the_program_prints(here):
 def test_an_effect_matters_from_the_first_mode_that_it_changes_by_more_than_the_tolerance(here):
     response = {"duration": 0.01, "samples": 16}
     scene = captured_beam(rotation={"angular_velocity": 1.0}, modes=None, response=response)
-    here.scene("slow", {**scene, "modes": {"tolerance": 1e-5}})
-    assert here.beamwave("effects", "slow.nml").returncode == 0
-    with xr.open_dataset(here.directory / "output/slow.effects.nc") as ds:
-        assert float(ds["frequency_tolerance"]) == 1e-5
-        rotation = row(ds, "rotation")
-        first = int(rotation["matters_from_mode"])
-        larger = np.abs(rotation["frequency_change"].values) > 1e-5
+    ds = here.study("effects", "slow", {**scene, "modes": {"tolerance": 1e-5}})
+    assert float(ds["frequency_tolerance"]) == 1e-5
+    rotation = row(ds, "rotation")
+    first = int(rotation["matters_from_mode"])
+    larger = np.abs(rotation["frequency_change"].values) > 1e-5
     # 1 rad/s takes (1/121.8)²/2 = 3.4e-5 off mode 1, (1/849)²/2 = 7e-7 off mode 2.
     assert first == 1 and larger.tolist() == [True] + 9 * [False]
 
@@ -118,9 +112,9 @@ def test_a_scene_that_asks_for_no_tolerance_is_held_against_one_per_cent(here):
     here.scene("slow", captured_beam(rotation={"angular_velocity": 1.0}))
     ended = here.beamwave("effects", "slow.nml")
     assert "more than 1 %,\n  since the scene has no tolerance" in ended.stdout
-    with xr.open_dataset(here.directory / "output/slow.effects.nc") as ds:
-        assert float(ds["frequency_tolerance"]) == 0.01
-        assert int(row(ds, "rotation")["matters_from_mode"]) == 0  # 3.4e-5 of mode 1
+    ds = here.dataset("slow.effects")
+    assert float(ds["frequency_tolerance"]) == 0.01
+    assert int(row(ds, "rotation")["matters_from_mode"]) == 0  # 3.4e-5 of mode 1
 
 
 def test_counts_are_held_against_the_error_that_they_leave(studied):
@@ -154,57 +148,49 @@ def test_a_beam_of_pieces_with_a_support_and_bodies_is_studied(here):
              "support": {"rotational_stiffness": 1e5}, "body": {"position": 0.5, "mass": 0.01},
              "impact": {"mass_ratio": 0.2, "position": 0.8}, "capture": {}, "modes": {"before": 10, "after": 10},
              "response": {"duration": 0.01, "samples": 32}}
-    here.scene("pieces", scene)
-    ended = here.beamwave("effects", "pieces.nml")
-    assert ended.returncode == 0, ended.stderr
-    with xr.open_dataset(here.directory / "output/pieces.effects.nc") as ds:
-        states = dict(zip(WORDS, ds["effect_state"].values))
-        assert {name for name, state in states.items() if state == ON} == {"capture", "pieces", "support", "body", "position"}
-        assert ds["beam_diameter"].dims == ("piece",)
-        # a beam of the same mass and the mean stiffness has none of its stiffness where it bends the most
-        assert float(row(ds, "pieces")["frequency_change"].sel(mode=1)) > 0
-        # a mass away from the tip takes less off the frequency of mode 1, and a rigid clamp nothing
-        assert float(row(ds, "position")["frequency_change"].sel(mode=1)) > 0
-        assert float(row(ds, "support")["frequency_change"].sel(mode=1)) < 0
-        assert float(row(ds, "body")["frequency_change"].sel(mode=1)) < 0
+    ds = here.study("effects", "pieces", scene)
+    states = dict(zip(WORDS, ds["effect_state"].values))
+    assert {name for name, state in states.items() if state == ON} == {"capture", "pieces", "support", "body", "position"}
+    assert ds["beam_diameter"].dims == ("piece",)
+    # a beam of the same mass and the mean stiffness has none of its stiffness where it bends the most
+    assert float(row(ds, "pieces")["frequency_change"].sel(mode=1)) > 0
+    # a mass away from the tip takes less off the frequency of mode 1, and a rigid clamp nothing
+    assert float(row(ds, "position")["frequency_change"].sel(mode=1)) > 0
+    assert float(row(ds, "support")["frequency_change"].sel(mode=1)) < 0
+    assert float(row(ds, "body")["frequency_change"].sel(mode=1)) < 0
 
 
 def test_a_speed_is_tried_that_the_beam_of_pieces_holds(here):
     """0.4 of what its own first mode allows: that takes 1 - sqrt(1 - 0.16) off its frequency."""
-    here.scene("pieces", {"beam": {"length": [0.5, 0.5], "diameter": [0.037, 0.01], "density": 7870.0, "youngs_modulus": 2e11},
-                          "support": {"rotational_stiffness": 1e3}, "body": {"position": 1.0, "mass": 0.5}, "modes": {"before": 3}})
-    assert here.beamwave("effects", "pieces.nml").returncode == 0
-    with xr.open_dataset(here.directory / "output/pieces.effects.nc") as ds:
-        change = float(row(ds, "rotation")["frequency_change"].sel(mode=1))
-        assert change == pytest.approx(np.sqrt(1 - 0.4**2) - 1, rel=0.02)  # three digits of the speed
+    beam = {"length": [0.5, 0.5], "diameter": [0.037, 0.01], "density": 7870.0, "youngs_modulus": 2e11}
+    support, body = {"rotational_stiffness": 1e3}, {"position": 1.0, "mass": 0.5}
+    ds = here.study("effects", "pieces", {"beam": beam, "support": support, "body": body, "modes": {"before": 3}})
+    change = float(row(ds, "rotation")["frequency_change"].sel(mode=1))
+    assert change == pytest.approx(np.sqrt(1 - 0.4**2) - 1, rel=0.02)  # three digits of the speed
 
 
 def test_effects_that_are_on_are_taken_off(here):
     scene = captured_beam(stiffening={}, shear={}, damping={"ratio": 0.02}, capture={"rotary_inertia": 1e-3})
     scene = {**scene, "release": {"time": 0.01}, "response": {"duration": 0.02, "samples": 64}}
-    here.scene("all", scene)
-    assert here.beamwave("effects", "all.nml").returncode == 0
-    with xr.open_dataset(here.directory / "output/all.effects.nc") as ds:
-        states = dict(zip(WORDS, ds["effect_state"].values))
-        off = {"out_of_plane", "contact", "force", "base", "initial", "pieces", "taper", "support", "tip_support", "hub", "body"}
-        off |= {"position"}
-        assert {name for name, state in states.items() if state == OFF} == off
-        assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
-        # A ratio ζ takes ζ²/2 off the frequency of bending alone, more off that of mode 1, which rotation has lowered.
-        assert float(row(ds, "damping")["frequency_change"].sel(mode=5)) == pytest.approx(-2e-4, rel=0.1)
-        # A release changes no mode of beam and mass, and the motion after it.
-        assert (row(ds, "release")["frequency_change"] == 0).all() and float(row(ds, "release")["response_change"]) > 0
+    ds = here.study("effects", "all", scene)
+    states = dict(zip(WORDS, ds["effect_state"].values))
+    off = {"out_of_plane", "contact", "force", "base", "initial", "pieces", "taper", "support", "tip_support", "hub", "body"}
+    off |= {"position"}
+    assert {name for name, state in states.items() if state == OFF} == off
+    assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
+    # A ratio ζ takes ζ²/2 off the frequency of bending alone, more off that of mode 1, which rotation has lowered.
+    assert float(row(ds, "damping")["frequency_change"].sel(mode=5)) == pytest.approx(-2e-4, rel=0.1)
+    # A release changes no mode of beam and mass, and the motion after it.
+    assert (row(ds, "release")["frequency_change"] == 0).all() and float(row(ds, "release")["response_change"]) > 0
 
 
 def test_a_rebound_is_studied_beside_a_capture_and_contacts(here):
     scene = captured_beam(capture=None, response={"duration": 0.01, "samples": 64})
-    here.scene("rebound", {**scene, "modes": {"before": 5}})
-    assert here.beamwave("effects", "rebound.nml").returncode == 0
-    with xr.open_dataset(here.directory / "output/rebound.effects.nc") as ds:
-        states = dict(zip(WORDS, ds["effect_state"].values))
-        assert states["capture"] == OFF and states["recontact"] == OFF
-        assert states["release"] == states["body_inertia"] == NOT_COMBINED
-        assert np.isnan(ds["frequency_change"].sel(mode=slice(6, 10))).all()
+    ds = here.study("effects", "rebound", {**scene, "modes": {"before": 5}})
+    states = dict(zip(WORDS, ds["effect_state"].values))
+    assert states["capture"] == OFF and states["recontact"] == OFF
+    assert states["release"] == states["body_inertia"] == NOT_COMBINED
+    assert np.isnan(ds["frequency_change"].sel(mode=slice(6, 10))).all()
 
 
 def test_of_a_sweep_the_first_case_is_studied_and_that_is_said(here):
@@ -212,16 +198,15 @@ def test_of_a_sweep_the_first_case_is_studied_and_that_is_said(here):
     here.scene("sweep", captured_beam(rotation={}), sweep)
     ended = here.beamwave("effects", "sweep.nml")
     assert ended.returncode == 0 and "Of 2 cases only the first is measured" in ended.stdout.split("effect  ")[0]
-    with xr.open_dataset(here.directory / "output/sweep.effects.nc") as ds:
-        assert float(ds["rotation_angular_velocity"]) == 50.0
+    ds = here.dataset("sweep.effects")
+    assert float(ds["rotation_angular_velocity"]) == 50.0
 
 
 def test_a_row_without_numbers_has_no_verdict_and_says_why(here):
     """Effects with which the tolerance is out of reach: what needs a history has no verdict, and each run's reason stands once."""
     groups = {"rotation": None, "modes": None, "response": {"duration": 0.01, "samples": 4}}
     here.scene("fine", {**captured_beam(**groups), "modes": {"tolerance": 1e-9}})
-    ended = here.beamwave("effects", "fine.nml")
-    assert ended.returncode == 4, ended.stderr
+    ended = here.beamwave("effects", "fine.nml", status=4)
     warnings = [line for line in ended.stdout.splitlines() if "warning: not trusted: " in line]
     for effect in ("shear", "release"):
         reason = f" {effect} (the run with it): tolerance: 1e-9 cannot be reached"
@@ -230,10 +215,10 @@ def test_a_row_without_numbers_has_no_verdict_and_says_why(here):
     (shear,) = [line for line in ended.stdout.splitlines() if re.match(r" +shear +off ", line)]
     assert release.split()[-3:] == ["-", "-", "-"]  # response, time, verdict
     assert shear.endswith("-       -   matters from mode 1 on")  # its frequencies are known
-    with xr.open_dataset(here.directory / "output/fine.effects.nc") as ds:
-        assert np.isnan(row(ds, "release")["response_change"]) and np.isnan(row(ds, "shear")["response_change"])
-        assert float(row(ds, "damping")["response_change"]) > 0
-        assert "(the run with it): tolerance: 1e-9" in ds.attrs["notes"]
+    ds = here.dataset("fine.effects")
+    assert np.isnan(row(ds, "release")["response_change"]) and np.isnan(row(ds, "shear")["response_change"])
+    assert float(row(ds, "damping")["response_change"]) > 0
+    assert "(the run with it): tolerance: 1e-9" in ds.attrs["notes"]
 
 
 def test_wrong_words_are_refused(here):

@@ -40,8 +40,7 @@ def frequencies_of_cantilever(count):
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
 def test_a_cantilever_answers_as_its_closed_form_says(here, quantity):
     damping = {"mass_proportional": 2.0, "stiffness_proportional": 1e-6}
-    here.scene("a", scene({"quantity": quantity}, damping=damping))
-    result = here.run("a")
+    result = here.simulate("a", scene({"quantity": quantity}, damping=damping))
     order = ["displacement", "velocity", "acceleration"].index(quantity)
     frequency = result["response_frequency"]
     np.testing.assert_allclose(frequency, np.geomspace(3.0, 2000.0, 400), rtol=1e-13)
@@ -53,15 +52,13 @@ def test_a_cantilever_answers_as_its_closed_form_says(here, quantity):
 
 
 def test_an_undamped_answer_is_real(here):
-    here.scene("a", scene())
-    result = here.run("a")
+    result = here.simulate("a", scene())
     np.testing.assert_allclose(answer(result)[0].real, tip_of_cantilever(result["response_frequency"]).real, rtol=1e-9)
     assert np.abs(answer(result).imag).max() <= 1e-12 * np.abs(answer(result)).max()
 
 
 def test_a_ratio_of_damping_has_the_answer_of_thousands_of_modes(here):
-    here.scene("a", scene(damping={"ratio": 0.02}))
-    result = here.run("a")
+    result = here.simulate("a", scene(damping={"ratio": 0.02}))
     omega = 2 * np.pi * result["response_frequency"][:, np.newaxis]
     beta = frequencies_of_cantilever(5000)
     expected = (4 / MASS / (beta**2 - omega**2 + 0.04j * beta * omega)).sum(axis=1)
@@ -97,8 +94,7 @@ def elements(speed, hub_radius, count=80):
 def test_tension_has_the_answer_of_finite_elements(here, plane):
     rotation = {"angular_velocity": 90.0, "plane": plane}
     groups = {"rotation": rotation, "stiffening": {"hub_radius": 0.2}, "damping": {"mass_proportional": 5.0}}
-    here.scene("a", scene({"points": [0.5, 1.0], "position": 0.75, "last": 1000.0}, **groups))
-    result = here.run("a")
+    result = here.simulate("a", scene({"points": [0.5, 1.0], "position": 0.75, "last": 1000.0}, **groups))
     inertia, elastic, tension = elements(90.0, 0.2)
     stiffness = elastic + tension - (90.0**2 * inertia if plane == "in" else 0)
     square, shapes = eigh(stiffness, inertia)  # damping of the mass leaves modes as they are
@@ -117,23 +113,20 @@ def test_the_captured_mass_is_on_the_beam(here):
     groups = {"impact": {"mass_ratio": 0.2}, "capture": {}, "damping": {"mass_proportional": 1.0}}
     here.scene("captured", scene(**groups))
     carried = {"body": {"position": 1.0, "mass_ratio": 0.2}, "damping": {"mass_proportional": 1.0}}
-    here.scene("carried", scene(**carried))
-    np.testing.assert_allclose(answer(here.run("captured")), answer(here.run("carried")), rtol=1e-9)
+    np.testing.assert_allclose(answer(here.run("captured")), answer(here.simulate("carried", scene(**carried))), rtol=1e-9)
 
 
 def test_histories_and_answers_have_the_same_points(here):
     response = {"duration": 0.1, "samples": 64, "points": [0.3, 0.8]}
     both = scene(impact={"mass_ratio": 0.2}, capture={}, modes={"after": 10}, response=response)
-    here.scene("a", both)
-    result = here.run("a")
+    result = here.simulate("a", both)
     np.testing.assert_array_equal(result["point_position"], [0.3, 0.8])
     assert answer(result).shape == (2, 400)
     # what it resolved to is a scene with the same answer
     here.write("again.nml", result.attributes["scene"])
     np.testing.assert_array_equal(answer(here.run("again")), answer(result))
     both["frequency_response"]["points"] = [0.3, 0.9]
-    ended = here.beamwave("run", here.write("other.nml", namelist(both)))
-    assert ended.returncode == 2
+    ended = here.beamwave("run", here.write("other.nml", namelist(both)), status=2)
     assert "frequency_response%points: are not those of &response" in ended.stderr
 
 
@@ -248,8 +241,7 @@ def on_a_hub(frequency, position, points, inertia, radius):
 
 def test_a_force_turns_a_free_hub_too(here):
     asked = {"first": 2.0, "last": 300.0, "count": 40, "position": 0.7, "points": [0.4, 1.0]}
-    here.scene("a", scene(asked, hub={"rotary_inertia": 0.5, "radius": 0.1}))
-    result = here.run("a")
+    result = here.simulate("a", scene(asked, hub={"rotary_inertia": 0.5, "radius": 0.1}))
     expected = np.array([on_a_hub(f, 0.7, asked["points"], 0.5, 0.1) for f in result["response_frequency"]]).T
     error = result["frequency_response_error"]
     assert (error <= 1e-12 * np.abs(expected).max(axis=1)).all()  # all modes that are not summed answer, too
@@ -266,8 +258,7 @@ def test_a_force_turns_a_free_hub_too(here):
     ],
 )
 def test_what_cannot_be_asked_is_refused(here, asked, message):
-    ended = here.beamwave("run", here.scene("a", scene(asked)))
-    assert ended.returncode == 2
+    ended = here.beamwave("run", here.scene("a", scene(asked)), status=2)
     assert message in ended.stderr
 
 
@@ -279,8 +270,7 @@ def test_what_is_held_rests(here):
 
 
 def test_what_is_less_than_its_error_is_missing(here):
-    ended = here.beamwave("run", here.scene("a", scene({"last": 1e6, "count": 30}, damping={"ratio": 1e30})))
-    assert ended.returncode == 4
+    ended = here.beamwave("run", here.scene("a", scene({"last": 1e6, "count": 30}, damping={"ratio": 1e30})), status=4)
     assert "neither a resonance nor an antiresonance" in ended.stdout
     assert results.is_fill(here.result("a")["frequency_response_real"]).all()
 
@@ -296,8 +286,7 @@ def test_a_tolerance_that_cannot_be_had_takes_no_answer_away(here):
 def test_no_number_is_infinite_at_a_resonance(here):
     # to the last digit or not: what is no number is fill
     beta = float(frequencies_of_cantilever(1)[0] / 2 / np.pi)
-    here.scene("a", scene({"first": beta, "last": 2 * beta, "count": 2}))
-    values = here.run("a")["frequency_response_real"]
+    values = here.simulate("a", scene({"first": beta, "last": 2 * beta, "count": 2}))["frequency_response_real"]
     assert (np.isfinite(values) | results.is_fill(values)).all()
 
 

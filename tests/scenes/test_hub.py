@@ -45,8 +45,7 @@ def test_frequencies_are_those_of_power_series(here):
         if support:
             scene["support"] = support
         here.scene(f"all/c{number}", scene)
-    ended = here.beamwave("run", "all")
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", "all", status=0)
     for number, (case, beta) in enumerate(rows()):
         result = here.result(f"c{number}")
         np.testing.assert_allclose(result["angular_frequency"][1 : beta.size + 1], beta, rtol=1e-11, err_msg=str(case))
@@ -59,8 +58,7 @@ def test_frequencies_are_those_of_power_series(here):
 
 def test_a_captured_blow_moves_beam_and_hub_as_a_model_of_its_own_does(here):
     inertia, radius, gamma, count = 0.7, 0.25, 0.2, 8
-    here.scene("a", hubbed(inertia, radius))
-    result = here.run("a")
+    result = here.simulate("a", hubbed(inertia, radius))
     before, after = HubBeam(inertia, radius), HubBeam(inertia, radius, bodies=((1.0, gamma * MASS),))
     _, free = before.modes(count)
     square, loaded = after.modes(count)
@@ -125,9 +123,8 @@ BALL = {"impact": {"mass": 0.5, "position": 0.7, "approach_velocity": 1.0}, "con
 
 def test_a_contact_moves_beam_and_hub_as_an_integration_of_its_own_does(here):
     inertia, radius, omega, n, mass = 0.5, 0.3, 50.0, 60, 0.5
-    here.scene("a", {"beam": PAPER_BEAM, **TURNING, "hub": {"rotary_inertia": inertia}, **BALL, "modes": {"before": n},
-                     "response": {"duration": 2e-3, "samples": 400, "points": [0.3, 0.7, 1.0]}})
-    result = here.run("a")
+    result = here.simulate("a", {"beam": PAPER_BEAM, **TURNING, "hub": {"rotary_inertia": inertia}, **BALL, "modes": {"before": n},
+                                 "response": {"duration": 2e-3, "samples": 400, "points": [0.3, 0.7, 1.0]}})
     beam = HubBeam(inertia, radius, omega, cuts=(0.7,), degree=60)
     square, mode = beam.modes(110)
     struck = beam.motion(0.7) @ mode
@@ -174,8 +171,7 @@ def test_with_a_very_heavy_hub_motions_are_those_of_a_root_that_is_held(here, gr
              "response": {"duration": 0.01, "samples": 200, "points": [0.5, 1.0], **({} if "capture" in groups else {"bending_moment": True, "velocity": True})}}
     count = {"before": 21} | ({"after": 21} if "capture" in groups else {})
     here.scene("heavy", scene | {"hub": {"rotary_inertia": 1e12}, "modes": count})
-    here.scene("held", scene | {"modes": {name: 20 for name in count}})
-    heavy, held = here.run("heavy"), here.run("held")
+    heavy, held = here.run("heavy"), here.simulate("held", scene | {"modes": {name: 20 for name in count}})
     for name in ("displacement", "velocity", "bending_moment"):
         if name in held:
             np.testing.assert_allclose(heavy[name], held[name], atol=2e-9 * np.abs(held[name]).max(), err_msg=name)
@@ -186,8 +182,7 @@ def test_with_a_very_heavy_hub_motions_are_those_of_a_root_that_is_held(here, gr
 @pytest.mark.parametrize("groups", [{}, TURNING, {"shear": {}, **TURNING}, {"support": {"rotational_stiffness": 1e4}, **TURNING},
                                     {"body": {"position": 0.5, "mass": 1.0, "rotary_inertia": 0.01}, **TURNING}], ids=str)
 def test_angular_momentum_is_kept_and_what_the_blow_brings(here, groups):
-    here.scene("a", hubbed(2.0, None if "stiffening" in groups else 0.3, **groups, release={"time": 0.03}))
-    result = here.run("a")
+    result = here.simulate("a", hubbed(2.0, None if "stiffening" in groups else 0.3, **groups, release={"time": 0.03}))
     before, after, change = (result[name] for name in ("angular_momentum_before", "angular_momentum_after", "hub_rate_change"))
     np.testing.assert_allclose(after, before, rtol=1e-12)
     np.testing.assert_allclose(before, 0.2 * MASS * 1.3, rtol=1e-12)
@@ -200,8 +195,7 @@ def test_angular_momentum_is_kept_and_what_the_blow_brings(here, groups):
 
 
 def test_with_a_tolerance_the_hub_turns_at_the_mean_rate(here):
-    here.scene("a", hubbed(2.0, 0.3, modes=None, response={"duration": 2.0, "samples": 500, "points": [1.0]}))
-    result = here.run("a")
+    result = here.simulate("a", hubbed(2.0, 0.3, modes=None, response={"duration": 2.0, "samples": 500, "points": [1.0]}))
     mean = 0.2 * MASS * 1.3 / (2.0 + MASS * (0.3**2 + 0.3 + 1 / 3) + 0.2 * MASS * 1.3**2)
     np.testing.assert_allclose(result["hub_rate_change"], [0.0, mean], rtol=1e-12)
     slope = np.polyfit(result["time"], result["hub_angle"], 1)[0]
@@ -213,9 +207,7 @@ def test_with_a_tolerance_the_hub_turns_at_the_mean_rate(here):
 def test_a_bound_of_more_modes_holds(here, groups):
     few = hubbed(0.5, **groups, modes={"before": 20, "after": 20})
     many = hubbed(0.5, **groups, modes={"before": 400, "after": 400})
-    here.scene("few", few)
-    here.scene("many", many)
-    one, other = here.run("few"), here.run("many")
+    one, other = here.simulate("few", few), here.simulate("many", many)
     off = np.abs(one["displacement"] - other["displacement"]).max(axis=1)
     assert (off <= one["displacement_bound"]).all()
     assert (one["displacement_bound"] < 0.5 * np.abs(other["displacement"]).max(axis=1)).all()
@@ -223,13 +215,10 @@ def test_a_bound_of_more_modes_holds(here, groups):
 
 @pytest.mark.parametrize("groups", [{}, TURNING], ids=["rest", "turning"])
 def test_a_very_heavy_hub_is_one_whose_motion_is_prescribed(here, groups):
-    here.scene("heavy", hubbed(1e12, **groups))
-    here.scene("held", hubbed(**{"hub": None, **groups}))
-    heavy, held = here.run("heavy"), here.run("held")
+    heavy, held = here.simulate("heavy", hubbed(1e12, **groups)), here.simulate("held", hubbed(**{"hub": None, **groups}))
     np.testing.assert_allclose(heavy["angular_frequency"][1:], held["angular_frequency"][:-1], rtol=1e-10)
     # the rigid turn takes the place of one mode before and after
-    here.scene("heavy", hubbed(1e12, **groups, modes={"before": 9, "after": 9}))
-    heavy = here.run("heavy", "--overwrite")
+    heavy = here.simulate("heavy", hubbed(1e12, **groups, modes={"before": 9, "after": 9}), options=["--overwrite"])
     peak = np.abs(held["displacement"]).max()
     np.testing.assert_allclose(heavy["displacement"], held["displacement"], atol=1e-8 * peak)
     assert np.abs(heavy["hub_angle"]).max() < 1e-11
@@ -256,8 +245,7 @@ def test_what_holds_the_beam_to_another_frame_is_refused(here):
     for name, (groups, _) in refused.items():
         here.scene(f"all/{name}", hubbed(**{key: value for key, value in groups.items() if key != "hub"})
                    | ({"hub": {"rotary_inertia": 2.0, **groups["hub"]}} if groups.get("hub") else {}))
-    ended = here.beamwave("run", "all")
-    assert ended.returncode == 2
+    ended = here.beamwave("run", "all", status=2)
     for name, (_, words) in refused.items():
         if words:
             assert re.search(rf"^all/{name}\.nml(:\d+)?: {words}.*; accepted: ", ended.stderr, re.MULTILINE), (name, ended.stderr)
@@ -265,20 +253,17 @@ def test_what_holds_the_beam_to_another_frame_is_refused(here):
 
 def test_a_swept_radius_is_that_of_the_stiffening(here):
     scene = hubbed(2.0, **TURNING)
-    here.scene("swept", scene, {"parameter": "stiffening%hub_radius", "values": [0.1, 0.4]})
-    swept = here.run("swept")
+    swept = here.simulate("swept", scene, {"parameter": "stiffening%hub_radius", "values": [0.1, 0.4]})
     assert swept["hub_radius"].tolist() == [0.1, 0.4]
     for case, radius in enumerate([0.1, 0.4]):
-        here.scene("one", scene | {"stiffening": {"hub_radius": radius}})
-        one = here.run("one", "--overwrite")
+        one = here.simulate("one", scene | {"stiffening": {"hub_radius": radius}}, options=["--overwrite"])
         for name in ("angular_frequency", "hub_angle", "angular_momentum_after"):
             assert one[name].tobytes() == swept[name][case].tobytes(), name
 
 
 def test_the_scene_of_a_hub_shows_what_it_promises(here):
     path = PROJECT / "input/effects/hub.nml"
-    ended = here.beamwave("run", path)
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", path, status=0)
     result = here.result("hub")
     text = path.read_text(encoding="utf-8")
     promised = re.findall(r"\d+\.\d+", text[: text.index("&scene")])

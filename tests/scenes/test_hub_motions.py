@@ -31,8 +31,7 @@ def same(found, own, tolerance):
 
 @pytest.mark.parametrize("groups", [{}, ROTATING, BODY, {**BODY, **ROTATING}], ids=str)
 def test_a_beam_and_its_hub_that_are_let_go_move_as_a_model_of_their_own(here, groups):
-    here.scene("a", hubbed(initial=LET_GO, modes={"before": 12}, **groups))
-    result = here.run("a")
+    result = here.simulate("a", hubbed(initial=LET_GO, modes={"before": 12}, **groups))
     beam = reference(groups)
     square, mode = beam.modes(12)
     bent = np.append(0.0, np.linalg.solve(beam.stiffness, beam.basis([0.7])[:, 0] * 500.0))  # the hub is held
@@ -54,8 +53,7 @@ def test_a_beam_and_its_hub_that_are_let_go_move_as_a_model_of_their_own(here, g
 def test_a_mass_at_rest_that_the_beam_swings_into_has_the_energy_of_the_deflection_and_no_angular_momentum(here, modes):
     strikes = {"impact": {"mass": 0.5, "position": 0.7, "approach_velocity": 0.0}, "contact": {"radius": 0.025, "surface_radius": 0.0}}
     response = {"duration": 5e-3, "samples": 200, "points": [0.7, 1.0]}
-    here.scene("a", hubbed(initial={"force": -500.0}, modes=modes, response=response, **strikes))
-    result = here.run("a")
+    result = here.simulate("a", hubbed(initial={"force": -500.0}, modes=modes, response=response, **strikes))
     contacts = result["event_kind"] > 0
     assert contacts.sum() >= 2
     np.testing.assert_allclose(result["energy_before"][0], 500.0**2 / (6 * STIFFNESS), rtol=1e-6)  # ½F times l³F/(3EI)
@@ -69,8 +67,7 @@ SHOCK = {"amplitude": 50.0, "duration": 1e-3}
 @pytest.mark.parametrize("groups", [{}, ROTATING, BODY, {**BODY, **ROTATING}], ids=str)
 def test_a_shock_of_the_axis_moves_beam_and_hub_as_a_model_of_their_own_does(here, groups):
     asked = {**HISTORY, "acceleration": True, "shear_force": True, "points": [0.0, 0.3, 0.7, 1.0]}
-    here.scene("a", hubbed(base=SHOCK, **groups, response=asked))
-    result = here.run("a")
+    result = here.simulate("a", hubbed(base=SHOCK, **groups, response=asked))
     beam = reference(groups, 40)
     square, mode = beam.modes(75)
     time, driven = result["time"], -section(beam, 0.0) @ mode

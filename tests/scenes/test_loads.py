@@ -21,11 +21,8 @@ MASS = 7870 * np.pi * 0.037**2 / 4
 
 def run(here, name, groups, status=0, **response):
     """A scene of the paper's beam, or of its own."""
-    here.scene(name, {"beam": dict(PAPER_BEAM), "response": {**PLACES, **response}, **groups})
-    ended = here.beamwave("run", f"{name}.nml")
-    assert ended.returncode == status, ended.stderr
-    with xr.open_dataset(here.directory / f"output/{name}.nc") as ds:
-        return ds.load()
+    here.simulate(name, {"beam": dict(PAPER_BEAM), "response": {**PLACES, **response}, **groups}, status=status)
+    return here.dataset(f"{name}")
 
 
 def part_between(one, other, quantity):
@@ -299,13 +296,10 @@ def test_what_of_a_force_comes_before_the_start_is_said(here, contact):
 
 def test_a_force_from_a_result_of_beamwave_is_read(here):
     """The acceleration of one beam's tip shakes another beam: a NetCDF file, a column by its name."""
-    run(here, "shaker", {"force": HALF_SINE, "modes": {"before": 8}}, samples=512)
+    shaker = run(here, "shaker", {"force": HALF_SINE, "modes": {"before": 8}}, samples=512)
     groups = {"base": {"shape": "file", "file": "output/shaker.nc", "column": "acceleration(3)"}, "modes": {"before": 8}}
-    here.scene("shaken", {"beam": dict(PAPER_BEAM), "response": {"duration": 0.05, "samples": 256}, **groups})
-    ended = here.beamwave("run", "shaken.nml")
-    assert ended.returncode == 0, ended.stderr
-    with xr.open_dataset(here.directory / "output/shaker.nc") as shaker, xr.open_dataset(here.directory / "output/shaken.nc") as shaken:
-        assert float(shaken["applied_acceleration"][0]) == float(np.abs(shaker["acceleration"][2]).max())
+    shaken = here.simulate("shaken", {"beam": dict(PAPER_BEAM), "response": {"duration": 0.05, "samples": 256}, **groups})
+    assert float(shaken["applied_acceleration"][0]) == float(np.abs(shaker["acceleration"][2]).max())
 
 
 def test_a_file_that_has_changed_is_another_scene(here):

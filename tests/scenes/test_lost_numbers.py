@@ -25,8 +25,7 @@ def growth(result):
 
 def test_an_overflowing_mode_ends_with_4_and_is_named_with_its_time(here):
     here.scene("a", OVERFLOWING)
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 4
+    ended = here.beamwave("run", "a.nml", status=4)
     notes = here.result("a").attributes["notes"]
     assert "mode 1 overflows at t = " in notes
     assert "1 of 10 modes grow" in notes
@@ -36,8 +35,7 @@ def test_an_overflowing_mode_ends_with_4_and_is_named_with_its_time(here):
 
 
 def test_the_histories_are_fill_from_the_first_lost_sample_on(here):
-    here.scene("a", OVERFLOWING)
-    result = here.run("a", status=4)
+    result = here.simulate("a", OVERFLOWING, status=4)
     first = int(np.argmax(results.is_fill(result["displacement"][1])))
     time = result["time"]
     # e^(|β|t) reaches the largest double, 1.8e308, at |β|t = 709.8; the amplitude is within e^±20
@@ -55,8 +53,7 @@ def test_a_history_that_the_last_octave_of_modes_decides_is_fill(here, count):
     """Where no wave has come yet, modes only cancel: their sum is less than what the last of them add to it."""
     watched = {"duration": 1e-5, "samples": 64, "points": [0.2, 1.0], "velocity": True}
     scene = captured_beam(rotation=None, modes={"before": count, "after": count}, response=watched)
-    here.scene("a", {**scene, "impact": {**scene["impact"], "profile_points": 6}})
-    result = here.run("a", status=4)
+    result = here.simulate("a", {**scene, "impact": {**scene["impact"], "profile_points": 6}}, status=4)
     assert result.attributes["notes"].splitlines()[0].startswith("error of the displacement: at xi = 0.2")
     assert f"not converged: the displacement at xi = 0.2 is smaller than the contribution of modes {count // 2 + 1} to {count}, and is missing" in result.attributes["notes"]
     beta, rate = result["angular_frequency"][:, None], result["modal_velocity"][:, None]
@@ -89,17 +86,14 @@ def test_a_bending_moment_that_is_lost_earlier_has_its_own_note(here):
 
 
 def test_what_came_before_is_what_a_shorter_run_gives(here):
-    here.scene("a", OVERFLOWING)
-    lost = here.run("a", status=4)
-    here.scene("b", {**OVERFLOWING, "response": {"duration": 1.0, "samples": 1024, "velocity": True}})
-    kept = here.run("b")
+    lost = here.simulate("a", OVERFLOWING, status=4)
+    kept = here.simulate("b", {**OVERFLOWING, "response": {"duration": 1.0, "samples": 1024, "velocity": True}})
     close = {"rtol": 1e-12, "atol": 1e-15}  # |β|t ≤ 381 multiplies a rounding of β by as much
     np.testing.assert_allclose(lost["displacement"][:, :1024], kept["displacement"], **close)
 
 
 def test_the_case_says_diverged_and_the_rest_of_it_stands(here):
-    here.scene("a", OVERFLOWING)
-    result = here.run("a", status=4)
+    result = here.simulate("a", OVERFLOWING, status=4)
     meanings = result.variables["case_status"].attributes["flag_meanings"].split()
     assert meanings[int(result["case_status"])] == "diverged"
     unstable = np.sqrt(FAST**2 - result["critical_angular_velocity"] ** 2)  # each a few roundings from exact
@@ -109,8 +103,7 @@ def test_the_case_says_diverged_and_the_rest_of_it_stands(here):
 
 
 def test_a_spectrum_of_lost_histories_is_fill_and_measures_nothing(here):
-    here.scene("a", {**OVERFLOWING, "spectrum": {}})
-    result = here.run("a", status=4)
+    result = here.simulate("a", {**OVERFLOWING, "spectrum": {}}, status=4)
     assert results.is_fill(result["amplitude"]).all()
     assert result["peak_count"] == 0
     assert results.is_fill(result["measured_angular_frequency"]).all()
@@ -118,24 +111,21 @@ def test_a_spectrum_of_lost_histories_is_fill_and_measures_nothing(here):
 
 def test_only_the_cases_that_overflow_are_marked(here):
     speeds = [50.0, 300.0, FAST, 100.0]
-    here.scene("a", OVERFLOWING, {"parameter": "rotation%angular_velocity", "values": speeds})
-    result = here.run("a", status=4)
+    result = here.simulate("a", OVERFLOWING, {"parameter": "rotation%angular_velocity", "values": speeds}, status=4)
     np.testing.assert_array_equal(result["case_status"], [0, 1, 1, 0])
     np.testing.assert_array_equal(results.is_fill(result["displacement"]).any(axis=(1, 2)), [False, True, True, False])
     assert "2 of 4 cases" in result.attributes["notes"]
 
 
 def test_growth_without_overflow_is_a_result_to_trust(here):
-    here.scene("a", captured_beam(rotation={"angular_velocity": FAST}, response={"duration": 0.1, "samples": 64}))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(rotation={"angular_velocity": FAST}, response={"duration": 0.1, "samples": 64}))
     assert not results.is_fill(result["displacement"]).any()
     assert "1 of 10 modes grow" in result.attributes["notes"]
 
 
 def test_a_tolerance_out_of_reach_is_refused_and_one_in_reach_named(here):
     here.scene("a", by_tolerance(1e-12, impact={"mass_ratio": 1e-12}))
-    refused = here.beamwave("run", "a.nml", "--quiet")  # a log of a slow machine has lines of progress
-    assert refused.returncode == 2
+    refused = here.beamwave("run", "a.nml", "--quiet", status=2)  # a log of a slow machine has lines of progress
     named = re.search(OUT_OF_REACH, refused.stderr)
     assert not (here.directory / "output/a.nc").exists()
     checked = here.beamwave("check", "a.nml")
@@ -146,16 +136,14 @@ def test_a_tolerance_out_of_reach_is_refused_and_one_in_reach_named(here):
 
 def test_shear_reaches_less_and_says_how_far(here):
     here.scene("a", by_tolerance(1e-12, shear={}))
-    checked = here.beamwave("check", "a.nml")
-    assert checked.returncode == 2
+    checked = here.beamwave("check", "a.nml", status=2)
     assert 1e-11 < float(re.search(OUT_OF_REACH, checked.stderr)[1]) < 1e-8  # amplitudes fall as k^-2, and so the bound as 1/n
 
 
 def test_bending_that_is_left_to_thin_layers_is_found(here):
     # at 1e9 rad/s to 7e-8 of the beam
     here.scene("a", by_tolerance(1e-3, rotation={"angular_velocity": 1e9}, stiffening={}))
-    checked = here.beamwave("check", "a.nml")
-    assert checked.returncode == 0, checked.stderr
+    checked = here.beamwave("check", "a.nml", status=0)
     assert "outside linear theory" in checked.stderr
     assert here.run("a")["case_status"] == 0
 
@@ -164,8 +152,7 @@ def test_bending_that_is_left_to_thin_layers_is_found(here):
 def test_a_sweep_is_refused_where_an_outermost_case_alone_would_be(here, parameter, values):
     here.scene("a", by_tolerance(1e-12, impact={"mass_ratio": 1e-12}), {"parameter": parameter, "values": values})
     for command in ["check", "run"]:
-        ended = here.beamwave(command, "a.nml")
-        assert ended.returncode == 2
+        ended = here.beamwave(command, "a.nml", status=2)
         assert re.match(OUT_OF_REACH, ended.stderr)
         assert ended.stderr.endswith(f" (in the case {parameter} = 1e-12)\n")
     assert not (here.directory / "output").exists()
@@ -174,8 +161,7 @@ def test_a_sweep_is_refused_where_an_outermost_case_alone_would_be(here, paramet
 def test_a_case_within_a_sweep_whose_tolerance_is_out_of_reach_is_not_converged(here):
     # of so light a mass ten million modes have amplitudes that are nearly alike; what has grown by e^38 dwarfs them
     speeds = {"parameter": "rotation%angular_velocity", "values": [-FAST, 0.0, FAST]}
-    here.scene("a", by_tolerance(1e-11, impact={"mass_ratio": 1e-12}), speeds)
-    result = here.run("a", status=4)
+    result = here.simulate("a", by_tolerance(1e-11, impact={"mass_ratio": 1e-12}), speeds, status=4)
     meanings = result.variables["case_status"].attributes["flag_meanings"].split()
     assert [meanings[int(status)] for status in result["case_status"]] == ["done", "not_converged", "done"]
     lost = results.is_fill(result["displacement"])
@@ -220,16 +206,14 @@ def test_near_the_limit_a_tolerance_is_refused_or_kept_and_the_one_named_is_kept
 
 def test_each_case_of_a_sweep_relaxes_the_default_by_itself(here):
     masses = [0.2, 1e-9]
-    here.scene("a", WEAK_UNDER_TENSION, {"parameter": "impact%mass_ratio", "values": masses})
-    result = here.run("a")
+    result = here.simulate("a", WEAK_UNDER_TENSION, {"parameter": "impact%mass_ratio", "values": masses})
     assert (result["case_status"] == 0).all()
     assert re.search("case 2: tolerance: .* of its peak; the default 1e-6 is out of reach", result.attributes["notes"])
     assert "tolerance" not in result.attributes["scene"] and "modes_tolerance" not in result.variables
     here.write("b.nml", result.attributes["scene"])
     assert results.differences(result, here.run("b")) == ["given"]  # its defaults are given now
     for case, mass in enumerate(masses):
-        here.scene("c", {**WEAK_UNDER_TENSION, "impact": {"mass_ratio": mass}})
-        alone = here.run("c", "--overwrite")
+        alone = here.simulate("c", {**WEAK_UNDER_TENSION, "impact": {"mass_ratio": mass}}, options=["--overwrite"])
         np.testing.assert_array_equal(alone["displacement"], result["displacement"][case])
 
 

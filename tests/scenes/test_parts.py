@@ -29,8 +29,7 @@ FAST_FIRST = {"parameter": "rotation%angular_velocity", "values": [3000.0, 20.0,
 def whole(shared):
     """What one run gives."""
     place = shared("whole")
-    place.scene("a", SCENE, SPEEDS)
-    return place.run("a")
+    return place.simulate("a", SCENE, SPEEDS)
 
 
 def part(here, number, of, *words):
@@ -118,8 +117,7 @@ def test_what_another_is_at_work_on_is_refused(here, first, second):
     here.scene("a", ENDLESS, RATIOS)
     running = here.start("run", "a.nml", "--max-seconds", "20", *first)
     wait_for_work(here)
-    refused = here.beamwave("run", "a.nml", *second)
-    assert refused.returncode == 3
+    refused = here.beamwave("run", "a.nml", *second, status=3)
     assert "another run is at work" in refused.stderr
     assert running.poll() is None
     running.terminate()
@@ -187,16 +185,14 @@ def test_a_part_leaves_the_work_of_another_scene_to_its_owner(here, whole):
 @pytest.mark.parametrize("value", ["0/3", "4/3", "3", "1/2/3", "-1/2", "a/b", "1/", "/2", "1.5/2", "99999999999/99999999999"])
 def test_what_is_no_part_is_refused(here, value):
     here.scene("a", SCENE)
-    ended = here.beamwave("run", "a.nml", f"--part={value}")
-    assert ended.returncode == 2
+    ended = here.beamwave("run", "a.nml", f"--part={value}", status=2)
     assert f"--part: '{value}' is not a part; accepted: I/N" in ended.stderr
 
 
 @pytest.mark.parametrize("value", ["1/1", "1/2"])
 def test_a_part_does_not_overwrite(here, value):
     here.scene("a", SCENE)
-    ended = here.beamwave("run", "a.nml", "--part", value, "--overwrite")
-    assert ended.returncode == 2
+    ended = here.beamwave("run", "a.nml", "--part", value, "--overwrite", status=2)
     assert "--part and --overwrite: one part would remove the work of the others" in ended.stderr
 
 

@@ -29,8 +29,7 @@ def ran(shared):
     here = shared("piece_responses")
     for number in range(SCENES):
         here.write(f"all/s{number}.nml", "".join(group_text(name, values) for name, values in scene(number)))
-    ended = here.beamwave("run", "all")
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", "all", status=0)
     return here
 
 

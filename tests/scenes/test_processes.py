@@ -24,8 +24,7 @@ def stopped_early(here, *words):
     """Stop the long sweep after a while; the numbers of its finished cases, of which there is one even on a busy machine."""
     here.scene("a", SCENE, LONG)
     for tenths in range(2, 40):  # steps shorter than the sweep takes on two quick processes
-        ended = here.beamwave("run", "a.nml", "--max-seconds", str(tenths / 10), *words)
-        assert ended.returncode == 5, ended.stderr
+        ended = here.beamwave("run", "a.nml", "--max-seconds", str(tenths / 10), *words, status=5)
         saved = cases_in(here.directory / "output/a.partial")
         assert f"stopped with {len(saved)} of {LONG['count']} cases saved; the same command goes on from there" in ended.stderr
         if saved:
@@ -56,8 +55,7 @@ def uninterrupted(shared):
 @pytest.mark.parametrize("number", [2, 3])
 def test_any_number_of_processes_gives_the_same_bits(processes, alone, number):
     here = processes(number)
-    ended = here.beamwave("run", *(alone.directory / f"{name}.nml" for name in ["a", "one", "b"]))
-    assert ended.returncode == 4
+    here.beamwave("run", *(alone.directory / f"{name}.nml" for name in ["a", "one", "b"]), status=4)
     for name in ["a", "one", "b"]:
         assert results.differences(here.result(name), alone.result(name)) == []
     assert here.left() == ["a.nc", "b.nc", "one.nc"]
@@ -70,8 +68,7 @@ def test_only_one_process_speaks(processes):
     assert here.beamwave("--version").stdout.count("compiler") == 1
     assert here.beamwave("describe", "beam").stdout.count("## &beam") == 1
     here.write("bad.nml", "&beam length = -1 /\n")
-    ended = here.beamwave("run", "bad.nml")
-    assert ended.returncode == 2
+    ended = here.beamwave("run", "bad.nml", status=2)
     assert ended.stderr.count("bad.nml:1: beam%length") == 1
     assert here.beamwave("walk").returncode == 2
 
@@ -80,8 +77,7 @@ def test_only_one_process_speaks(processes):
 def test_work_goes_on_with_another_number_of_processes(processes, uninterrupted, first, second):
     saved = stopped_early(processes(first))
     here = processes(second)
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 0, ended.stderr
+    ended = here.beamwave("run", "a.nml", status=0)
     assert f"{len(saved)} cases were taken over from an earlier run" in ended.stdout
     assert here.left() == ["a.nc"]
     assert results.differences(here.result("a"), uninterrupted.result("a")) == []
@@ -138,8 +134,7 @@ def test_a_run_at_work_keeps_a_second_one_out(processes):
     while not cases_in(here.directory / "output/a.partial"):
         assert time.perf_counter() < until
         time.sleep(0.01)
-    second = processes(1).beamwave("run", "a.nml")
-    assert second.returncode == 3
+    second = processes(1).beamwave("run", "a.nml", status=3)
     assert "another run is at work on this scene" in second.stderr
     running.communicate(timeout=SECONDS)
     assert running.returncode in (0, 5)  # done, or its time was up

@@ -51,8 +51,7 @@ def test_nothing_is_shown_while_no_scene_is_under_way(here):
     here.scene("a", captured_beam())
     here.scene("b", {**captured_beam(response=still), "modes": {"tolerance": 1e-6}})
     for words in (["b.nml"], ["a.nml", "b.nml"]):
-        ended = here.beamwave("run", *words, "--overwrite")
-        assert ended.returncode == 2
+        ended = here.beamwave("run", *words, "--overwrite", status=2)
         assert re.fullmatch(r"b\.nml:\d+: modes%tolerance: [^\n]*\n", ended.stderr)
 
 
@@ -65,8 +64,7 @@ def test_quiet_shows_warnings_alone_on_a_terminal(here):
 
 def test_a_log_gets_plain_lines(here):
     here.scene("a\x1b[1m", ENDLESS, CASES)
-    ended = here.beamwave("run", "a\x1b[1m.nml", "--max-seconds", "6")
-    assert ended.returncode == 5
+    ended = here.beamwave("run", "a\x1b[1m.nml", "--max-seconds", "6", status=5)
     lines = [line for line in ended.stderr.splitlines() if " %" in line]
     assert lines
     for line in lines:

@@ -108,8 +108,7 @@ def test_a_stack_that_is_too_small_is_told(here, kilobytes):
 
 def test_a_stack_grows_as_far_as_it_may(here):
     here.scene("a", captured_beam(response={"duration": 0.1, "samples": 64}, spectrum={}), SWEEP)
-    ended = here.beamwave("run", "a.nml", **with_stack_of(64, 8192))
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", "a.nml", **with_stack_of(64, 8192), status=0)
 
 
 def test_many_points_take_no_stack(here):
@@ -142,8 +141,7 @@ def test_a_file_that_may_not_grow_leaves_no_half_written_result(here, length):
 
 
 def test_a_full_disk_keeps_the_older_result(here):
-    here.scene("a", captured_beam())
-    older = here.run("a")
+    older = here.simulate("a", captured_beam())
     here.scene("a", LARGE)
     assert_refused(here.beamwave("run", "a.nml", "--overwrite", **with_files_up_to(ON_LARGE)), "output/a.partial")
     assert results.differences(here.result("a"), older) == []
@@ -209,7 +207,6 @@ def test_quiet_needs_no_standard_output(here):
 @pytest.mark.skipif(not Path("/sys").is_dir(), reason="there is no /sys, in which nobody makes a directory")
 def test_a_directory_that_cannot_be_made_is_told_with_the_reason_of_the_first_that_is_refused(here):
     here.scene("a", captured_beam())
-    ended = here.beamwave("run", "a.nml", "--output", "/sys/none/deeper")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "a.nml", "--output", "/sys/none/deeper", status=3)
     assert "/sys/none/deeper" in ended.stderr
     assert "No such file" not in ended.stderr

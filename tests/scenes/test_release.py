@@ -48,16 +48,13 @@ def test_what_stands_still_meets_any_tolerance_through_a_release(here, groups):
 def test_a_single_sample_by_tolerance_knows_what_the_mass_takes_along(here):
     """The energy of beam and mass before the release is what the capture left: ½m_j V² of the continuum."""
     one = {"duration": 0.02, "samples": 1}
-    here.scene("a", captured_beam(modes=None, response=one, release={"time": 0.01}, impact={"mass_ratio": 0.2}))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(modes=None, response=one, release={"time": 0.01}, impact={"mass_ratio": 0.2}))
     assert result["displacement"].tolist() == [[0.0]] * len(result["displacement"])
     np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-5)
 
 
 def test_before_it_the_motion_is_that_of_the_capture_and_after_it_that_of_the_beam_alone(here):
-    here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
-    here.scene("b", released_beam())
-    kept, left = here.run("a"), here.run("b")
+    kept, left = here.simulate("a", captured_beam(modes=COUNTS, response=RESPONSE)), here.simulate("b", released_beam())
     np.testing.assert_allclose(left["displacement"][:, :400], kept["displacement"][:, :400], atol=1e-16)
     late = left["time"] >= LEAVES
     assert late.sum() == 600  # the sample at exactly its time is the first of them
@@ -115,8 +112,7 @@ def test_out_of_plane_a_body_that_turns_takes_no_part_of_the_centrifugal_force(h
     lost = []
     for count in [20, 80, 320]:
         groups = {"rotation": fast, "stiffening": {}, "capture": {"rotary_inertia": 1.0}, "release": {"time": 0.01}}
-        here.scene("a", released_beam(modes={"before": count, "after": 10}, **groups))
-        result = here.run("a", "--overwrite")
+        result = here.simulate("a", released_beam(modes={"before": count, "after": 10}, **groups), options=["--overwrite"])
         lost.append(1 - result["energy_after"][2] / result["energy_before"][2])
     assert 0 < lost[2] < lost[1] / 2.6 < lost[0] / 2.6**2  # as n^-1 in the end: the moment at the tip ends of a sudden
 
@@ -127,8 +123,7 @@ def test_the_energy_of_a_motion_that_has_grown_is_what_it_was_less_what_is_dampe
     """By e^26: motion and centrifugal force are 1e22 times their difference."""
     fast = {"angular_velocity": 150.0}
     scene = released_beam(rotation=fast, release={"time": 0.3}, response={"duration": 0.4, "samples": 100})
-    here.scene("a", {**scene, "modes": modes, "damping": {"ratio": ratio}})
-    result = here.run("a")
+    result = here.simulate("a", {**scene, "modes": modes, "damping": {"ratio": ratio}})
     assert np.abs(result["displacement"]).max() > 1e8
     if ratio == 0:
         np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
@@ -143,8 +138,7 @@ def test_an_energy_that_rounding_has_eaten_is_fill_and_is_told(here):
     """Of 1e22 J the modes of the beam alone lack n^-3, and that is the energy that is left: too little beside rounding."""
     fast = {"angular_velocity": 150.0}
     scene = released_beam(rotation=fast, release={"time": 0.3}, response={"duration": 0.4, "samples": 100})
-    here.scene("a", {**scene, "modes": {"before": 3000, "after": 40}})
-    result = here.run("a")
+    result = here.simulate("a", {**scene, "modes": {"before": 3000, "after": 40}})
     assert results.is_fill(result["energy_after"][2])
     np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
     assert "energy lost in rounding" in result.attributes["notes"]
@@ -160,12 +154,10 @@ def test_an_energy_larger_than_any_number_is_fill_and_is_told(here):
 
 
 def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
-    here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
-    kept = here.run("a")
+    kept = here.simulate("a", captured_beam(modes=COUNTS, response=RESPONSE))
     here.scene("b", released_beam(release={"time": 0.24975}))
     np.testing.assert_allclose(here.run("b")["displacement"][:, :-1], kept["displacement"][:, :-1], atol=1e-16)
-    here.scene("c", released_beam(release={"time": 0.25}))
-    late = here.run("c")
+    late = here.simulate("c", released_beam(release={"time": 0.25}))
     np.testing.assert_array_equal(late["displacement"], kept["displacement"])
     np.testing.assert_array_equal(late["event_kind"], [1, 2, 0])
     assert "after the end of the histories" in late.attributes["notes"]
@@ -176,9 +168,7 @@ def test_a_release_after_the_last_sample_is_an_event_that_no_sample_shows(here, 
     """All histories, spectra and errors are those of the capture; only the waves have no samples left."""
     response = {"duration": 0.02, "samples": 40, "points": [0.5, 1.0], "velocity": True}
     scene = captured_beam(modes=None, response=response, spectrum={}) | ({"modes": modes} if modes else {})
-    here.scene("a", scene)
-    here.scene("b", {**scene, "release": {"time": 0.0199999}})
-    kept, late = here.run("a"), here.run("b")
+    kept, late = here.simulate("a", scene), here.simulate("b", {**scene, "release": {"time": 0.0199999}})
     for name in ["displacement", "velocity", "displacement_error", "velocity_error", "amplitude"]:
         np.testing.assert_allclose(late[name], kept[name], rtol=1e-4, atol=1e-9 * np.abs(kept[name]).max())
     np.testing.assert_array_equal(late["event_kind"], [1, 2, 3])
@@ -189,8 +179,7 @@ def test_a_release_after_the_last_sample_is_an_event_that_no_sample_shows(here, 
 @pytest.mark.parametrize(("mass_ratio", "speed"), [(0.0, 1e184), (0.2, 1e-200)])
 def test_of_no_mass_and_of_next_to_no_speed_all_energies_are_zero(here, mass_ratio, speed):
     """Also where the square of the speed is beyond the range of numbers."""
-    here.scene("a", released_beam(impact={"mass_ratio": mass_ratio, "approach_velocity": speed}))
-    result = here.run("a")
+    result = here.simulate("a", released_beam(impact={"mass_ratio": mass_ratio, "approach_velocity": speed}))
     for name in ["energy_before", "energy_after"]:
         assert (result[name][:3] == 0.0).all()
     assert np.isfinite(result["momentum_after"]).all() and np.isfinite(result["displacement"]).all()
@@ -198,17 +187,14 @@ def test_of_no_mass_and_of_next_to_no_speed_all_energies_are_zero(here, mass_rat
 
 def test_a_light_mass_takes_nothing(here):
     here.scene("a", released_beam(impact={"mass_ratio": 1e-9}))
-    here.scene("b", captured_beam(impact={"mass_ratio": 1e-9}, modes=COUNTS, response=RESPONSE))
-    left, kept = here.run("a"), here.run("b")
+    left, kept = here.run("a"), here.simulate("b", captured_beam(impact={"mass_ratio": 1e-9}, modes=COUNTS, response=RESPONSE))
     late = np.abs(kept["displacement"]).max()
     # 20 modes with it, 30 without: the same shapes but for 1e-9
     np.testing.assert_allclose(left["displacement"], kept["displacement"], atol=1e-6 * late)
 
 
 def test_estimates_hold_against_many_more_modes(here):
-    here.scene("a", released_beam())
-    here.scene("b", released_beam(modes={"before": 1500, "after": 1500}))
-    few, many = here.run("a"), here.run("b")
+    few, many = here.simulate("a", released_beam()), here.simulate("b", released_beam(modes={"before": 1500, "after": 1500}))
     error = np.abs(few["displacement"] - many["displacement"]).max(axis=1)
     assert (few["displacement_error"] >= error).all()
     assert (few["displacement_error"] <= 10 * error).all()
@@ -231,8 +217,7 @@ def by_tolerance(tolerance, **groups):
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
 def test_with_a_tolerance_a_release_loses_nothing(here, tolerance):
     """Errors of the histories are in test_tails.py."""
-    here.scene("a", by_tolerance(tolerance))
-    result = here.run("a")
+    result = here.simulate("a", by_tolerance(tolerance))
     assert (result["displacement_error"] <= tolerance * np.abs(result["displacement"]).max()).all()
     np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
     np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-7)
@@ -241,15 +226,13 @@ def test_with_a_tolerance_a_release_loses_nothing(here, tolerance):
 def test_a_release_that_a_tolerance_cannot_follow_names_one_that_it_can(here):
     """A few hundred modes with tension know the velocity of the tip to 1e-3."""
     here.scene("a", by_tolerance(1e-4, stiffening={}))
-    refused = here.beamwave("run", "a.nml")
-    assert refused.returncode == 2
+    refused = here.beamwave("run", "a.nml", status=2)
     named = re.search(r"modes%tolerance: 1e-4 cannot be reached .*; accepted: (\S+) or more", refused.stderr)
     assert 1e-4 < float(named[1]) < 1e-2
 
 
 def test_the_scene_shows_what_its_head_says(here):
-    ended = here.beamwave("run", PROJECT / "input/effects/release.nml")
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", PROJECT / "input/effects/release.nml", status=0)
     result = here.result("release")
     periods = 2e3 * np.pi / np.array([result["angular_frequency"][0], result["angular_frequency_before"][0]])
     assert [f"{period:.1f}" for period in periods] == ["56.6", "40.2"]

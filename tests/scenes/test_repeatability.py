@@ -22,8 +22,7 @@ SWEEPS = [
 
 @pytest.mark.parametrize("sweeps", [[], SWEEPS], ids=["one case", "sweep"])
 def test_two_runs_give_the_same_bits(here, sweeps):
-    here.scene("a", EVERYTHING, *sweeps)
-    first = here.run("a")
+    first = here.simulate("a", EVERYTHING, *sweeps)
     assert results.differences(here.run("a", "--overwrite"), first) == []
     assert here.beamwave("run", "a.nml", "--output", "again").returncode == 0
     assert results.differences(here.result("a", "again"), first) == []
@@ -31,8 +30,7 @@ def test_two_runs_give_the_same_bits(here, sweeps):
 
 @pytest.mark.parametrize("sweeps", [[], SWEEPS], ids=["one case", "sweep"])
 def test_the_scene_in_a_result_gives_the_same_values(here, sweeps):
-    here.scene("a", EVERYTHING, *sweeps)
-    first = here.run("a")
+    first = here.simulate("a", EVERYTHING, *sweeps)
     (here.directory / "resolved").mkdir()
     here.write("resolved/a.nml", first.attributes["scene"])
     assert "nothing to do" in here.beamwave("run", "resolved/a.nml").stdout
@@ -107,9 +105,7 @@ def power_of(units, powers):
 @pytest.mark.parametrize("powers", [(7, 0, 0), (0, -11, 0), (0, 0, 5), (-3, 4, -6)])
 def test_units_changed_by_powers_of_two_give_the_same_bits(here, powers):
     scene = {**EVERYTHING, "impact": {"mass": 1.7, "approach_velocity": 1.5}}
-    here.scene("si", scene)
-    here.scene("other", in_other_units(scene, powers))
-    si, other = here.run("si"), here.run("other")
+    si, other = here.simulate("si", scene), here.simulate("other", in_other_units(scene, powers))
     assert si.variables.keys() == other.variables.keys()
     for name, variable in si.variables.items():
         if name == "stage_seconds":

@@ -83,8 +83,7 @@ def test_check_says_what_the_machine_has_not_the_room_for(here):
     vast = {"duration": 1.0, "samples": 1_000_000_000, "points": np.linspace(0.0, 1.0, 500).tolist()}
     here.scene("a", {**STRUCK, "response": vast}, {"parameter": "impact%mass_ratio", "first": 0.1, "last": 0.2, "count": 1000})
     here.scene("b", {**STRUCK, "response": WATCHED})
-    ended = here.beamwave("check", "a.nml")
-    assert ended.returncode == 0, ended.stderr
+    ended = here.beamwave("check", "a.nml", status=0)
     assert re.search(r"memory: a run needs 80\d0 GB, but this machine has \d\S* .B free", ended.stderr)
     assert re.search(r"disk: a run needs 4000000 GB, but only \d\S* .B are free", ended.stderr)
     assert "tried      at most 20 modes and 1000 samples;" in ended.stdout
@@ -125,14 +124,20 @@ def test_a_finished_scene_shows_its_report_again(here):
     assert again[timed + 1 :] == first[-1:] == ["  details    15 more lines with --verbose"]  # modes 6 to 20
 
 
-def test_a_finished_sweep_shows_its_table_again(here):
-    here.scene("a", {**STRUCK, "rotation": {"angular_velocity": 0.0}, "response": WATCHED},
-               {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 30})
-    first = here.beamwave("run", "a.nml").stdout.splitlines()
-    again = here.beamwave("run", "a.nml").stdout.splitlines()
-    table = [line for line in first if "rotation%angular_velocity = " in line]
-    assert 2 <= len(table) < 10 and "(first" in table[0] and "(last" in table[-1]
-    assert table == [line for line in again if "rotation%angular_velocity = " in line]
+def test_a_sweep_shows_first_last_and_extreme_cases_or_all_where_they_are_few_and_a_finished_one_shows_them_again(here):
+    turning = {**STRUCK, "rotation": {"angular_velocity": 0.0}, "modes": {"before": 4}, "response": {"duration": 0.1, "samples": 50}}
+    for count in (31, 4):
+        name = here.scene(f"a{count}", turning, {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 150.0, "count": count})
+        first, again = (here.beamwave("run", name).stdout.splitlines() for _ in range(2))
+        table, same = ([line for line in said if "rotation%angular_velocity = " in line] for said in (first, again))
+        assert table == same
+        reasons = [line.split("angular_velocity = ")[1] for line in table]
+        if count == 4:
+            assert reasons == ["0", "50", "100", "150"]
+            continue
+        assert reasons[0].startswith("0 (first, highest frequency") and reasons[-1] == "150 (last, largest displacement)"
+        assert {"120 (lowest frequency)", "125 (first without frequency)"} <= set(reasons)
+        assert "    31 cases in the file" in "\n".join(first)
 
 
 def test_a_sweep_of_a_free_hub_shows_the_lowest_mode_that_bends_the_beam(here):
@@ -154,8 +159,7 @@ def test_a_sweep_of_contacts_shows_what_comes_of_them_and_no_mode_that_stays(her
     sweep = {"parameter": "impact%position", "values": [0.6, 0.8, 1.0]}
     groups = {"beam": BEAM, "impact": {"mass_ratio": 0.2}, "contact": {"radius": 0.025}, "modes": {"before": 20}}
     groups["response"] = {"duration": 0.002, "samples": 50, "bending_moment": True}
-    here.scene("a", groups, sweep)
-    ds, said = here.run("a"), here.beamwave("run", "a.nml").stdout
+    ds, said = here.simulate("a", groups, sweep), here.beamwave("run", "a.nml").stdout
     assert "Each case; mode 1 has 26.09398 Hz in all" in said and "phase velocity" not in said
     head = next(line for line in said.splitlines() if line.split()[:1] == ["case"])
     assert re.split("  +", head.strip()) == ["case", "modes", "displacement", "stress", "contact force", "restitution", "mass leaves at", "swept"]
@@ -223,8 +227,7 @@ def test_a_default_that_cannot_be_met_is_called_the_default(here):
 def test_a_bending_moment_is_there_if_asked_for(here):
     here.scene("a", {**STRUCK, "response": {**WATCHED, "points": [0.0, 0.4, 1.0]}})
     assert "bending_moment" not in here.run("a")
-    here.scene("b", {**STRUCK, "response": {**WATCHED, "points": [0.0, 0.4, 1.0], "bending_moment": True}})
-    result = here.run("b")
+    result = here.simulate("b", {**STRUCK, "response": {**WATCHED, "points": [0.0, 0.4, 1.0], "bending_moment": True}})
     assert result["bending_moment"].shape == (3, 1000)
     assert result["bending_moment_error"].shape == (3,)
     assert not result["bending_moment"][2].any()

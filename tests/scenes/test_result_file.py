@@ -3,13 +3,16 @@
 import re
 import subprocess
 import sys
+import time
 
+import netCDF4
 import numpy as np
 import pytest
 import results
 from conftest import PROJECT
+from drafts import drafts_in
 from scipy.integrate import simpson
-from workplace import captured_beam
+from workplace import PAPER_BEAM, SECONDS, captured_beam, group_text, namelist
 
 MODAL = [
     "alpha",
@@ -91,8 +94,7 @@ def place(shared):
     place.scene("counts", captured_beam(), counts)
     place.scene("rebound", captured_beam(capture=None, modes={"before": 5, "after": 5}))
     place.scene("plain", {"beam": captured_beam()["beam"]})
-    ended = place.beamwave("run", ".", "--quiet")
-    assert ended.returncode == 0, ended.stderr
+    place.beamwave("run", ".", "--quiet", status=0)
     return place
 
 
@@ -160,10 +162,67 @@ def test_every_number_of_the_scene_is_a_variable(full):
         assert full[name] == value, name
 
 
+STEPPED = {"length": [0.3, 0.7], "density": 7870.0, "youngs_modulus": [2e11, 2e10], "diameter": [0.04, 0.03]}
+BODIES = ("body", {"position": 0.8, "mass_ratio": 0.2}), ("body", {"position": 1.0, "mass": 2.0})
+ALONG_PIECES_AND_BODIES = {
+    "beam_length": (("piece",), [0.3, 0.7]),
+    "beam_density": ((), 7870.0),
+    "body_position": (("body",), [0.8, 1.0]),
+    "body_mass": (("body",), [results.FILL, 2.0]),
+    "body_mass_ratio": (("body",), [0.2, results.FILL]),
+    "piece": (("piece",), [1, 2]),
+    "body": (("body",), [1, 2]),
+}
+WITH_A_ROW_FOR_EACH_CASE = {
+    "beam_length": (("case", "piece"), [[0.5, 0.7], [0.6, 0.7], [0.7, 0.7]] * 2),
+    "beam_length_1": (("case",), [0.5, 0.6, 0.7] * 2),
+    "body_position": (("body",), [0.8, 1.0]),
+    "body_mass": (("case", "body"), [[results.FILL, 1.0]] * 3 + [[results.FILL, 3.0]] * 3),
+    "body_mass_2": (("case",), [1.0] * 3 + [3.0] * 3),
+}
+
+
+def test_inputs_lie_along_pieces_and_bodies_and_swept_ones_along_the_cases(here):
+    """What a body does not say is fill, and what is the same of all pieces one number."""
+    text = "".join(group_text(*group) for group in (("beam", STEPPED), *BODIES, ("modes", {"before": 2})))
+    here.write("one.nml", text)
+    sweeps = {"parameter": "body(2)%mass", "values": [1.0, 3.0]}, {"parameter": "beam%length(1)", "values": [0.5, 0.6, 0.7]}
+    here.write("swept.nml", text + namelist({}, *sweeps))
+    one, swept = here.run("one"), here.run("swept")
+    for result, expected in ((one, ALONG_PIECES_AND_BODIES), (swept, WITH_A_ROW_FOR_EACH_CASE)):
+        for name, (dimensions, values) in expected.items():
+            assert (result.variables[name].dimensions, result[name].tolist()) == (dimensions, values), name
+    assert one.variables["body_mass"].attributes["_FillValue"] == results.FILL
+    assert "_FillValue" not in one.variables["body_position"].attributes
+    assert "beam_length_2" not in swept.variables
+    assert swept.variables["angular_frequency"].attributes["coordinates"] == "beam_length_1 body_mass_2"
+
+
+def test_a_long_sweep_of_inputs_is_written_in_parts(here):
+    """160 000 rows of two, more than are in memory at a time; they are there before the first case."""
+    lengths = ({"parameter": f"beam%length({i})", "first": 1.0, "last": 400.0, "count": 400} for i in (1, 2))
+    running = here.start("run", here.scene("a", {"beam": STEPPED, "modes": {"before": 1}}, *lengths))
+    while not drafts_in(here.directory / "output/a.partial"):
+        assert running.poll() is None
+        time.sleep(0.01)
+    running.terminate()
+    running.communicate(timeout=SECONDS)
+    with netCDF4.Dataset(here.directory / "output/a.partial/draft.nc") as draft:
+        np.testing.assert_array_equal(draft["beam_length"], 1 + np.transpose(np.divmod(np.arange(160_000), 400)))
+
+
+@pytest.mark.parametrize(("exponent", "swept", "unit"), [(1.0, [], "N m-1"), (2.0, [], "N m-2"), (1.5, [], "N"), (1.0, [1.0, 2.0], "N")])
+def test_the_unit_of_a_contacts_stiffness_follows_its_exponent(here, exponent, swept, unit):
+    """UDUNITS has no power of 1.5: the number is the force at 1 m."""
+    scene = {"beam": PAPER_BEAM, "impact": {"mass": 1.0}, "contact": {"stiffness": 1e6, "exponent": exponent}, "modes": {"before": 2}}
+    scene["response"] = {"duration": 1e-3, "samples": 2}
+    sweeps = [{"parameter": "contact%exponent", "values": swept}] if swept else []
+    assert here.simulate("a", scene, *sweeps).variables["contact_stiffness"].attributes["units"] == unit
+
+
 def test_the_history_is_the_command_with_its_options(here):
     here.scene("set/a", captured_beam())
-    ended = here.beamwave("run", "set/a.nml", "--output", "it's here", "--overwrite", "--max-seconds=600")
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", "set/a.nml", "--output", "it's here", "--overwrite", "--max-seconds=600", status=0)
     said = here.result("a", "it's here").attributes["history"].split(": ", 1)[1]
     assert said == "beamwave run set/a.nml --output 'it'\\''s here' --overwrite --max-seconds=600"
     here.beamwave("run", "set")
@@ -262,15 +321,13 @@ def test_what_was_not_asked_for_is_not_in_the_file(place):
 
 
 def test_a_history_without_velocity_or_spectrum_has_neither(here):
-    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 64}))
-    variables = set(here.run("a").variables)
+    variables = set(here.simulate("a", captured_beam(response={"duration": 1.0, "samples": 64})).variables)
     assert "displacement" in variables
     assert not {"velocity", "amplitude", "frequency", "peak", "peak_count", *MEASURED} & variables
 
 
 def test_waves_are_not_measured_without_both_points_and_the_notes_say_so(here):
-    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 64, "points": [0.25, 1.0]}, spectrum={}))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(response={"duration": 1.0, "samples": 64, "points": [0.25, 1.0]}, spectrum={}))
     assert "amplitude" in result.variables
     assert not {"peak", "peak_count", *MEASURED} & set(result.variables)
     assert "0.5 and 1.0" in result.attributes["notes"]
@@ -278,8 +335,7 @@ def test_waves_are_not_measured_without_both_points_and_the_notes_say_so(here):
 
 def test_a_critical_speed_exists_where_a_mode_can_grow(here):
     for name, groups in [("out", {"rotation": {"plane": "out"}}), ("tension", {"stiffening": {}})]:
-        here.scene(name, captured_beam(**groups))
-        result = here.run(name)
+        result = here.simulate(name, captured_beam(**groups))
         assert results.is_fill(result["critical_angular_velocity"])
         assert results.is_fill(result["critical_angular_velocity_before"])
     assert "out of plane changes nothing" in here.result("out").attributes["notes"]

@@ -72,8 +72,7 @@ def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupte
     assert status == 5, err
     assert "of 900 cases saved; the same command goes on from there" in err
     assert has_draft(here) and "a.nc" not in here.left()
-    resumed = here.beamwave("run", "a.nml")
-    assert resumed.returncode == STATUS
+    resumed = here.beamwave("run", "a.nml", status=STATUS)
     assert "taken over from an earlier run" in resumed.stdout
     assert results.differences(here.result("a"), whole) == []
     assert here.left() == ["a.nc"]
@@ -97,8 +96,7 @@ def test_a_time_limit_stops_in_order_as_often_as_it_takes(here, uninterrupted):
 
 def test_no_time_at_all_is_a_stop_before_the_first_scene(here):
     here.scene("a", captured_beam())
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "0")
-    assert ended.returncode == 5
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0", status=5)
     assert "a.nml" in ended.stderr
     assert here.run("a")["mode_count"] == 10
 
@@ -116,8 +114,7 @@ def test_a_case_under_way_can_be_stopped(here):
     here.scene(
         "a", captured_beam(modes={"before": 400, "after": 400}, response={"duration": 1.0, "samples": 2_000_000})
     )
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.03")  # no build sums these histories in that
-    assert ended.returncode == 5
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.03", status=5)  # no build sums these histories in that
     assert "a.nml" in ended.stderr
     assert "a.nc" not in here.left(".")
 
@@ -167,8 +164,7 @@ def test_what_a_killed_run_had_saved_is_right(here):
     here.scene("a", captured_beam(modes={"before": 5, "after": 5}), many)
     whole, seconds = timed(here)
     assert send(here, signal.SIGKILL, 0.6 * seconds)[0] == -signal.SIGKILL
-    resumed = here.beamwave("run", "a.nml")
-    assert resumed.returncode == 0, resumed.stderr
+    here.beamwave("run", "a.nml", status=0)
     assert results.differences(here.result("a"), whole) == []
 
 

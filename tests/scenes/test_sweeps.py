@@ -21,13 +21,12 @@ def sweep(parameter, values):
 def product(shared):
     """Mass ratio slowest, then angular velocity."""
     place = shared("product")
-    place.scene(
+    return place.simulate(
         "a",
         captured_beam(response=RESPONSE),
         sweep("impact%mass_ratio", RATIOS),
         sweep("rotation%angular_velocity", SPEEDS),
     )
-    return place.run("a")
 
 
 def test_case_leads_what_depends_on_it_and_nothing_else(product):
@@ -46,10 +45,9 @@ def test_case_leads_what_depends_on_it_and_nothing_else(product):
 def test_a_case_holds_what_its_own_scene_gives(product, here):
     for case, (ratio, speed) in enumerate(itertools.product(RATIOS, SPEEDS)):
         name = f"case{case}"
-        here.scene(
+        alone = here.simulate(
             name, captured_beam(impact={"mass_ratio": ratio}, rotation={"angular_velocity": speed}, response=RESPONSE)
         )
-        alone = here.run(name)
         for variable, (dimensions, values, _) in alone.variables.items():
             swept = "case" in product.variables[variable].dimensions
             if variable != "stage_seconds":
@@ -63,8 +61,7 @@ def test_a_value_that_is_swept_replaces_the_one_in_its_group(here):
 
 
 def test_modes_that_a_case_lacks_are_fill(here):
-    here.scene("a", captured_beam(modes={"before": 4}), sweep("modes%after", COUNTS))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(modes={"before": 4}), sweep("modes%after", COUNTS))
     assert result.sizes["mode"] == max(COUNTS)
     np.testing.assert_array_equal(result["mode_count"], COUNTS)
     expected = np.arange(max(COUNTS)) >= np.array(COUNTS)[:, np.newaxis]
@@ -85,11 +82,9 @@ def test_a_range_is_its_values(here):
 
 
 def test_the_lowest_speed_at_which_a_mode_grows_is_where_it_grows(here):
-    here.scene("one", captured_beam())
-    critical = float(here.run("one")["critical_angular_velocity"])
+    critical = float(here.simulate("one", captured_beam())["critical_angular_velocity"])
     speeds = [critical * (1 - 1e-12), critical * (1 + 1e-12)]
-    here.scene("a", captured_beam(), sweep("rotation%angular_velocity", speeds))
-    result = here.run("a")
+    result = here.simulate("a", captured_beam(), sweep("rotation%angular_velocity", speeds))
     assert (result["growth_rate"][:, 0] > 0).tolist() == [False, True]
     assert results.is_fill(result["angular_frequency"][:, 0]).tolist() == [False, True]
     assert not (result["growth_rate"][:, 1:] > 0).any()

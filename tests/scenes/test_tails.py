@@ -55,8 +55,7 @@ def test_a_few_samples_of_a_long_record_tell_what_is_left_out_at_all(here, step,
     groups = {"beam": tails.PAPER_BEAM, "impact": {"mass_ratio": 0.2}, "capture": {},
               "response": {"duration": duration, "samples": samples, "points": [point, 1.0]}}
     here.scene("few", {**groups, "modes": {"tolerance": 1e-4}})
-    here.scene("many", {**groups, "modes": {"tolerance": 1e-8}})
-    few, many = here.run("few"), here.run("many")
+    few, many = here.run("few"), here.simulate("many", {**groups, "modes": {"tolerance": 1e-8}})
     error = np.abs(few["displacement"] - many["displacement"]).max(axis=1)
     peak = np.abs(many["displacement"]).max(axis=1)
     assert error.max() <= 1e-4 * peak.max()

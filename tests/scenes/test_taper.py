@@ -54,8 +54,7 @@ def test_modes_are_those_of_ritz_in_many_digits(here):
             for name in {"mass", "rotary_inertia"} & scene.get("body", {}).keys():
                 scene["body"][name] *= thicker
         here.scene(f"all/c{number}", scene)
-    ended = here.beamwave("run", "all")
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", "all", status=0)
     for number, (case, squares) in enumerate(cases):
         result = here.result(f"c{number}")
         unit = UNIT * (np.sqrt(12 * case["rotary"]) / HEIGHT if case["compliance"] else 1)
@@ -64,8 +63,7 @@ def test_modes_are_those_of_ritz_in_many_digits(here):
 
 
 def test_uniform_pieces_go_to_the_taper_with_the_square_of_their_number(here):
-    here.scene("taper", {"beam": tapering(0.4, 0.6), "modes": {"before": 3}})
-    exact = here.run("taper")["angular_frequency"]
+    exact = here.simulate("taper", {"beam": tapering(0.4, 0.6), "modes": {"before": 3}})["angular_frequency"]
     errors = {}
     for count in (10, 20, 40, 80, 160):
         x = (np.arange(count) + 0.5) / count
@@ -99,8 +97,7 @@ def test_two_equal_stations_are_the_uniform_beam(here, effect):
 def test_stations_on_the_taper_change_nothing(here, effect):
     groups = {**EFFECTS[effect], "modes": {"before": 20}}
     here.scene("one", {"beam": tapering(0.4, 0.6), **groups})
-    here.scene("four", {"beam": tapering(0.4, 0.6, cuts=4), **groups})
-    one, four = here.run("one"), here.run("four")
+    one, four = here.run("one"), here.simulate("four", {"beam": tapering(0.4, 0.6, cuts=4), **groups})
     np.testing.assert_allclose(four["angular_frequency"], one["angular_frequency"], rtol=1e-12)
     np.testing.assert_allclose(four["mode_shape"], one["mode_shape"], atol=1e-10)
     np.testing.assert_allclose(four["wavenumber"], one["wavenumber"], rtol=1e-10)
@@ -175,8 +172,7 @@ def test_a_sweep_over_a_station_is_its_cases(here):
 
 
 def test_the_resolved_scene_is_the_scene(here):
-    here.scene("a", {"beam": SLENDER, "modes": {"before": 4}})
-    first = here.run("a")
+    first = here.simulate("a", {"beam": SLENDER, "modes": {"before": 4}})
     here.write("b.nml", first.attributes["scene"])
     assert here.run("b")["angular_frequency"].tobytes() == first["angular_frequency"].tobytes()
 
@@ -185,15 +181,13 @@ def test_what_the_taper_changes_is_studied(here):
     here.scene("a", captured_beam(beam=None) | {"beam": SLENDER})
     here.scene("b", captured_beam())
     for name, pattern in {"a": r"taper +on +\S+%", "b": r"taper +off +\S+%"}.items():
-        ended = here.beamwave("effects", f"{name}.nml")
-        assert ended.returncode == 0, ended.stderr
+        ended = here.beamwave("effects", f"{name}.nml", status=0)
         assert re.search(pattern, ended.stdout), ended.stdout
 
 
 def test_the_scene_of_a_taper_shows_what_it_promises(here):
     path = PROJECT / "input/effects/taper.nml"
-    ended = here.beamwave("run", path)
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", path, status=0)
     text = path.read_text(encoding="utf-8")
     mean = re.sub(r"diameter = [^,]+, [^,]+, taper = 'linear'", "diameter = 0.037", text)
     here.write("uniform.nml", mean)

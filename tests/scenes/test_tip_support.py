@@ -25,8 +25,7 @@ WAYS = {"pieces": {}, "galerkin": {"rotation": {"angular_velocity": 0.0, "plane"
 def test_roots_are_those_of_the_frequency_equation(here, ends, way):
     groups, equation, guess = ENDS[ends]
     count = 40
-    here.scene("a", {"beam": PAPER_BEAM, **WAYS[way], **groups, "modes": {"before": count}})
-    result = here.run("a")
+    result = here.simulate("a", {"beam": PAPER_BEAM, **WAYS[way], **groups, "modes": {"before": count}})
     assert result.attributes["method"] == way
     alpha = np.array([float(mp.findroot(equation, guess(k))) for k in range(1, count + 1)])
     np.testing.assert_allclose(result["angular_frequency"], H * alpha**2, rtol=1e-12)
@@ -59,8 +58,7 @@ def test_a_faint_spring_is_a_free_tip_and_a_strong_one_a_rigid_tip(here, way):
     beta = {}
     for name, groups in {"free": {}, "faint": {"tip_support": {"stiffness": 1e-9, "rotational_stiffness": 1e-9}},
                          "strong": {"tip_support": {"stiffness": 1e25, "rotational_stiffness": 1e25}}, "rigid": {"tip_support": {}}}.items():
-        here.scene(name, {"beam": PAPER_BEAM, **WAYS[way], **groups, "modes": {"before": 20}})
-        beta[name] = here.run(name)["angular_frequency"]
+        beta[name] = here.simulate(name, {"beam": PAPER_BEAM, **WAYS[way], **groups, "modes": {"before": 20}})["angular_frequency"]
     np.testing.assert_allclose(beta["faint"], beta["free"], rtol=1e-12)
     np.testing.assert_allclose(beta["strong"], beta["rigid"], rtol=1e-12)
 
@@ -90,16 +88,14 @@ def test_both_ways_tell_one_motion(here):
 def test_a_blow_at_a_rigidly_held_tip_is_refused(here):
     here.scene("a", captured_beam(tip_support=PINNED))
     here.scene("b", captured_beam(tip_support={"stiffness": 0.0}))
-    ended = here.beamwave("run", "a.nml", "b.nml")
-    assert ended.returncode == 2
+    ended = here.beamwave("run", "a.nml", "b.nml", status=2)
     assert re.search(r"^a.nml: impact%position: is 1, the tip, which &tip_support holds rigidly.*; accepted: > 0 and < 1", ended.stderr)
     assert here.left() == ["b.nc"]
 
 
 def test_the_scene_of_a_held_tip_shows_what_it_promises(here):
     path = PROJECT / "input/effects/held_tip.nml"
-    ended = here.beamwave("run", path)
-    assert ended.returncode == 0, ended.stderr
+    here.beamwave("run", path, status=0)
     text = path.read_text(encoding="utf-8")
     here.write("free.nml", re.sub(r"&tip_support.*\n", "", text[text.index("&scene"):]))
     here.write("pin.nml", re.sub(r"&tip_support.*\n", "&tip_support rotational_stiffness = 0 /\n", text[text.index("&scene"):]))

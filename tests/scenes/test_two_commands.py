@@ -65,8 +65,7 @@ def test_a_lock_of_another_host_is_told_where_there_is_no_way_to_ask(here, injec
     here.scene("a", SCENE)
     lock = here.directory / here.write("output/a.partial/lock", "elsewhere 4711 1\n")
     here.environment = injector.environment(here, NO_LOCKS)
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "a.nml", status=3)
     assert "process 4711 on host elsewhere" in ended.stderr
     assert "if it is no longer there, remove this file" in ended.stderr
     lock.unlink()
@@ -77,8 +76,7 @@ def test_a_lock_that_names_no_run_is_called_that(here, injector):
     here.scene("a", SCENE)
     here.write("output/a.partial/lock", "rubbish\n")
     here.environment = injector.environment(here, NO_LOCKS)
-    ended = here.beamwave("run", "a.nml")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "a.nml", status=3)
     assert "output/a.partial/lock: is a lock that names no run; once no run is at work on this scene, remove it" in ended.stderr
 
 

@@ -15,14 +15,12 @@ TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was remov
 
 def stop_early(here, *words, **options):
     """Run `a` for a while; what it said, and the cases that it left."""
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5", *words, **options)
-    assert ended.returncode == 5, ended.stderr
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5", *words, **options, status=5)
     return ended, cases_in(here.directory / "output/a.partial")
 
 
 def test_a_run_with_nothing_to_do_leaves_the_cases_of_another_scene(here):
-    here.scene("a", captured_beam(**SMALL))
-    here.run("a")
+    here.simulate("a", captured_beam(**SMALL))
     here.scene("a", ENDLESS, CASES)
     _, saved = stop_early(here, "--overwrite")
     assert saved
@@ -81,8 +79,7 @@ def test_a_draft_that_cannot_be_read_stays(here):
     elsewhere = here.directory / "elsewhere"
     draft.rename(elsewhere)
     draft.symlink_to("where its disk is not mounted")
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5")
-    assert ended.returncode == 3
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5", status=3)
     assert f"{draft.name}: cannot be written" in ended.stderr
     draft.unlink()
     elsewhere.rename(draft)

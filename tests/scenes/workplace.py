@@ -98,13 +98,15 @@ class Workplace:
         """Write `<name>.nml`; return that name."""
         return self.write(f"{name}.nml", namelist(scene, *sweeps))
 
-    def beamwave(self, *words, **options):
-        """Run the program to its end; the answer has `returncode`, `stdout`, `stderr`."""
+    def beamwave(self, *words, status=None, **options):
+        """Run the program to its end, with this exit status if one is given; the answer has `returncode`, `stdout`, `stderr`."""
         options = {"capture_output": True, "timeout": SECONDS, "text": True, "cwd": self.directory, **options}
         if "stdout" in options:
             options["capture_output"] = False
             options.setdefault("stderr", subprocess.PIPE)
-        return subprocess.run(self.command(words), stdin=subprocess.DEVNULL, env=self.environment, check=False, **options)
+        ended = subprocess.run(self.command(words), stdin=subprocess.DEVNULL, env=self.environment, check=False, **options)
+        assert status in (None, ended.returncode), ended.stderr
+        return ended
 
     def start(self, *words, **options):
         """Start the program and leave it running."""
@@ -117,9 +119,25 @@ class Workplace:
 
     def run(self, name, *options, status=0):
         """Run scene `name` and return its result."""
-        ended = self.beamwave("run", f"{name}.nml", *options)
-        assert ended.returncode == status, ended.stderr
+        self.beamwave("run", f"{name}.nml", *options, status=status)
         return self.result(name)
+
+    def simulate(self, name, scene, *sweeps, options=(), status=0):
+        """Write a scene, run it, and return its result."""
+        self.scene(name, scene, *sweeps)
+        return self.run(name, *options, status=status)
+
+    def dataset(self, name):
+        """What xarray reads of a result, that of a scene or of a study of it (`a.effects`)."""
+        import xarray  # takes most of a second, which few tests need
+
+        with xarray.open_dataset(self.directory / f"output/{name}.nc") as ds:
+            return ds.load()
+
+    def study(self, command, name, scene):
+        """Write a scene, study it by a command, and return what xarray reads of the result."""
+        self.beamwave(command, self.scene(name, scene), "--quiet", status=0)
+        return self.dataset(f"{name}.{command}")
 
     def result(self, name, directory="output"):
         """Read the result of scene `name`."""
