@@ -19,22 +19,22 @@ def roots(count, mass_ratio):
 
     def frequency_equation(alpha):
         shear = alpha * mass_ratio * (np.cos(alpha) * np.tanh(alpha) - np.sin(alpha))
-        return 1 / np.cosh(alpha) + np.cos(alpha) + shear
+        return 2 * np.exp(-alpha) / (1 + np.exp(-2 * alpha)) + np.cos(alpha) + shear
 
     k = np.arange(1, count + 1, dtype=np.result_type(mass_ratio, float))
     low = np.where(k == 1, 1e-3, (k - 0.75) * np.pi - 0.01)
     return bisect(frequency_equation, low, (k - 0.5) * np.pi + np.where(k == 1, 0.6, 0.02))
 
 
-def shapes(alpha, position):
-    """Eqs 7 and 18, (positions, modes), with e^(αξ) joined to the small factor before it."""
+def shapes(alpha, position, order=0):
+    """Eqs 7 and 18, (positions, modes), with e^(αξ) joined to the small factor before it; `order` 2 gives their second derivatives."""
     xi = np.asarray(position)[:, np.newaxis]
     scale = np.exp(-alpha)
-    below = (np.sin(alpha) + np.sinh(alpha)) * scale
-    one_minus_sigma = (np.sin(alpha) - np.cos(alpha) - scale) / below  # times e^α
-    sigma = (np.cos(alpha) + np.cosh(alpha)) * scale / below
-    growing = one_minus_sigma * np.exp(alpha * (xi - 1))
-    return np.cos(alpha * xi) - sigma * np.sin(alpha * xi) - ((1 + sigma) * np.exp(-alpha * xi) + growing) / 2
+    growing = (np.sin(alpha) - np.cos(alpha) - scale) / ((1 - scale**2) / 2 + np.sin(alpha) * scale)  # (1 − σ) e^α
+    sigma = 1 - growing * scale
+    turning = np.cos(alpha * xi) - sigma * np.sin(alpha * xi)
+    hyperbolic = ((1 + sigma) * np.exp(-alpha * xi) + growing * np.exp(alpha * (xi - 1))) / 2
+    return turning - hyperbolic if order == 0 else -(alpha**2) * (turning + hyperbolic)
 
 
 class CapturedBeam:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from closed_form import roots, shapes
 from scipy.integrate import DOP853, Radau
 from scipy.optimize import brentq, minimize_scalar
 
@@ -22,23 +23,6 @@ MOST_STEPS = 100_000  # of an integration
 
 class TooLongError(Exception):
     """The integration takes too many steps."""
-
-
-def roots(count: int) -> np.ndarray:
-    """alpha of 1 + cos(alpha) cosh(alpha) = 0."""
-    from_left = [brentq(lambda a: 1 / np.cosh(a) + np.cos(a), (k - 1) * np.pi + 0.3, k * np.pi - 0.3 if k > 1 else 2.5, xtol=1e-15)
-                 for k in range(1, min(count, 200) + 1)]  # fmt: skip
-    return np.array([*from_left, *((k - 0.5) * np.pi for k in range(len(from_left) + 1, count + 1))])
-
-
-def shapes(alpha: np.ndarray, xi: float, order: int = 0) -> np.ndarray:
-    """Modes with a mean square of 1 and their curvatures (`order` 2, times the length squared), without cancelling hyperbolic functions."""
-    down, up = np.exp(-alpha * xi), np.exp(alpha * (xi - 1))
-    grows = (np.sin(alpha) - np.cos(alpha) - np.exp(-alpha)) / (0.5 - 0.5 * np.exp(-2 * alpha) + np.sin(alpha) * np.exp(-alpha))
-    ratio = 1 - grows * np.exp(-alpha)  # sigma
-    steady = np.cos(alpha * xi) - ratio * np.sin(alpha * xi)
-    hyperbolic = 0.5 * grows * up + 0.5 * (1 + ratio) * down
-    return hyperbolic - steady if order == 0 else alpha**2 * (hyperbolic + steady)
 
 
 @dataclass
@@ -105,11 +89,11 @@ class Bodies:
 
     def __init__(self, blow: Blow) -> None:
         length, ei, rho = blow.length, blow.bending_stiffness, blow.mass_per_length
-        alpha = roots(BEYOND)
+        alpha = roots(BEYOND, 0.0)
         elastic = ei / rho * (alpha / length) ** 4
         turning = blow.omega**2 if blow.in_plane else 0.0
         n = blow.modes
-        here = shapes(alpha, blow.position)
+        here = shapes(alpha, [blow.position])[0]
         heavy = rho * length
         self.blow, self.n = blow, n
         self.square = np.append(elastic[:n] - turning, -turning)
@@ -118,7 +102,7 @@ class Bodies:
         self.drive = np.append(here[:n] / heavy, -1 / blow.mass)
 
         def residual(xi: float, order: int) -> float:
-            there = shapes(alpha, xi, order)
+            there = shapes(alpha, [xi], order)[0]
             a, unit = blow.position, length**3 / ei
             if order == 0:
                 low, high = min(a, xi), max(a, xi)
@@ -129,30 +113,30 @@ class Bodies:
             return rest - np.sum(parts[:n] / elastic[:n]) + np.sum((parts * turning / (elastic * (elastic - turning)))[n:])
 
         self.residual = residual(blow.position, 0)
-        self.seen = np.array([shapes(alpha[:n], xi) for xi in blow.points])
-        self.curved = np.array([shapes(alpha[:n], xi, 2) for xi in blow.points]) * ei / length**2
+        self.seen = shapes(alpha[:n], blow.points)
+        self.curved = shapes(alpha[:n], blow.points, 2) * ei / length**2
         self.seen_residual = np.array([residual(xi, 0) for xi in blow.points])
         self.curved_residual = np.array([residual(xi, 2) for xi in blow.points]) * ei / length**2
         self.root = np.sqrt(self.damping.astype(complex) ** 2 / 4 - self.square)
         grows = (np.sin(alpha) - np.cos(alpha) - np.exp(-alpha)) / (0.5 - 0.5 * np.exp(-2 * alpha) + np.sin(alpha) * np.exp(-alpha))
-        carried = 2 * (1 - grows * np.exp(-alpha)) / alpha  # the integral of each mode
+        carried = -2 * (1 - grows * np.exp(-alpha)) / alpha  # the integral of each mode
 
         def beyond(load: Load, xi: float, order: int) -> float:
             """What modes that are not summed add to deflection or curvature under a load of 1."""
-            there, a, unit = shapes(alpha, xi, order), load.position, length**3 / ei
+            there, a, unit = shapes(alpha, [xi], order)[0], load.position, length**3 / ei
             if a is None:
                 rest = unit * (xi**2 * (6 - 4 * xi + xi**2) / 24 if order == 0 else (1 - xi) ** 2 / 2)
                 parts = there * carried / heavy
             else:
                 low, high = min(a, xi), max(a, xi)
                 rest = unit * (low**2 * (3 * high - low) / 6 if order == 0 else max(0.0, a - xi))
-                parts = there * shapes(alpha, a) / heavy
+                parts = there * shapes(alpha, [a])[0] / heavy
             return rest - np.sum(parts[:n] / elastic[:n]) + np.sum((parts * turning / (elastic * (elastic - turning)))[n:])
 
         loads = blow.loads
         self.driven = np.zeros((n + 1, len(loads)))
         for i, load in enumerate(loads):
-            self.driven[:n, i] = (carried if load.position is None else shapes(alpha, load.position))[:n] / heavy
+            self.driven[:n, i] = (carried if load.position is None else shapes(alpha, [load.position])[0])[:n] / heavy
             self.driven[n, i] = 1 / heavy if load.position is None else 0.0
         self.opens = np.array([beyond(load, blow.position, 0) for load in loads])
         self.seen_loads = np.array([[beyond(load, xi, 0) for load in loads] for xi in blow.points])
@@ -160,7 +144,7 @@ class Bodies:
         self.knots = np.unique([t for load in loads for piece in load.pieces for t in (piece.begin, piece.end)] + [np.inf])
         self.first = np.zeros(n + 1)
         if blow.pulled:
-            self.first[:n] = blow.pulled[0] * shapes(alpha[:n], blow.pulled[1]) / (heavy * self.square[:n])
+            self.first[:n] = blow.pulled[0] * shapes(alpha[:n], [blow.pulled[1]])[0] / (heavy * self.square[:n])
             self.first[n] = here[:n] @ self.first[:n]
 
     def next_knot(self, t: float) -> float:

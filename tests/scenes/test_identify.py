@@ -7,10 +7,10 @@ import re
 import signal
 import time
 
-import mpmath
 import numpy as np
 import pytest
 import results
+from closed_form import roots
 from drafts import files_in
 from ring_downs import as_text
 from scipy.optimize import brentq
@@ -26,19 +26,9 @@ MORE = {"parameter": "body%mass", "first": 0.01, "last": 0.3, "with": "alone.nml
 WIDE = 2.0  # intervals of 95 %: four standard deviations, and the seeds are fixed
 
 
-def wave_numbers(ratio, count=4):
-    """Roots α of 1 + cos α cosh α + αγ (cos α sinh α − sin α cosh α) = 0."""
-
-    def equation(a):
-        return (1 / mpmath.cosh(a) + mpmath.cos(a) + a * ratio * (mpmath.cos(a) * mpmath.tanh(a) - mpmath.sin(a)))
-
-    ends = [(0.01, 2.0), *(((k - 1) * mpmath.pi + 0.5, (k - 0.5) * mpmath.pi + 0.2) for k in range(2, count + 1))]
-    return np.array([float(mpmath.findroot(equation, end, solver="anderson")) for end in ends])
-
-
 def frequencies(ratio=0.0, modulus=MODULUS):
     """Undamped angular frequencies, rad/s."""
-    return np.sqrt(modulus * HEIGHT**2 / 12 / DENSITY) * (wave_numbers(ratio) / LENGTH) ** 2
+    return np.sqrt(modulus * HEIGHT**2 / 12 / DENSITY) * (roots(4, ratio) / LENGTH) ** 2
 
 
 def ring_down(seed, beta, foreign=None):
