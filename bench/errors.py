@@ -101,8 +101,7 @@ def run_in(here: Workplace) -> Callable[[dict], xr.Dataset]:
         ended = here.beamwave("run", "scene.nml", "--quiet", "--overwrite")
         if ended.returncode not in (0, 4):
             raise RuntimeError(ended.stderr)
-        with xr.open_dataset(here.directory / "output/scene.nc") as result:
-            return result.load()
+        return here.dataset("scene")
 
     return run
 
