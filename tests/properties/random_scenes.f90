@@ -2,12 +2,10 @@ module random_scenes
   !! Scenes drawn at random over the whole range of the model: light to heavy masses, standing to well above the
   !! critical speed, a fraction of a period to thousands of them.
   use bw_closed_form, only: closed_form_modes, closed_form_set
-  use bw_error, only: error_type
   use bw_kinds, only: dp
-  use bw_scene, only: scene_type
-  use bw_scene_reader, only: read_scene_text
   use bw_text, only: text_of
   use random_streams, only: random_stream
+  use written_scenes, only: scene_of
   implicit none (type, external)
   private
   public :: random_scene, scene_of
@@ -39,15 +37,6 @@ contains
     length = duration(random, first, merge(speed, 0.0_dp, in_plane))
     call put_response(random, length/frequency, text)
   end function random_scene
-
-  function scene_of(text) result(scene)
-    !! The scene that a text holds, which is known to be right.
-    character(*), intent(in) :: text
-    type(scene_type) :: scene
-    type(error_type), allocatable :: error
-    call read_scene_text(text, 'random.nml', scene, error)
-    if (allocated(error)) print '(a)', error%message
-  end function scene_of
 
   subroutine put_beam(random, text, frequency)
     !! A round section or any other, and its h/l² [rad/s].

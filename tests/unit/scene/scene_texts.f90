@@ -4,6 +4,7 @@ module scene_texts
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene_text
   use bw_scene_resolved, only: resolved_text
+  use written_scenes, only: scene_of
   implicit none (type, external)
   private
   public :: accepted, lines_of, refusal, resolved, says, scene_of
@@ -18,14 +19,6 @@ module scene_texts
     !! every group but &sweep, one per line
 
 contains
-
-  function scene_of(text) result(scene)
-    !! The scene of a text that is known to be accepted.
-    character(*), intent(in) :: text
-    type(scene_type) :: scene
-    type(error_type), allocatable :: error
-    call read_scene_text(text, 'x.nml', scene, error)
-  end function scene_of
 
   function refusal(text) result(message)
     !! All that is wrong with a text; empty if it is accepted.

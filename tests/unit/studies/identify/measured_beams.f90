@@ -2,12 +2,11 @@ module measured_beams
   !! Beams of scenes whose lines are known: the exact modes of the true beam, each moved by a normal deviate of its own
   !! standard deviation. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
   use bw_measured_state, only: measured_state, state_lines, state_modes, state_of
-  use bw_error, only: error_type
   use bw_identification, only: identification, identify
   use bw_kinds, only: dp
   use bw_scene, only: scene_type
-  use bw_scene_reader, only: read_scene_text
   use seeded_draws, only: draws_of, normal, start_draws
+  use written_scenes, only: scene_from => scene_of
   implicit none (type, external)
   private
   public :: draws_of, find_unknowns, lines_of, normal, scene_from, start_draws, true_modes, uniform
@@ -23,15 +22,6 @@ contains
     call random_number(uniform)
     uniform = low + (high - low)*uniform
   end function uniform
-
-  function scene_from(text) result(scene)
-    !! A scene that is known to be accepted.
-    character(*), intent(in) :: text
-    type(scene_type) :: scene
-    type(error_type), allocatable :: error
-    call read_scene_text(text, 'x.nml', scene, error)
-    if (allocated(error)) print '(a)', error%message
-  end function scene_from
 
   function true_modes(scene, values, count) result(modes)
     !! The first modes of the beam with these values of its unknowns.
