@@ -9,7 +9,7 @@ module rotating_beams
   use reference_table, only: column
   implicit none (type, external)
   private
-  public :: beam_of_row, first_modes, one_piece, stiffened, unstiffened
+  public :: beam_of_row, beam_of_table, first_modes, one_piece, stiffened, unstiffened
 
   type, public :: reference_row
     !! One row of a table of modes.
@@ -84,5 +84,40 @@ contains
       at = values(row)
     end function at
   end function beam_of_row
+
+  type(piece_beam) function beam_of_table(table, number) result(beam)
+    !! A beam of piece_beams.txt, soft_beams.txt or tension_pieces.txt.
+    character(*), intent(in) :: table
+    integer, intent(in) :: number
+    real(dp), allocatable :: value(:)
+    logical, allocatable :: mine(:)
+    mine = nint(of('beam')) == number
+    allocate (beam%piece(count(mine)), beam%joint(count(mine)))
+    beam%piece%length = to_dd(pack(of('length'), mine))
+    beam%piece%stiffness = to_dd(pack(of('stiffness'), mine))
+    beam%piece%mass = to_dd(pack(of('mass'), mine))
+    beam%piece%compliance = to_dd(pack(of('compliance'), mine))
+    beam%piece%rotary = to_dd(pack(of('rotary'), mine))
+    beam%joint%mass = to_dd(pack(of('body_mass'), mine))
+    beam%joint%inertia = to_dd(pack(of('body_inertia'), mine))
+    beam%joint%stiffness = to_dd(pack(of('spring'), mine))
+    beam%joint%turning_stiffness = to_dd(pack(of('turning_spring'), mine))
+    value = pack(of('root_spring'), mine)
+    beam%root%holds_deflection = value(1) < 0
+    beam%root%stiffness = to_dd(max(0.0_dp, value(1)))
+    value = pack(of('root_turning'), mine)
+    beam%root%holds_turning = value(1) < 0
+    beam%root%turning_stiffness = to_dd(max(0.0_dp, value(1)))
+    value = pack(of('omega'), mine)
+    beam%spin_squared = to_dd(value(1))*to_dd(value(1))
+    value = pack(of('in_plane'), mine)
+    beam%in_plane = value(1) > 0
+  contains
+    function of(name) result(values)
+      character(*), intent(in) :: name
+      real(dp), allocatable :: values(:)
+      values = real(column(table, name), dp)
+    end function of
+  end function beam_of_table
 
 end module rotating_beams
