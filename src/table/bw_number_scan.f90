@@ -9,7 +9,7 @@ module bw_number_scan
   use bw_kinds, only: dp, i1, i8, qp
   implicit none (type, external)
   private
-  public :: scan_number
+  public :: largest_power, scan_number
 
   integer(i1), parameter :: zero = iachar('0', i1), nine = iachar('9', i1), plus = iachar('+', i1), minus = iachar('-', i1)
   integer(i1), parameter :: letters(*) = iachar(['e', 'E', 'd', 'D'], i1)
@@ -17,11 +17,11 @@ module bw_number_scan
   integer(i8), parameter :: exact_mantissa = 2_i8**53
   integer, parameter :: largest_exponent = 99999           !! larger exponents count as this one
   integer, parameter :: largest_power = 308                !! numbers are below ten to this power
-  integer :: power
-  real(dp), parameter :: tens(0:exact_power) = [(10.0_dp**power, power=0, exact_power)]
+  integer :: i
+  real(dp), parameter :: tens(0:exact_power) = [(10.0_dp**i, i=0, exact_power)]
 
   interface
-    real(c_double) function strtod(text, behind) bind(c, name='strtod')
+    pure real(c_double) function strtod(text, behind) bind(c, name='strtod')
       !! C's parser; it ends at the first character after the number.
       import :: c_double, c_ptr
       implicit none (type, external)
@@ -31,7 +31,7 @@ module bw_number_scan
 
 contains
 
-  subroutine scan_number(bytes, at, last, mark, value, decade, good)
+  pure subroutine scan_number(bytes, at, last, mark, value, decade, power, good)
     !! Parse `[sign] digits [mark digits] [e|d [sign] digits]` at a position. A number of 1e308 or more, near overflow,
     !! is not good.
     integer(i1), intent(in) :: bytes(:)
@@ -40,6 +40,7 @@ contains
     integer(i1), intent(in) :: mark            !! decimal mark
     real(dp), intent(out) :: value
     integer, intent(out) :: decade             !! power of ten of the last digit
+    integer, intent(out) :: power              !! the number is below ten to this power; 0 for 0
     logical, intent(out) :: good
     integer(i8) :: mantissa
     integer :: first, digits, exponent
@@ -47,6 +48,7 @@ contains
     first = at
     value = 0.0_dp
     decade = 0
+    power = 0
     mantissa = 0
     digits = 0
     negative = .false.
@@ -71,8 +73,10 @@ contains
     if (at <= last) call scan_exponent(bytes, at, last, exponent, good)
     if (.not. good) return
     decade = decade + exponent
-    good = digits + decade <= largest_power .or. digits == 0
-    if (digits == 0 .or. .not. good) return
+    if (digits == 0) return
+    power = digits + decade
+    good = power <= largest_power
+    if (.not. good) return
     if (digits > most_digits .or. abs(decade) > exact_power) then
       value = by_library(bytes(first:at - 1), mark)
       return
@@ -132,7 +136,7 @@ contains
     if (negative) exponent = -exponent
   end subroutine scan_exponent
 
-  real(dp) function by_library(bytes, mark) result(value)
+  pure real(dp) function by_library(bytes, mark) result(value)
     !! Parse by C's `strtod`, with e for the exponent letter and a point as decimal mark.
     integer(i1), intent(in) :: bytes(:)
     integer(i1), intent(in) :: mark

@@ -92,13 +92,14 @@ contains
     logical, intent(out) :: good
     logical :: quoted
     integer(i1) :: mine
+    integer :: power
     quoted = .false.
     if (at <= last) then
       mine = bytes(at)
       quoted = mine == quote .or. mine == apostrophe
     end if
     if (quoted) at = at + 1
-    call scan_number(bytes, at, last, mark, number, decade, good)
+    call scan_number(bytes, at, last, mark, number, decade, power, good)
     if (.not. quoted .or. .not. good) return
     good = at <= last
     if (good) good = bytes(at) == mine

@@ -88,7 +88,7 @@ contains
     integer(i1) :: bytes(len(field))
     character :: mark
     real(dp) :: value
-    integer :: at, decade, i
+    integer :: at, decade, i, power
     logical :: good
     marks = ''
     mark = merge(',', '.', index(field, ',') > 0)
@@ -96,7 +96,7 @@ contains
       bytes(i) = transfer(field(i:i), 0_i1)
     end do
     at = 1
-    call scan_number(bytes, at, len(field), iachar(mark, i1), value, decade, good)
+    call scan_number(bytes, at, len(field), iachar(mark, i1), value, decade, power, good)
     if (parts_thousands(field)) marks = 'x'
     if (.not. good .or. at <= len(field)) return
     marks = '0'
