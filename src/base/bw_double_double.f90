@@ -27,17 +27,16 @@ module bw_double_double
     module procedure :: dd_from_real, dd_from_quad
   end interface to_dd
   interface operator(+)
-    module procedure :: add_dd, add_real, add_to_list, add_lists, add_reals_to_list, add_reals_to_number
+    module procedure :: add_dd, add_real, add_to_list, add_reals_to_list
   end interface
   interface operator(-)
-    module procedure :: subtract_dd, negate_dd, subtract_from_list, subtract_lists
+    module procedure :: subtract_dd, negate_dd, subtract_from_list
   end interface
   interface operator(*)
-    module procedure :: multiply_dd, multiply_real, multiply_list, multiply_lists, multiply_list_by_real, &
-      multiply_by_reals
+    module procedure :: multiply_dd, multiply_real, multiply_list, multiply_lists, multiply_by_reals
   end interface
   interface operator(/)
-    module procedure :: divide_dd, divide_by_list
+    module procedure :: divide_dd
   end interface
   interface operator(==)
     module procedure :: same_dd
@@ -201,8 +200,9 @@ contains
     c = normal(root, merge(0.5_dp, 0.0_dp, root > 0.0_dp)*((remainder%hi + remainder%lo)/max(root, least)))
   end function sqrt_dd
 
-  ! Lists: the same operations for arrays of rank one, where they take precedence over the elemental ones. An elemental
-  ! procedure of another file is called for every element; here the loop is compiled with its operation, and vectorised.
+  ! Lists: those of these operations that millions of modes need, for arrays of rank one, where they take precedence over the
+  ! elemental ones. An elemental procedure of another file is called for every element; here the loop is compiled with its
+  ! operation, and vectorised.
 
   pure subroutine two_products(a, b, product, error)
     !! Apply `two_product` to a list and a number.
@@ -240,31 +240,6 @@ contains
     c = add_real(a, b)
   end function add_reals_to_list
 
-  pure function add_lists(a, b) result(c)
-    type(dd), intent(in) :: a(:), b(:)
-    type(dd) :: c(size(a))
-    c = add_dd(a, b)
-  end function add_lists
-
-  pure function add_reals_to_number(a, b) result(c)
-    type(dd), intent(in) :: a
-    real(dp), intent(in) :: b(:)
-    type(dd) :: c(size(b))
-    c = add_real(a, b)
-  end function add_reals_to_number
-
-  pure function subtract_lists(a, b) result(c)
-    type(dd), intent(in) :: a(:), b(:)
-    type(dd) :: c(size(a))
-    c = subtract_dd(a, b)
-  end function subtract_lists
-
-  pure function divide_by_list(a, b) result(c)
-    type(dd), intent(in) :: a, b(:)
-    type(dd) :: c(size(b))
-    c = divide_dd(a, b)
-  end function divide_by_list
-
   pure function subtract_from_list(a, b) result(c)
     type(dd), intent(in) :: a(:), b
     type(dd) :: c(size(a))
@@ -282,13 +257,6 @@ contains
     type(dd) :: c(size(a))
     c = multiply_dd(a, b)
   end function multiply_lists
-
-  pure function multiply_list_by_real(a, b) result(c)
-    type(dd), intent(in) :: a(:)
-    real(dp), intent(in) :: b
-    type(dd) :: c(size(a))
-    c = multiply_real(a, b)
-  end function multiply_list_by_real
 
   pure function multiply_by_reals(a, b) result(c)
     type(dd), intent(in) :: a

@@ -1,12 +1,12 @@
 module bw_lapack
   !! Interfaces of BLAS and LAPACK procedures, all declared here so that the compiler checks every call. Names and
-  !! arguments are those of the libraries' documentation. dgeqrf, dgeqp3, dormqr and dgelsy fail only for wrong
+  !! arguments are those of the libraries' documentation. dgeqrf, dormqr and dgelsy fail only for wrong
   !! arguments, for which LAPACK itself stops: their info needs no check.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: ddot, dgbsvx, dgemm, dgesv, dgetrf, dgetrs, dtrsm
-  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dlasrt, dsyev, dsygv, dsterf, zgbsv, zgeev, &
+  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqrf, dormqr, dgelsy, dlasrt, dsyev, dsygv, dsterf, zgbsv, zgeev, &
     & zgesv, zgesvd
 
   interface
@@ -134,15 +134,6 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(out) :: info
     end subroutine dgeqrf
-
-    subroutine dgeqp3(m, n, a, lda, jpvt, tau, work, lwork, info)
-      !! A(:, jpvt) = QR with pivoting of columns: the diagonal of R falls, Q as that of dgeqrf.
-      import :: dp
-      integer, intent(in) :: m, n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
-      integer, intent(inout) :: jpvt(*)                    ! 0: free to be moved
-      integer, intent(out) :: info
-    end subroutine dgeqp3
 
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
       !! Eigenvalues and vectors of A x = w B x, both symmetric, B positive definite.
