@@ -13,7 +13,7 @@ module bw_modal_model
   use bw_kinds, only: dp
   use bw_load_columns, only: find_drive
   use bw_load_modes, only: find_residuals, total_mass
-  use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
+  use bw_mode_set, only: curvatures, damping_rates, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: holds_tip
   use bw_scene, only: scene_type
@@ -72,8 +72,7 @@ contains
     real(dp) :: motion(modes%count, 2)
     integer :: p
     model%stiffness = modes%modal_mass*units%mass*modes%beta_squared%hi*units%frequency**2
-    model%damping = 0.0_dp*modes%modal_mass
-    if (allocated(modes%damping)) model%damping = modes%modal_mass*units%mass*modes%damping*units%frequency
+    model%damping = modes%modal_mass*units%mass*damping_rates(modes)*units%frequency
     model%turn_participation = modes%share_of_turn()*units%mass*units%length
     allocate (model%slope(size(points), modes%count))
     do p = 1, size(points)

@@ -11,7 +11,7 @@ module bw_absent_effects
   use bw_absent_of_pieces, only: highest_estimated, shifts_of_pieces
   use bw_beam_units, only: beam_units, units_of
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: damping_rates, mode_set
   use bw_scene, only: has_parts, scene_type
   implicit none (type, external)
   private
@@ -99,8 +99,7 @@ contains
     units = units_of(scene%beam)
     call absent_changes(scene, [(k, k=1, modes%count)], change, steadies, estimated, inward)
     beta = sqrt(max(0.0_dp, modes%beta_squared%hi))/units%time%hi
-    damping = 0.0_dp
-    if (allocated(modes%damping)) damping = 0.5_dp*modes%damping/units%time%hi
+    damping = 0.5_dp*damping_rates(modes)/units%time%hi
     shapes = modes%shapes(scene%response%points)
     times = min(most_times, size(displacement, 1) - 1)
     do e = 1, size(errors)

@@ -10,7 +10,8 @@ module bw_mode_set
   use bw_scene_pieces, only: struck_beam
   implicit none (type, external)
   private
-  public :: observe_searches, first_failure, first_numbers, first_struck_mode, mean_rate, take_terms, terms_of_set, values_at
+  public :: damping_rates, first_failure, first_numbers, first_struck_mode, mean_rate, observe_searches, take_terms, &
+    terms_of_set, values_at
 
   integer, parameter, public :: deflections = 1, curvatures = 2, turns = 3   !! quantities of histories, the last for a free hub
 
@@ -40,8 +41,7 @@ module bw_mode_set
     procedure(shapes_interface), deferred :: some_shapes
     procedure(shapes_interface), deferred :: some_curvatures      !! the same of Φ_k''(ξ); with shear of ψ_k'(ξ)
     procedure :: shapes => all_shapes
-    procedure(overlap_interface), deferred :: overlap_with_mass   !! weighted by the masses of beam and tip
-    procedure(overlap_interface), deferred :: overlap_of_beam     !! weighted by the mass of the beam
+    procedure(overlap_interface), deferred :: overlap
     procedure(elastic_interface), deferred :: elastic
     procedure :: damp
     procedure :: rigid => rigid_modes
@@ -101,14 +101,15 @@ module bw_mode_set
       real(dp) :: values(last - first + 1, size(xi))   !! (modes, points)
     end function shapes_interface
 
-    function overlap_interface(self, from, amplitude, monitor) result(sums)
-      !! Return the overlaps of these modes with a motion Σ_i a_iφ_i in other modes: Σ_i a_i times the weighted integral
-      !! of Φ_kφ_i. Over the modal masses they are the motion's projection.
+    function overlap_interface(self, from, amplitude, with_mass, monitor) result(sums)
+      !! Return the overlaps of these modes with a motion Σ_i a_iφ_i in other modes: Σ_i a_i times the integral of Φ_kφ_i,
+      !! weighted by mass. Over the modal masses they are the motion's projection.
       !! **Limits**: both sets belong to the same beam and were found in the same way.
       import :: mode_set, monitor_type, dp
       class(mode_set), intent(in) :: self
       class(mode_set), intent(in) :: from         !! modes φ_i
       real(dp), intent(in) :: amplitude(:)        !! a_i of the first of them, 0 for others
+      logical, intent(in) :: with_mass            !! of the beam and of the captured mass; else of the beam
       class(monitor_type), intent(inout), optional :: monitor   !! the sums are invalid if it requests a stop
       real(dp) :: sums(self%count)
     end function overlap_interface
@@ -195,6 +196,14 @@ contains
     integer :: k
     number = [(k, k=1, count)]
   end function first_numbers
+
+  pure function damping_rates(modes) result(c)
+    !! Return c_k of q̈ + cq̇ + β²q = 0, (modes).
+    class(mode_set), intent(in) :: modes
+    real(dp) :: c(modes%count)
+    c = 0.0_dp
+    if (allocated(modes%damping)) c = modes%damping
+  end function damping_rates
 
   pure integer function first_struck_mode(modes) result(k)
     !! Return the first mode with motion at the struck place.

@@ -169,7 +169,7 @@ contains
       class(mode_set), intent(in) :: onto, set
       real(dp), intent(in) :: amplitude(:)
       real(dp) :: seen(onto%count)
-      seen = onto%overlap_of_beam(set, amplitude, monitor)
+      seen = onto%overlap(set, amplitude, .false., monitor)
     end function beam_overlaps
   end function overlaps_with
 
@@ -201,7 +201,7 @@ contains
     amplitude = 0.0_dp
     amplitude(k) = 1.0_dp
     gain = mass_gains(bodies, was, is)
-    associate (seen => before%overlap_of_beam(after, amplitude), n => state%count)
+    associate (seen => before%overlap(after, amplitude, .false.), n => state%count)
       momenta = [accurate_sum(seen(:n)*state%rate(:n)), 0.0_dp]
     end associate
     do b = 1, size(bodies)

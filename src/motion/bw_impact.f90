@@ -81,7 +81,7 @@ contains
     class(mode_set), intent(in) :: after   !! modes of beam and mass
     class(monitor_type), intent(inout), optional :: monitor   !! the state is invalid if it requests a stop
     real(dp), allocatable :: momentum(:)
-    allocate (momentum, source=after%overlap_with_mass(before, impact%modal_velocity, monitor))
+    allocate (momentum, source=after%overlap(before, impact%modal_velocity, .true., monitor))
     capture%modal_velocity = momentum/after%modal_mass
     capture%event = capture_balance(before, impact, after, capture%modal_velocity)
   end function capture_mass
@@ -94,7 +94,7 @@ contains
     real(dp) :: seen(before%count)             ! overlaps with the first mode after
     integer :: i, k
     k = first_struck_mode(after)
-    seen = before%overlap_of_beam(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)])
+    seen = before%overlap(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)], .false.)
     event%kind = capture_event
     event%energy_before = impact%event%energy_after
     event%energy_after = 0.5_dp*accurate_sum(after%modal_mass*velocity**2)

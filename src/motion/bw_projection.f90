@@ -86,11 +86,11 @@ contains
         else
           call take_place(p%before, p%q, p%rate, time, segment%energy, source, p%near_place)
         end if
-        p%near_q = after%overlap_of_beam(p%before, p%q, monitor)
-        p%near_rate = after%overlap_of_beam(p%before, p%rate, monitor)
+        p%near_q = after%overlap(p%before, p%q, .false., monitor)
+        p%near_rate = after%overlap(p%before, p%rate, .false., monitor)
         if (allocated(segment%lack)) then
-          p%lack%q = after%overlap_of_beam(p%before, q - p%q, monitor)/after%modal_mass
-          p%lack%rate = after%overlap_of_beam(p%before, rate - p%rate, monitor)/after%modal_mass
+          p%lack%q = after%overlap(p%before, q - p%q, .false., monitor)/after%modal_mass
+          p%lack%rate = after%overlap(p%before, rate - p%rate, .false., monitor)/after%modal_mass
         end if
       end if
       p%place = p%near_place

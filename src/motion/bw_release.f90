@@ -47,7 +47,7 @@ contains
       event%energy_before = known_energy(energy)
       event%energy_after = known_energy(left)
       k = first_struck_mode(after)
-      event%momentum_before = dot_product(before%overlap_with_mass(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)]), rate) &
+      event%momentum_before = dot_product(before%overlap(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)], .true.), rate) &
         /after%struck(k)
       event%momentum_after = after%modal_mass(k)*projection%rate_after(k)/after%struck(k) + before%gamma*place(2)
       event%hub_rate_change = mean_rate(after, projection%rate_after) - mean_rate(before, rate)

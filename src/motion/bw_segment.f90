@@ -11,7 +11,7 @@ module bw_segment
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_modal_flow, only: energy_gain, flow, slow_exponent
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: damping_rates, mode_set
   implicit none (type, external)
   private
   public :: beam_energy, growth_ends, growth_error, known_energy, leaves_range, mass_energy, move, move_with_energy
@@ -95,22 +95,14 @@ contains
     class(mode_set), intent(in) :: modes
     type(dd), intent(in) :: elapsed          !! ≥ 0
     real(dp), intent(inout) :: q(:), rate(:) !! (modes)
-    if (allocated(modes%damping)) then
-      call flow(modes%beta_squared, modes%damping, elapsed, q, rate)
-    else
-      call flow(modes%beta_squared, 0.0_dp, elapsed, q, rate)
-    end if
+    call flow(modes%beta_squared, damping_rates(modes), elapsed, q, rate)
   end subroutine move
 
   pure real(dp) function growth_ends(modes) result(time)
     !! Return the time at which the energy of a growing mode overflows; `huge` if none grows.
     class(mode_set), intent(in) :: modes
     type(dd) :: exponent(modes%count)
-    if (allocated(modes%damping)) then
-      exponent = slow_exponent(modes%beta_squared, modes%damping)
-    else
-      exponent = slow_exponent(modes%beta_squared, 0.0_dp)
-    end if
+    exponent = slow_exponent(modes%beta_squared, damping_rates(modes))
     time = huge(time)
     if (any(exponent%hi > 0.0_dp)) time = largest_exponent/maxval(exponent%hi)
   end function growth_ends

@@ -27,7 +27,7 @@ contains
       free = closed_form_modes(nint(i(row)), 0.0_dp)
       last_alone = 0*free%alpha
       last_alone(free%count) = 1
-      sums = loaded%overlap_of_beam(free, last_alone)
+      sums = loaded%overlap(free, last_alone, .false.)
       call table%note(real(abs(sums(loaded%count)/integral(row) - 1), dp))
     end do
   end subroutine measure_integrals

@@ -21,7 +21,7 @@ module bw_contact_changes
   use bw_load_course, only: loads_before
   use bw_loads_beside, only: beam_of, project_loads, modes_taking_part
   use bw_missing, only: is_missing
-  use bw_mode_set, only: configuration_type, first_numbers, mode_set
+  use bw_mode_set, only: configuration_type, damping_rates, first_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: moving_state, oscillators, oscillators_of
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
@@ -329,7 +329,7 @@ contains
     end if
     pressed(:summed) = 0.0_dp
     pressed(summed + 1:) = pressed(summed + 1:)/(before%modal_mass(summed + 1:)*before%beta_squared(summed + 1:)%hi)
-    unsummed = after%overlap_of_beam(before, pressed, monitor)
+    unsummed = after%overlap(before, pressed, .false., monitor)
   end subroutine project_omitted
 
   pure function last_force(contacts) result(force)
@@ -417,10 +417,7 @@ contains
     type(moving_state) :: moved
     type(oscillators) :: parts
     type(dd) :: next
-    real(dp) :: c(set%count)
-    c = 0.0_dp
-    if (allocated(set%damping)) c = set%damping
-    parts = oscillators_of(set%beta_squared, c)
+    parts = oscillators_of(set%beta_squared, damping_rates(set))
     acting = loads
     acting%drive = loads%drive(:set%count, :)        ! no mass beside the beam
     acting%drive(state%count + 1:, :) = 0.0_dp

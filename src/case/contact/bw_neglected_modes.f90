@@ -19,7 +19,7 @@ module bw_neglected_modes
   use bw_loads_beside, only: modes_taking_part
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing
-  use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set, turns, values_at
+  use bw_mode_set, only: configuration_type, curvatures, damping_rates, deflections, first_numbers, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_oscillators, only: oscillators, oscillators_of
@@ -169,14 +169,11 @@ contains
 
     subroutine begin(configuration)
       integer, intent(in) :: configuration
-      real(dp), allocatable :: c(:)
       now = configuration
       force = 0.0_dp
       associate (set => beyond%modes%configuration(now)%set, k => first(configuration))
-        c = 0.0_dp*set%modal_mass
-        if (allocated(set%damping)) c = set%damping
-        parts = oscillators_of(set%beta_squared, c)
-        soft = 0.0_dp*c
+        parts = oscillators_of(set%beta_squared, damping_rates(set))
+        soft = 0.0_dp*set%modal_mass
         soft(k:) = set%struck(k:)/(set%modal_mass(k:)*set%beta_squared(k:)%hi)
         following = what_follows(set, soft, scene%response%points)
       end associate

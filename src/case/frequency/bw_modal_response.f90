@@ -13,7 +13,7 @@ module bw_modal_response
   use bw_damping, only: damping_law
   use bw_forced_beam, only: forced_beam
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: damping_rates, mode_set
   use bw_response_extremes, only: harmonic_response
   use bw_scene, only: scene_type
   use bw_static_shape, only: deflection, static_shapes
@@ -74,8 +74,7 @@ contains
       terms%weight(:, p) = terms%weight(:, p)*forced(:, 1)/set%modal_mass(:set%count)
     end do
     terms%square = set%beta_squared(:set%count)%hi
-    allocate (terms%damping(set%count), source=0.0_dp)
-    if (allocated(set%damping)) terms%damping = set%damping(:set%count)
+    terms%damping = damping_rates(set)
   end function terms_of
 
   pure function sum_of(terms, n, square, omega, point) result(value)

@@ -11,7 +11,7 @@ module bw_case_validity
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, scaled
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: damping_rates, mode_set
   use bw_modes_par, only: by_tolerance
   use bw_note, only: remark
   use bw_reach, only: amplitude_of, stretch_type
@@ -216,17 +216,16 @@ contains
     real(dp), parameter :: largest_shape = 2.0_dp
     type(placed_strain) :: bending
     type(time_grid) :: grid
-    real(dp), dimension(min(looked_at, modes%count)) :: amplitude, c
+    real(dp) :: amplitude(min(looked_at, modes%count)), c(modes%count)
     logical :: above(size(amplitude))              ! the Nyquist frequency
     real(dp) :: fast                               ! their largest amplitude
     integer :: n
     n = size(amplitude)
-    c = 0.0_dp
-    if (allocated(modes%damping)) c = modes%damping(:n)
+    c = damping_rates(modes)
     associate (units => motion%units, square => modes%beta_squared(:n))
       grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
       associate (step => grid%step%hi, unit => abs(unit_velocity(scene))*units%time%hi)
-        amplitude = amplitude_of(square, c, q(:n), rate(:n), stretch_type(0.0_dp, grid%samples*step, step), .false.)
+        amplitude = amplitude_of(square, c(:n), q(:n), rate(:n), stretch_type(0.0_dp, grid%samples*step, step), .false.)
         bending = largest_bending(scene, modes, amplitude)
         bending%strain = scaled(scaled(bending%strain, abs(unit_velocity(scene))), 1.0_dp/units%velocity)
         call note_size(scene, peak, bending, notes)

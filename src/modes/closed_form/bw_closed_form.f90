@@ -24,8 +24,7 @@ module bw_closed_form
   contains
     procedure :: some_shapes => closed_form_shapes
     procedure :: some_curvatures => closed_form_curvatures
-    procedure :: overlap_with_mass
-    procedure :: overlap_of_beam
+    procedure :: overlap
     procedure :: elastic => closed_form_elastic
     procedure :: motion_at
     procedure :: share_of_turn
@@ -231,35 +230,25 @@ contains
     share = -2.0_dp/self%alpha**2
   end function share_of_turn
 
-  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! Return Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
+  function overlap(self, from, amplitude, with_mass, monitor) result(sums)
+    !! Return Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k, or Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two sets, with mass this one, is of the beam alone
     real(dp), intent(in) :: amplitude(:)
+    logical, intent(in) :: with_mass
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     select type (from)
     class is (closed_form_set)
-      sums = overlap_with_tip_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
+      if (with_mass) then
+        sums = overlap_with_tip_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
+      else
+        sums = overlap_without_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
+      end if
     class default
       sums = no_number()
     end select
-  end function overlap_with_mass
-
-  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! Return Σ_i a_i∫Φ_kφ_i dξ.
-    class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form; one of the two sets is of the beam alone
-    real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(self%count)
-    select type (from)
-    class is (closed_form_set)
-      sums = overlap_without_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
-    class default
-      sums = no_number()
-    end select
-  end function overlap_of_beam
+  end function overlap
 
   pure function closed_form_elastic(self) result(squares)
     !! Return α⁴, Eq. 28, of the same roots, refined or not, as for β².

@@ -30,8 +30,8 @@ module bw_strain_set
     procedure :: choose
     procedure :: some_shapes => shapes_of_strains
     procedure :: some_curvatures => curvatures_of_strains
-    procedure :: overlap_with_mass
-    procedure :: overlap_of_beam
+    procedure :: overlap
+    procedure, private :: common_overlap
     procedure :: elastic => elastic_of_strains
     procedure :: work
     procedure :: coupling
@@ -150,13 +150,16 @@ contains
     end associate
   end subroutine find_tip_shears
 
-  recursive function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! Return overlaps with the mass and inertia that both beams have.
+  function overlap(self, from, amplitude, with_mass, monitor) result(sums)
+    !! Return overlaps with the mass and inertia that both beams have or, with the mass, with that of either beam, but only
+    !! common inertia: a captured body arrives without rotation.
     class(strain_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
+    logical, intent(in) :: with_mass
     class(monitor_type), intent(inout), optional :: monitor     ! not asked, as this takes no time
     real(dp) :: sums(self%count)
+    real(dp) :: onto(self%count), seen(size(amplitude))
     type(strain_set) :: whole
     integer :: i, n
     select type (from)
@@ -164,40 +167,12 @@ contains
       n = size(amplitude)
       if (allocated(self%hub_turn)) then
         whole = self%in_frame()
-        sums = whole%overlap_of_beam(from%in_frame(), amplitude) &
+        sums = whole%common_overlap(from%in_frame(), amplitude) &
           + self%given%beam%root%hub_inertia%hi*self%hub_turn*sum(from%hub_turn(:n)*amplitude)
-        return
+      else
+        sums = self%common_overlap(from, amplitude)
       end if
-      sums = 0.0_dp
-      do i = 1, size(self%piece)
-        associate (piece => self%given%beam%piece(i), law => self%given%law(i), &
-                   joint => self%given%beam%joint(i), joint_too => from%given%beam%joint(i))
-          sums = sums &
-            + piece%mass%hi*piece%length%hi*products(law%mass, self%piece(i)%deflection, from%piece(i)%deflection, amplitude) &
-            + piece%rotary%hi*piece%length%hi*products(law%rotary, self%piece(i)%turning, from%piece(i)%turning, amplitude) &
-            + min(joint%mass%hi, joint_too%mass%hi)*self%deflection(i, :)*sum(from%deflection(i, :n)*amplitude) &
-            + min(joint%inertia%hi, joint_too%inertia%hi)*self%turning(i, :)*sum(from%turning(i, :n)*amplitude)
-        end associate
-      end do
-      if (present(monitor)) continue
-    class default
-      sums = no_number()
-    end select
-  end function overlap_of_beam
-
-  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! Return overlaps with the mass of either beam, but only common inertia: a captured body arrives without rotation.
-    class(strain_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! see `overlap_of_beam`
-    real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(self%count)
-    real(dp) :: onto(self%count), seen(size(amplitude))
-    integer :: i, n
-    sums = self%overlap_of_beam(from, amplitude, monitor)
-    select type (from)
-    class is (strain_set)
-      n = size(amplitude)
+      if (.not. with_mass) return
       do i = 1, size(self%piece)
         onto = self%deflection(i, :)
         seen = from%deflection(i, :n)
@@ -207,8 +182,32 @@ contains
         end if
         sums = sums + abs(self%given%beam%joint(i)%mass%hi - from%given%beam%joint(i)%mass%hi)*onto*sum(seen*amplitude)
       end do
+      if (present(monitor)) continue
+    class default
+      sums = no_number()
     end select
-  end function overlap_with_mass
+  end function overlap
+
+  pure function common_overlap(self, from, amplitude) result(sums)
+    !! Return overlaps with the mass and inertia that both beams have, without the hub's.
+    class(strain_set), intent(in) :: self
+    type(strain_set), intent(in) :: from
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(self%count)
+    integer :: i, n
+    n = size(amplitude)
+    sums = 0.0_dp
+    do i = 1, size(self%piece)
+      associate (piece => self%given%beam%piece(i), law => self%given%law(i), &
+                 joint => self%given%beam%joint(i), joint_too => from%given%beam%joint(i))
+        sums = sums &
+          + piece%mass%hi*piece%length%hi*products(law%mass, self%piece(i)%deflection, from%piece(i)%deflection, amplitude) &
+          + piece%rotary%hi*piece%length%hi*products(law%rotary, self%piece(i)%turning, from%piece(i)%turning, amplitude) &
+          + min(joint%mass%hi, joint_too%mass%hi)*self%deflection(i, :)*sum(from%deflection(i, :n)*amplitude) &
+          + min(joint%inertia%hi, joint_too%inertia%hi)*self%turning(i, :)*sum(from%turning(i, :n)*amplitude)
+      end associate
+    end do
+  end function common_overlap
 
   pure function elastic_of_strains(self) result(squares)
     !! Return λ_k ≥ 0 from strains and springs, or as β² less the terms of rotation if these are smaller: exactly β²

@@ -26,8 +26,7 @@ module bw_piece_set
     procedure :: states => states_at
     procedure :: some_shapes => piece_shapes
     procedure :: some_curvatures => piece_curvatures
-    procedure :: overlap_with_mass
-    procedure :: overlap_of_beam
+    procedure :: overlap
     procedure :: elastic => piece_elastic
     procedure :: coupling
     procedure :: body_energy => energy_of_body
@@ -120,33 +119,20 @@ contains
     known = .true.
   end subroutine find_tip_shears
 
-  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
+  function overlap(self, from, amplitude, with_mass, monitor) result(sums)
     class(piece_set), intent(in) :: self
     class(mode_set), intent(in) :: from          !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
+    logical, intent(in) :: with_mass
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     select type (from)
     class is (piece_set)
-      sums = overlap_sums(self%modes, from%modes, amplitude, .true., monitor)
+      sums = overlap_sums(self%modes, from%modes, amplitude, with_mass, monitor)
     class default
       sums = no_number()
     end select
-  end function overlap_with_mass
-
-  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    class(piece_set), intent(in) :: self
-    class(mode_set), intent(in) :: from          !! of the same pieces, springs and joints
-    real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(self%count)
-    select type (from)
-    class is (piece_set)
-      sums = overlap_sums(self%modes, from%modes, amplitude, .false., monitor)
-    class default
-      sums = no_number()
-    end select
-  end function overlap_of_beam
+  end function overlap
 
   pure function piece_elastic(self) result(squares)
     !! Return the elastic part with springs: β² plus the part that rotation subtracts.

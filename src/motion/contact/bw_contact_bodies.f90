@@ -6,7 +6,7 @@ module bw_contact_bodies
   use bw_change_of_bodies, only: beam_state
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_struck_mode, mean_rate, mode_set
+  use bw_mode_set, only: damping_rates, first_struck_mode, mean_rate, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
   use bw_segment, only: shape_term
@@ -56,18 +56,16 @@ contains
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     type(first_motion), intent(in), optional :: first   !! absent: the mass arrives with velocity 1 at a beam at rest
-    real(dp) :: damping(free%count), struck(free%count)
+    real(dp) :: struck(free%count)
     integer :: n
     n = free%count
-    damping = 0.0_dp
-    if (allocated(free%damping)) damping = free%damping
     struck = free%struck
     struck(taking_part + 1:) = 0.0_dp
     bodies%first = first_struck_mode(free)
     bodies%turn_of_hub = mean_rate(free, [1.0_dp])
     bodies%inertia = [free%modal_mass, mass_ratio]
     bodies%weight = [struck, -1.0_dp]
-    bodies%parts = oscillators_of([free%beta_squared, -(omega*omega)], [damping, 0.0_dp])
+    bodies%parts = oscillators_of([free%beta_squared, -(omega*omega)], [damping_rates(free), 0.0_dp])
     allocate (bodies%state%u(n + 1), bodies%state%v(n + 1), source=0.0_dp)
     bodies%state%v(n + 1) = 1.0_dp
     if (.not. present(first)) return

@@ -26,8 +26,7 @@ module bw_contact_modes
   contains
     procedure :: some_shapes => contact_shapes
     procedure :: some_curvatures => contact_curvatures
-    procedure :: overlap_with_mass => contact_overlap_with_mass
-    procedure :: overlap_of_beam => contact_overlap_of_beam
+    procedure :: overlap => contact_overlap
     procedure :: elastic => contact_elastic
     procedure :: number_errors => contact_errors
   end type contact_set
@@ -180,26 +179,17 @@ contains
     values = matmul(transpose(self%mixing(:, first:last)), self%free%some_curvatures(1, self%free%count, xi))
   end function contact_curvatures
 
-  function contact_overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! Return the overlaps with a motion, weighted by the beam's mass: combinations of those of the beam alone.
+  function contact_overlap(self, from, amplitude, with_mass, monitor) result(sums)
+    !! Return the overlaps with a motion: combinations of those of the beam alone, and the part of the mass at the tip.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    logical, intent(in) :: with_mass
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    sums = matmul(self%free%overlap_of_beam(from, amplitude, monitor), self%mixing)
-  end function contact_overlap_of_beam
-
-  function contact_overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! Return the same with the mass at the tip.
-    class(contact_set), intent(in) :: self
-    class(mode_set), intent(in) :: from
-    real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor
-    real(dp) :: sums(self%count)
-    sums = self%overlap_of_beam(from, amplitude, monitor) &
-      + self%gamma*self%struck*dot_product(from%struck(:size(amplitude)), amplitude)
-  end function contact_overlap_with_mass
+    sums = matmul(self%free%overlap(from, amplitude, .false., monitor), self%mixing)
+    if (with_mass) sums = sums + self%gamma*self%struck*dot_product(from%struck(:size(amplitude)), amplitude)
+  end function contact_overlap
 
   pure subroutine contact_errors(self, square_error, mass_error)
     !! Return the errors of β², and relative errors of damping and modal mass: those of the beam alone, and rounding.

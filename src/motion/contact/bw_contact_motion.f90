@@ -6,7 +6,7 @@ module bw_contact_motion
   use bw_kinds, only: dp
   use bw_missing, only: scaled
   use bw_modal_flow, only: energy_gain
-  use bw_mode_set, only: first_struck_mode, mode_set
+  use bw_mode_set, only: damping_rates, first_struck_mode, mode_set
   use bw_oscillators, only: moving_state, oscillators, oscillators_of, weighted_sum
   use bw_segment, only: alone, energy_type, known_energy, more_accurate, together, operator(+)
   implicit none (type, external)
@@ -46,18 +46,15 @@ contains
     real(dp), intent(in) :: mass_ratio            !! γ > 0
     real(dp), intent(in) :: restitution           !! e
     type(dd), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
-    real(dp) :: damping(free%count)
     integer :: n
     n = free%count
-    damping = 0.0_dp
-    if (allocated(free%damping)) damping = free%damping
     motion%modes = n
     motion%first = first_struck_mode(free)
     motion%restitution = restitution
     motion%inertia = [free%modal_mass, min(mass_ratio, heaviest)]
     motion%heavier = max(1.0_dp, mass_ratio/heaviest)
     motion%gap = weighted_sum([free%struck, -1.0_dp], spread(0.0_dp, 1, n + 1))
-    motion%parts(alone) = oscillators_of([free%beta_squared, -(omega*omega)], [damping, 0.0_dp])
+    motion%parts(alone) = oscillators_of([free%beta_squared, -(omega*omega)], [damping_rates(free), 0.0_dp])
     allocate (motion%state%u(n + 1), motion%state%v(n + 1), source=0.0_dp)
     motion%state%v(n + 1) = 1.0_dp
     motion%energy_left%value = 0.5_dp*motion%inertia(n + 1)

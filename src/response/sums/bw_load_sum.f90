@@ -9,7 +9,7 @@ module bw_load_sum
   use bw_kinds, only: dp
   use bw_load_course, only: degree_of, interval_at, load_course, next_knot, part_of_course, rates_of
   use bw_load_step, only: load_step, load_step_of
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: damping_rates, mode_set
   use bw_monitor, only: monitor_type
   use bw_time_grid, only: time_grid
   implicit none (type, external)
@@ -62,8 +62,7 @@ contains
     complex(dp) :: tone(size(view%course))
     type(dd) :: now, next
     integer :: first, held, j, m                    ! `first` of the buffered samples
-    c = spread(0.0_dp, 1, modes%count)
-    if (allocated(modes%damping)) c = modes%damping
+    c = damping_rates(modes)
     if (.not. allocated(tail%largest)) then
       allocate (tail%largest(size(view%order), 2), tail%squares(size(view%order), 2), source=0.0_dp)
       allocate (tail%amplitude(modes%count, 0:orders), tail%lag(modes%count, 0:orders), source=0.0_dp)

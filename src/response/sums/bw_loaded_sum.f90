@@ -3,7 +3,7 @@ module bw_loaded_sum
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_force_step, only: advance_state, force_in_step, polynomial_of, step_end
   use bw_kinds, only: dp
-  use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
+  use bw_mode_set, only: curvatures, damping_rates, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: oscillators, oscillators_of
   use bw_response, only: sampling_type
@@ -25,16 +25,14 @@ contains
     type(segment_type), intent(inout) :: segment     !! with a load, whose residual is that of the points
     type(oscillators) :: parts
     type(dd) :: after
-    real(dp) :: start, length, left, force, slope, a(modes%count), c(modes%count)
+    real(dp) :: start, length, left, force, slope, a(modes%count)
     real(dp), dimension(modes%count) :: u, v, u_there, v_there
     real(dp), dimension(modes%count, size(sampling%points)) :: shapes, bends
     real(dp) :: turned(modes%count)                  ! rotation of a free hub
     integer :: i, sample
     a = modes%struck
     a(segment%load%taking_part + 1:) = 0.0_dp
-    c = 0.0_dp
-    if (allocated(modes%damping)) c = modes%damping
-    parts = oscillators_of(modes%beta_squared, c)
+    parts = oscillators_of(modes%beta_squared, damping_rates(modes))
     shapes = values_at(modes, deflections, 1, modes%count, sampling%points)
     if (curved) bends = values_at(modes, curvatures, 1, modes%count, sampling%points)
     turned = modes%hub_turns()
