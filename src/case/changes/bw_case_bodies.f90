@@ -1,18 +1,27 @@
 module bw_case_bodies
-  !! The bodies of a case as changes of the beam need them, and which of them it carries at a time.
+  !! The bodies of a case as changes of the beam need them, which of them it carries at a time, and the beam with these.
   use bw_beam_units, only: beam_units
   use bw_change_of_bodies, only: body_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_rotation, only: dimensionless_speed
   use bw_scene, only: scene_type
-  use bw_scene_pieces, only: joints_of_bodies
+  use bw_scene_pieces, only: joints_of_bodies, pieces_of, varying_of
   use bw_timeline, only: carried_type
+  use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: bodies_of, presence, set_pull
+  public :: beam_of, bodies_of, presence, set_pull
 
 contains
+
+  pure type(varying_beam) function beam_of(scene, units, carried) result(given)
+    !! Return the beam with what it carries in a configuration.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(carried_type), intent(in) :: carried
+    given = varying_of(scene, units, pieces_of(scene, units, carried%captured, carried%body))
+  end function beam_of
 
   function bodies_of(scene, units) result(bodies)
     !! Return the bodies of the scene, and last the striking mass if it is captured, without dimensions.

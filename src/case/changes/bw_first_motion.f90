@@ -4,12 +4,12 @@ module bw_first_motion
   !! A free hub is held until t = 0 and released together with the beam. The potential energy depends on deflections
   !! from the hub's line alone, so modal displacements are those of a beam on a hub with prescribed motion:
   !! FΦ_k(ξ_F)/(M_kβ_k²). The rigid rotation, with Φ = 0, returns the hub to where it was held.
+  use bw_case_bodies, only: beam_of
   use bw_case_result, only: case_motion
   use bw_kinds, only: dp
   use bw_load_modes, only: find_residuals
   use bw_mode_set, only: mode_set
   use bw_scene, only: scene_type
-  use bw_scene_pieces, only: pieces_of, varying_of
   use bw_static_shape, only: hub_turn
   use bw_text, only: append
   use bw_timeline, only: configurations_of
@@ -49,8 +49,7 @@ contains
       q(first:) = force*shape(first:, 1)/(modes%modal_mass(first:)*modes%beta_squared(first:)%hi)
       if (first == 1) return
       associate (carried => configurations_of(scene))
-        q(1) = force*turn_back(varying_of(scene, units, pieces_of(scene, units, carried(configuration)%captured, &
-                                                                  carried(configuration)%body)), modes, scene%initial%position)
+        q(1) = force*turn_back(beam_of(scene, units, carried(configuration)), modes, scene%initial%position)
       end associate
     end associate
   end subroutine find_first_motion

@@ -1,6 +1,7 @@
 module bw_contact_rates
   !! Histories of a beam with lasting contacts, as under any other load: once the contacts are followed, their force is
   !! known, a polynomial in each step. This gives accelerations and shear forces, and under other loads all histories.
+  use bw_case_bodies, only: beam_of
   use bw_case_result, only: case_motion
   use bw_double_double, only: dd, to_dd
   use bw_first_motion, only: find_first_motion
@@ -10,7 +11,7 @@ module bw_contact_rates
   use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads, quantities
   use bw_load_course, only: load_course, loads_before, scaled_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
-  use bw_loads_beside, only: beam_of, modes_taking_part, unit_force
+  use bw_loads_beside, only: modes_taking_part, unit_force
   use bw_missing, only: missing
   use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
@@ -20,6 +21,7 @@ module bw_contact_rates
   use bw_segment, only: alone, segment_type
   use bw_segment_samples, only: samples_of_segment
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
+  use bw_timeline, only: carried_type, configurations_of
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
@@ -93,6 +95,7 @@ contains
     type(placed_loads), intent(in), optional :: loads
     type(wide_type) :: now
     type(placed_loads) :: acting
+    type(carried_type), allocatable :: carried(:)
     type(varying_beam) :: given
     type(load_view) :: view
     type(load_tail) :: tail
@@ -104,7 +107,8 @@ contains
     integer :: more, samples(2)
     associate (segments => motion%timeline%segments(these(1):these(2)))
       associate (configuration => motion%modes%configuration(segments(1)%configuration))
-        given = beam_of(scene, motion, segments(1)%configuration)
+        carried = configurations_of(scene)
+        given = beam_of(scene, motion%units, carried(segments(1)%configuration))
         acting = placed_loads([course_of(segments)], [scene%impact%position], kind=[1])
         if (present(loads)) then
           acting = placed_loads([acting%course, scaled_course(loads%course, 1.0_dp/unit_force(scene, motion))], &

@@ -2,7 +2,7 @@ module bw_load_run
   !! The motion of a beam under its loads with a given number of modes, through all changes of the beam: histories and
   !! their truncation errors.
   use bw_beam_units, only: beam_units
-  use bw_case_bodies, only: bodies_of, presence
+  use bw_case_bodies, only: beam_of, bodies_of, presence
   use bw_case_result, only: case_modes
   use bw_changing_errors, only: error_of_state
   use bw_change_of_bodies, only: beam_state, body_type, change_bodies
@@ -17,7 +17,6 @@ module bw_load_run
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
-  use bw_scene_pieces, only: pieces_of, varying_of
   use bw_segment, only: growth_ends
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   use bw_timeline, only: carried_type, configurations_of, occurs_in_record, number_of, step_type, steps_of
@@ -224,14 +223,6 @@ contains
       bound = bound + sqrt(flexibility(:size(bound))*flexibility(size(bound) + l))*lag_bound(courses(l), until, lag, drift)
     end do
   end function bound_of
-
-  pure type(varying_beam) function beam_of(scene, units, carried) result(given)
-    !! Return the beam of a configuration.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(carried_type), intent(in) :: carried
-    given = varying_of(scene, units, pieces_of(scene, units, carried%captured, carried%body))
-  end function beam_of
 
   subroutine take_change(given, configuration, from, was, onto, is, loads, load, since, monitor, bodies, wide, state, doubt)
     !! Project the motion onto the modes after a change of bodies, with the quasi-static motion of omitted modes.

@@ -9,13 +9,11 @@ module bw_loads_beside
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: arm_of
   use bw_scene, only: scene_type, unit_velocity
-  use bw_scene_pieces, only: pieces_of, varying_of
   use bw_static_shape, only: deflection, hub_turn
-  use bw_timeline, only: carried_type, configurations_of
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: beam_of, project_loads, modes_taking_part, unit_force
+  public :: project_loads, modes_taking_part, unit_force
 
 contains
 
@@ -35,18 +33,6 @@ contains
       count = (summed*all(configuration)%set%count + all(1)%set%count - 1)/all(1)%set%count
     end associate
   end function modes_taking_part
-
-  type(varying_beam) function beam_of(scene, motion, configuration) result(given)
-    !! Return the beam of a configuration.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    integer, intent(in) :: configuration
-    type(carried_type), allocatable :: carried(:)
-    carried = configurations_of(scene)
-    associate (now => carried(configuration))
-      given = varying_of(scene, motion%units, pieces_of(scene, motion%units, now%captured, now%body))
-    end associate
-  end function beam_of
 
   subroutine project_loads(scene, motion, configuration, given, summed, loads, monitor, acting, places, at_places)
     !! Express loads in terms of the beam's modes and of the mass beside it.
