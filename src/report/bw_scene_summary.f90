@@ -13,7 +13,8 @@ module bw_scene_summary
   use bw_result_draft, only: result_draft
   use bw_result_layout, only: result_layout
   use bw_result_table, only: most_waiting
-  use bw_scene, only: answers_by_modes, by_pieces, count_methods, effect_names, effects_text, scene_type
+  use bw_scene, only: answers_by_modes, by_pieces, count_methods, effect_names, scene_type
+  use bw_scene_groups, only: effects_text
   use bw_scene_cases, only: case_count
   use bw_text, only: append, shortest, string, text_builder, text_of
   implicit none (type, external)

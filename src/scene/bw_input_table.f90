@@ -1,7 +1,8 @@
 module bw_input_table
   !! The table of input names: all groups and all their rows, in the order in which they are shown. For groups and names
   !! that are not in it, messages list the known ones and suggest the nearest.
-  !! A new group is one file in `groups/`, a line in each of the two lists here, and its lines in `bw_scene`.
+  !! A new group is one file in `groups/`, a line in each of the two lists here, and its lines in
+  !! `bw_scene` and `bw_scene_groups`.
   use bw_beam_par, only: beam_group, beam_names
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names

@@ -4,7 +4,8 @@ module bw_scene_cases
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
-  use bw_scene, only: build_scene, complete_groups, converges_in_run, scene_type
+  use bw_scene, only: converges_in_run, scene_type
+  use bw_scene_groups, only: build_scene, complete_groups
   use bw_scene_checks, only: check_case
   use bw_scene_messages, only: message_list
   use bw_text, only: shortest, text_of

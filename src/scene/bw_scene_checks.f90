@@ -6,7 +6,8 @@ module bw_scene_checks
   use bw_input_table, only: group_row, group_table, name_table
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
-  use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
+  use bw_scene, only: method_name, scene_type
+  use bw_scene_groups, only: check_rules, check_rules_together
   use bw_scene_messages, only: message_list
   use bw_scene_scales, only: check_scales
   use bw_text, only: lines_of, shortest, string, text_of, words_of
