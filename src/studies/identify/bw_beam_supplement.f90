@@ -3,7 +3,7 @@ module bw_beam_supplement
   !! result of a record.
   use bw_corrected_models, only: find_corrections, corrected_model
   use bw_measured_state, only: measured_state, state_of
-  use bw_calibration, only: calibration_text, factor_type, find_factors, has_modal_constants
+  use bw_calibration, only: calibration_text
   use bw_classic_head, only: classic_head
   use bw_error, only: error_type
   use bw_files, only: cannot_be_written
@@ -199,7 +199,6 @@ contains
     type(text_builder), allocatable :: own(:)    !! sections, (cases)
     type(corrected_model), allocatable :: corrections(:)
     type(measured_state) :: states(1)
-    type(factor_type), allocatable :: factors(:)
     type(string) :: calibration(1)
     type(notes_type) :: calibrations
     real(dp) :: nothing(0)
@@ -223,11 +222,8 @@ contains
         call own(c)%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
         states(1) = state
-        if (has_modal_constants(states)) then
-          call find_factors(states, nothing, factors)
-          calibration(1)%text = calibration_text(factors, set%sensors, .not. misfit%tail < misfit_chance)
-          if (calibration(1)%text /= '') call calibrations%add(int(c, i8), calibration)
-        end if
+        calibration(1)%text = calibration_text(states, nothing, set%sensors, .not. misfit%tail < misfit_chance)
+        if (calibration(1)%text /= '') call calibrations%add(int(c, i8), calibration)
         if (.not. misfit%tail < misfit_chance) cycle
         found%fit%mode_of = state%mode_of
         found%fit%misfit_type = misfit
@@ -287,6 +283,7 @@ contains
     type(corrected_model), allocatable :: corrections(:)
     type(identification) :: found
     type(text_builder) :: compared
+    character(:), allocatable :: calibration
     integer :: c, i
     call states_of(set%measured, set%states)
     do c = 1, size(set%states)
@@ -320,29 +317,17 @@ contains
     do i = 1, size(found%loose)
       notes = notes//'not fixed: '//loose_text(found, i)//nl
     end do
-    call check_calibration(set, found, lines, notes)
+    calibration = calibration_text(set%states(:set%own), found%values, set%sensors, found%explained)
+    if (calibration /= '') then
+      call lines%append_line('  '//calibration)
+      notes = notes//calibration//nl
+    end if
     if (.not. found%explained) then
       call find_corrections(set%measured, found, corrections)
       call report_corrections(corrections, found%fit%scatter, lines)
     end if
     findings%found = found
   end subroutine identify_beam
-
-  subroutine check_calibration(set, found, lines, notes)
-    !! Report sensors that seem to be reversed or of another scale.
-    type(record_set), intent(inout) :: set
-    type(identification), intent(in) :: found
-    type(text_builder), intent(inout) :: lines
-    character(:), allocatable, intent(inout) :: notes
-    type(factor_type), allocatable :: factors(:)
-    character(:), allocatable :: text
-    if (.not. has_modal_constants(set%states(:set%own))) return
-    call find_factors(set%states(:set%own), found%values, factors)
-    text = calibration_text(factors, set%sensors, found%explained)
-    if (text == '') return
-    call lines%append_line('  '//text)
-    notes = notes//text//nl
-  end subroutine check_calibration
 
   subroutine forget(found, findings)
     !! Mark all unknowns as not identified.
@@ -352,7 +337,7 @@ contains
     found%values = missing
     found%low = missing
     found%high = missing
-    found%belief%correlation = missing
+    found%uncertainty%correlation = missing
     findings%misfits%scatter = missing
     if (allocated(findings%cases(1)%response)) findings%cases(1)%response = cmplx(missing, missing, dp)
     findings%found = found

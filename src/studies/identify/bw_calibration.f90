@@ -10,23 +10,16 @@ module bw_calibration
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: calibration_text, find_factors, has_modal_constants
+  public :: calibration_text
 
-  type, public :: factor_type
+  type :: factor_type
     !! The ratio of measured to modelled modal constants of a sensor.
     integer :: sensor = 0                        !! its number
     real(dp) :: value = 0.0_dp, deviation = huge(1.0_dp)
-    real(dp), private :: weight = 0.0_dp         !! of the value
+    real(dp) :: weight = 0.0_dp         !! of the value
   end type factor_type
 
 contains
-
-  pure logical function has_modal_constants(states)
-    !! Return whether all states have modal constants.
-    type(measured_state), intent(in) :: states(:)
-    integer :: i
-    has_modal_constants = size(states) > 0 .and. all([(states(i)%lines%over_blow, i=1, size(states))])
-  end function has_modal_constants
 
   subroutine find_factors(states, values, factors)
     !! Find the factors of all sensors: the mean over repeats, which share the errors of model and positions.
@@ -83,15 +76,20 @@ contains
     differs = abs(factor%value - from) > normal_quantile(1 - misfit_chance/2)*hypot(factor%deviation, sensor_error*from)
   end function differs
 
-  function calibration_text(factors, sensors, explained) result(text)
-    !! Name sensors that seem to be reversed or, if the model explains the lines, of another scale; empty if there are none.
-    type(factor_type), intent(in) :: factors(:)
-    type(sensor_type), intent(in) :: sensors(:)
+  function calibration_text(states, values, sensors, explained) result(text)
+    !! Name sensors that seem to be reversed or, if the model explains the lines, of another scale; empty if there are none,
+    !! or not all states have modal constants.
+    type(measured_state), intent(inout) :: states(:) !! see `find_factors`
+    real(dp), intent(in) :: values(:)
+    type(sensor_type), allocatable, intent(in) :: sensors(:)   !! unallocated: no modal constants
     logical, intent(in) :: explained
     character(:), allocatable :: text
+    type(factor_type), allocatable :: factors(:)
     real(dp) :: common
     integer :: i
     text = ''
+    if (size(states) == 0 .or. .not. all([(states(i)%lines%over_blow, i=1, size(states))])) return
+    call find_factors(states, values, factors)
     if (size(factors) == 0) return
     common = sum(factors%value/factors%deviation**2)/sum(1/factors%deviation**2)
     if (all(differs(factors, 1.0_dp)) .and. .not. any(differs(factors, common))) then

@@ -18,40 +18,40 @@ module bw_fit_intervals
     real(dp), allocatable :: at_low(:), at_high(:)     !! all unknowns there, (unknowns)
   end type interval_type
 
-  type, public :: belief_type
+  type, public :: fit_uncertainty
     type(interval_type), allocatable :: intervals(:)   !! (unknowns)
     real(dp), allocatable :: correlation(:, :)         !! 0 for unknowns that the record does not constrain, (unknowns, unknowns)
     real(dp), allocatable :: deviation(:)              !! of v, with linearised residuals, (unknowns)
     real(dp), allocatable :: better(:)                 !! a better fit met on the way; unallocated: none
-  end type belief_type
+  end type fit_uncertainty
 
 contains
 
-  subroutine find_intervals(problem, fit, quantile, belief)
+  subroutine find_intervals(problem, fit, quantile, uncertainty)
     !! Find intervals and correlations about a fit; the problem is set to it before and after.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fit
     real(dp), intent(in) :: quantile             !! of the normal distribution, two-sided
-    type(belief_type), intent(out) :: belief
+    type(fit_uncertainty), intent(out) :: uncertainty
     integer :: i, n
     n = size(problem%unknowns)
-    allocate (belief%intervals(n))
-    call find_covariance(problem, belief)
+    allocate (uncertainty%intervals(n))
+    call find_covariance(problem, uncertainty)
     do i = 1, n
-      associate (interval => belief%intervals(i))
-        call follow(problem, fit, i, -1, quantile, belief, interval%low, interval%low_open, interval%at_low)
-        call follow(problem, fit, i, 1, quantile, belief, interval%high, interval%high_open, interval%at_high)
+      associate (interval => uncertainty%intervals(i))
+        call follow(problem, fit, i, -1, quantile, uncertainty, interval%low, interval%low_open, interval%at_low)
+        call follow(problem, fit, i, 1, quantile, uncertainty, interval%high, interval%high_open, interval%at_high)
       end associate
     end do
     problem%v = fit%v
     problem%free = [(i, i=1, n)]
   end subroutine find_intervals
 
-  subroutine find_covariance(problem, belief)
+  subroutine find_covariance(problem, uncertainty)
     !! Find (JᵀJ + 1)⁻¹: the 1 is the prior of the range, v = 0 ± 1, so that the inverse exists even in directions that
     !! the record does not constrain.
     type(fit_problem), intent(inout) :: problem
-    type(belief_type), intent(inout) :: belief
+    type(fit_uncertainty), intent(inout) :: uncertainty
     real(dp), allocatable :: jacobian(:, :), information(:, :), covariance(:, :)
     integer :: i, j, n
     n = size(problem%v)
@@ -61,11 +61,11 @@ contains
       information(i, i) = information(i, i) + 1
     end do
     call invert(information, covariance)
-    allocate (belief%correlation(n, n), belief%deviation(n))
-    belief%deviation = sqrt([(covariance(i, i), i=1, n)])
+    allocate (uncertainty%correlation(n, n), uncertainty%deviation(n))
+    uncertainty%deviation = sqrt([(covariance(i, i), i=1, n)])
     do j = 1, n
       do i = 1, n
-        belief%correlation(i, j) = covariance(i, j)/(belief%deviation(i)*belief%deviation(j))
+        uncertainty%correlation(i, j) = covariance(i, j)/(uncertainty%deviation(i)*uncertainty%deviation(j))
       end do
     end do
   end subroutine find_covariance
@@ -89,7 +89,7 @@ contains
     inverse = inverse*spread(unit, 1, n)*spread(unit, 2, n)
   end subroutine invert
 
-  subroutine follow(problem, fit, i, way, quantile, belief, end, is_open, place)
+  subroutine follow(problem, fit, i, way, quantile, uncertainty, end, is_open, place)
     !! Move from the fit to one side until the least sum of squares has grown by the square of the quantile. The root of
     !! the growth is nearly linear, so that a few secant steps suffice; it has a kink where another unknown reaches the
     !! end of its range, and there bisection is the fallback.
@@ -98,7 +98,7 @@ contains
     integer, intent(in) :: i                     !! the unknown
     integer, intent(in) :: way                   !! −1 or 1
     real(dp), intent(in) :: quantile
-    type(belief_type), intent(inout) :: belief
+    type(fit_uncertainty), intent(inout) :: uncertainty
     real(dp), intent(out) :: end
     logical, intent(out) :: is_open
     real(dp), allocatable, intent(out) :: place(:)
@@ -114,7 +114,7 @@ contains
     g_outer = 0
     width = huge(width)
     place = fit%v
-    t = min(room, quantile*belief%deviation(i))
+    t = min(room, quantile*uncertainty%deviation(i))
     do step = 1, most_steps
       g = growth_at(t)
       place = problem%v
@@ -145,12 +145,12 @@ contains
       integer :: j
       problem%free = pack([(j, j=1, size(fit%v))], [(j /= i, j=1, size(fit%v))])
       problem%v = max(-1.0_dp, min(1.0_dp, fit%v + (place - fit%v)))
-      if (step == 1) problem%v = max(-1.0_dp, min(1.0_dp, fit%v + way*distance*belief%correlation(:, i)* &
-                                                  belief%deviation/belief%deviation(i)))
+      if (step == 1) problem%v = max(-1.0_dp, min(1.0_dp, fit%v + way*distance*uncertainty%correlation(:, i)* &
+                                                  uncertainty%deviation/uncertainty%deviation(i)))
       problem%v(i) = max(-1.0_dp, min(1.0_dp, fit%v(i) + way*distance))
       call problem%minimise(residuals, .true.)
       growth = sqrt(max(0.0_dp, sum(residuals**2) - fit%sum))
-      if (sum(residuals**2) < fit%sum - lower) belief%better = problem%v
+      if (sum(residuals**2) < fit%sum - lower) uncertainty%better = problem%v
     end function growth_at
   end subroutine follow
 

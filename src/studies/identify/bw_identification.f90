@@ -3,7 +3,7 @@ module bw_identification
   !! and a test whether the model explains the lines.
   use bw_beam_fit, only: fit_beam, refit_from
   use bw_measured_state, only: measured_state
-  use bw_fit_intervals, only: belief_type, find_intervals, interval_type
+  use bw_fit_intervals, only: fit_uncertainty, find_intervals, interval_type
   use bw_fit_problem, only: fit_problem, is_at_end, problem_of, value_at
   use bw_fit_search, only: fit_type, place, misfit_chance
   use bw_identify_par, only: identify_par
@@ -26,7 +26,7 @@ module bw_identification
   type, public :: identification
     type(identify_par), allocatable :: unknowns(:)
     type(fit_type) :: fit
-    type(belief_type) :: belief
+    type(fit_uncertainty) :: uncertainty
     real(dp), allocatable :: values(:)           !! of the unknowns
     real(dp), allocatable :: low(:), high(:)     !! ends of their intervals; missing at an end of the range
     real(dp), allocatable :: others(:, :)        !! other places that fit as well, (unknowns, places)
@@ -47,23 +47,23 @@ contains
     type(identification), intent(out) :: found
     type(fit_problem) :: problem
     type(fit_type), allocatable :: others(:)
-    integer, parameter :: most_mends = 3         !! restarts from better places that were met
+    integer, parameter :: most_restarts = 3      !! from better places that were met
     integer :: i
     problem = problem_of(states, unknowns)
     call fit_beam(problem, quantile**2, .true., found%fit, others)
-    do i = 1, most_mends
-      call find_intervals(problem, found%fit, quantile, found%belief)
-      if (.not. allocated(found%belief%better) .or. i == most_mends) exit
-      call refit_from(problem, found%belief%better, found%fit)
+    do i = 1, most_restarts
+      call find_intervals(problem, found%fit, quantile, found%uncertainty)
+      if (.not. allocated(found%uncertainty%better) .or. i == most_restarts) exit
+      call refit_from(problem, found%uncertainty%better, found%fit)
     end do
     found%unknowns = unknowns
     found%values = problem%values()
     found%explained = .not. found%fit%tail < misfit_chance
     found%evaluations = problem%evaluations
-    call widen(found%belief%intervals)
+    call widen(found%uncertainty%intervals)
     call reach_others(problem, others, quantile, found)
-    found%low = value_at(unknowns, found%belief%intervals%low)
-    found%high = value_at(unknowns, found%belief%intervals%high)
+    found%low = value_at(unknowns, found%uncertainty%intervals%low)
+    found%high = value_at(unknowns, found%uncertainty%intervals%high)
     where (is_at_end(found%fit%v) .and. found%fit%v < 0) found%low = missing
     where (is_at_end(found%fit%v) .and. found%fit%v > 0) found%high = missing
     call find_loose(found)
@@ -74,7 +74,7 @@ contains
     !! Return the width of an unknown's interval, limited by its range.
     class(identification), intent(in) :: self
     integer, intent(in) :: i
-    associate (unknown => self%unknowns(i), interval => self%belief%intervals(i))
+    associate (unknown => self%unknowns(i), interval => self%uncertainty%intervals(i))
       width = value_at(unknown, interval%high) - value_at(unknown, interval%low)
     end associate
   end function width
@@ -120,13 +120,13 @@ contains
     type(fit_type), intent(in) :: others(:)
     real(dp), intent(in) :: quantile
     type(identification), intent(inout) :: found
-    type(belief_type) :: belief
+    type(fit_uncertainty) :: uncertainty
     type(fit_type) :: other
     integer :: i, j, n
     allocate (found%others(size(found%unknowns), size(others)))
     n = 0
     do i = 1, size(others)
-      associate (intervals => found%belief%intervals)
+      associate (intervals => found%uncertainty%intervals)
         if (all(others(i)%v >= intervals%low .and. others(i)%v <= intervals%high)) cycle
         n = n + 1
         found%others(:, n) = value_at(found%unknowns, others(i)%v)
@@ -136,11 +136,11 @@ contains
         other%v = problem%v
         other%sum = sum(other%residuals**2)
         if (all(other%mode_of == found%fit%mode_of)) other%sum = found%fit%sum     ! the same threshold limits both
-        call find_intervals(problem, other, quantile, belief)
+        call find_intervals(problem, other, quantile, uncertainty)
         call reach(intervals, others(i)%v)
         do j = 1, size(intervals)
-          call reach(intervals, belief%intervals(j)%at_low)
-          call reach(intervals, belief%intervals(j)%at_high)
+          call reach(intervals, uncertainty%intervals(j)%at_low)
+          call reach(intervals, uncertainty%intervals(j)%at_high)
         end do
       end associate
     end do
@@ -158,7 +158,7 @@ contains
     allocate (loose(n))
     j = 0
     do i = 1, n
-      associate (interval => found%belief%intervals(i))
+      associate (interval => found%uncertainty%intervals(i))
         if (interval%high - interval%low < 2*hardly_fixed) cycle
         j = j + 1
         loose(j)%unknown = i
@@ -167,7 +167,7 @@ contains
         loose(j)%partner = maxloc(others, dim=1)
         if (n == 1) loose(j)%partner = 0
         if (loose(j)%partner > 0) then
-          if (abs(found%belief%correlation(i, loose(j)%partner)) < together .and. maxval(others) < 0.1_dp) loose(j)%partner = 0
+          if (abs(found%uncertainty%correlation(i, loose(j)%partner)) < together .and. maxval(others) < 0.1_dp) loose(j)%partner = 0
         end if
         loose(j)%one = value_at(found%unknowns, interval%at_low)
         loose(j)%other = value_at(found%unknowns, interval%at_high)

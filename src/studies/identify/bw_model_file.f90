@@ -153,7 +153,7 @@ contains
     if (row('_low', 'lower end of its interval')) call table%put(findings%found%low)
     if (row('_high', 'upper end of its interval')) call table%put(findings%found%high)
     if (table%real_row('identified_correlation', 'unknown unknown_too', '1', 'correlation of two unknowns')) &
-      call table%put_columns(findings%found%belief%correlation)
+      call table%put_columns(findings%found%uncertainty%correlation)
   contains
     logical function row(ending, long_name)
       character(*), intent(in) :: ending, long_name

@@ -93,7 +93,7 @@ contains
     call table%put_head(lines)
     remark = ''
     do i = 1, size(found%values)
-      associate (unknown => found%unknowns(i), interval => found%belief%intervals(i))
+      associate (unknown => found%unknowns(i), interval => found%uncertainty%intervals(i))
         width = found%width(i)
         remark = ''
         if (unknown%unit /= '1' .or. interval%low_open .or. interval%high_open) remark = '   '
@@ -125,9 +125,9 @@ contains
     integer :: i, j
     do i = 1, size(found%values)
       do j = i + 1, size(found%values)
-        if (abs(found%belief%correlation(i, j)) < least) cycle
+        if (abs(found%uncertainty%correlation(i, j)) < least) cycle
         call lines%append_line('  Correlation of '//found%unknowns(i)%parameter//' and '//found%unknowns(j)%parameter//': '// &
-                               shortest(found%belief%correlation(i, j), 3))
+                               shortest(found%uncertainty%correlation(i, j), 3))
       end do
     end do
   end subroutine report_correlations
