@@ -84,6 +84,9 @@ def test_one_group_can_be_described(here):
     ended = here.beamwave("describe", "impact", status=0)
     assert "mass_ratio" in ended.stdout
     assert "youngs_modulus" not in ended.stdout
+    assert here.beamwave("describe", "IMPACT").stdout == ended.stdout
+    unknown = here.beamwave("describe", "rotatoin", status=2)
+    assert "'rotatoin' is not a known group (did you mean &rotation?); accepted: &scene" in unknown.stderr
 
 
 def test_check_says_what_would_run_and_writes_nothing(here):

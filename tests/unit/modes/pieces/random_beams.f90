@@ -1,11 +1,11 @@
 module random_beams
-  !! Random beams of pieces for tests: of all sorts, and such as make modes hard to tell apart. The same from the same seed.
+  !! Random beams of pieces for tests: of all sorts, and such as make modes hard to tell apart. The same after the same `start_draws`.
   use bw_double_double, only: to_dd, operator(*)
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
   implicit none (type, external)
   private
-  public :: beam_of_kind, random_beam, seed
+  public :: beam_of_kind, random_beam
 
   integer, parameter, public :: kinds = 4
 
@@ -133,19 +133,5 @@ contains
     real(dp), intent(in) :: low, high
     between = low*(high/low)**uniform()
   end function between
-
-  subroutine seed(number)
-    integer, intent(in) :: number
-    integer :: n
-    call random_seed(size=n)
-    call random_seed(put=spread_of(number, n))
-  end subroutine seed
-
-  pure function spread_of(number, n) result(values)
-    integer, intent(in) :: number, n
-    integer :: values(n)
-    integer :: i
-    values = [(number*1000003 + 7919*i, i=1, n)]
-  end function spread_of
 
 end module random_beams
