@@ -4,6 +4,7 @@ import os
 
 import netCDF4
 import numpy as np
+from workplace import wait_until
 
 NOT_DONE = -1
 
@@ -42,3 +43,8 @@ def cases_in(directory):
             statuses = np.atleast_1d(file["case_status"][...])
         found |= set((1 + np.flatnonzero(statuses != NOT_DONE)).tolist())
     return found
+
+
+def wait_for_cases(here):
+    """Until a first case of the scene `a` is saved."""
+    wait_until(lambda: cases_in(here.directory / "output/a.partial"))

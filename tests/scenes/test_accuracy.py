@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 import results
-from workplace import SECONDS, captured_beam
+from workplace import SECONDS, captured_beam, wait_until
 
 SMALL = captured_beam(response={"duration": 0.05, "samples": 256})
 TOLERANCES = 10
@@ -225,10 +225,7 @@ def test_a_beam_at_rest_has_no_error_at_any_price(here):
 def test_a_signal_ends_in_order_and_nothing_is_left(here, number, groups):
     here.scene("a", captured_beam(response={"duration": 1.0, "samples": 100_000}, **groups))
     running = here.start("accuracy", "a.nml")
-    until = time.perf_counter() + SECONDS
-    while not (here.directory / "output").exists():
-        assert time.perf_counter() < until
-        time.sleep(0.005)
+    wait_until((here.directory / "output").exists)
     time.sleep(0.3)
     running.send_signal(number)
     out, err = running.communicate(timeout=SECONDS)

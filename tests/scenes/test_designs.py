@@ -12,7 +12,7 @@ import pytest
 import results
 import xarray as xr
 from drafts import cases_in
-from workplace import captured_beam, namelist
+from workplace import captured_beam, namelist, wait_until
 
 PROJECT = Path(__file__).parents[2]
 RATIOS = [0.1, 0.5, 1.0]
@@ -320,9 +320,7 @@ def test_a_killed_design_goes_on_and_a_changed_table_begins_anew(here, whole):
     design(here, MANY, NAMES, ROWS)
     running = here.start("run", "a.nml", "--quiet")
     partial = here.directory / "output/a.partial"
-    until = time.perf_counter() + 60
-    while running.poll() is None and not (partial.exists() and cases_in(partial)) and time.perf_counter() < until:
-        time.sleep(0.002)
+    wait_until(lambda: running.poll() is not None or cases_in(partial))
     running.send_signal(signal.SIGKILL)
     running.communicate()
     assert results.differences(here.run("a"), whole) == []

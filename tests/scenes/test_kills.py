@@ -12,7 +12,7 @@ import pytest
 import results
 from drafts import cases_in, files_in
 from ring_downs import text_of
-from workplace import SECONDS, captured_beam
+from workplace import SECONDS, captured_beam, wait_until
 
 CASES = 400
 SCENE = captured_beam(modes={"before": 30, "after": 30}, response={"duration": 4.0, "samples": 1024})
@@ -62,13 +62,6 @@ def is_alive(process):
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except (FileNotFoundError, ProcessLookupError):
         return False
-
-
-def wait_until(is_so):
-    until = time.perf_counter() + SECONDS
-    while not is_so():
-        assert time.perf_counter() < until
-        time.sleep(0.002)
 
 
 def start(here, words):

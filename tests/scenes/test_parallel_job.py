@@ -12,11 +12,9 @@ import pytest
 import results
 from conftest import PROJECT
 from drafts import cases_in
-from workplace import SECONDS, captured_beam
+from workplace import ENDLESS, RATIOS, SECONDS, captured_beam
 
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 11}
-RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
-ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
 
 
 @pytest.fixture

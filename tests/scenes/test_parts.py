@@ -6,20 +6,16 @@ import random
 import re
 import shlex
 import subprocess
-import time
 
 import pytest
 import results
-from drafts import cases_in, drafts_in
-from workplace import SECONDS, captured_beam
+from drafts import cases_in, drafts_in, wait_for_cases
+from workplace import ENDLESS, RATIOS, SECONDS, captured_beam
 
 SEED = int(os.environ.get("BEAMWAVE_SEED", "20261126"))
 CASES = 23
 SCENE = captured_beam(modes={"before": 10, "after": 10}, response={"duration": 0.5, "samples": 512})
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": CASES}
-# small cases with much to sum, and so many that any build is under way when it is stopped
-ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 # the first of these speeds is above the critical one: its history overflows
 GROWING = captured_beam(response={"duration": 10.0, "samples": 64})
 FAST_FIRST = {"parameter": "rotation%angular_velocity", "values": [3000.0, 20.0, 10.0, 0.0]}
@@ -101,13 +97,6 @@ def test_a_part_that_is_stopped_goes_on(here):
     assert cases_in(here.directory / "output/a.partial") > saved
 
 
-def wait_for_work(here):
-    until = time.perf_counter() + SECONDS
-    while not cases_in(here.directory / "output/a.partial"):
-        assert time.perf_counter() < until
-        time.sleep(0.005)
-
-
 @pytest.mark.parametrize(
     ("first", "second"),
     [(("--part", "1/2"), ("--part", "1/2")), (("--part", "1/2"), ()), ((), ("--part", "1/2"))],
@@ -116,7 +105,7 @@ def wait_for_work(here):
 def test_what_another_is_at_work_on_is_refused(here, first, second):
     here.scene("a", ENDLESS, RATIOS)
     running = here.start("run", "a.nml", "--max-seconds", "20", *first)
-    wait_for_work(here)
+    wait_for_cases(here)
     refused = here.beamwave("run", "a.nml", *second, status=3)
     assert "another run is at work" in refused.stderr
     assert running.poll() is None

@@ -2,21 +2,17 @@
 
 import re
 import signal
-import time
 
 import pytest
 import results
-from drafts import cases_in
+from drafts import cases_in, wait_for_cases
 from mounts import in_own_mounts
-from workplace import SECONDS, captured_beam
+from workplace import ENDLESS, RATIOS, SECONDS, captured_beam
 
 SCENE = captured_beam(modes={"before": 30, "after": 30}, response={"duration": 0.5, "samples": 1024})
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 40}
 COUNTS = {"parameter": "modes%after", "values": [30, 4, 17]}
 LONG = {**SPEEDS, "count": 6000}
-# small cases with much to sum, and so many that any build is under way when it is stopped
-ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 DIVERGING = {**SPEEDS, "first": 300.0, "last": 0.0}
 
 
@@ -89,10 +85,7 @@ def test_a_signal_to_mpirun_saves_what_is_finished(processes, number, statuses):
     here.scene("a", ENDLESS, RATIOS)
     running = here.start("run", "a.nml")
     partial = here.directory / "output/a.partial"
-    until = time.perf_counter() + SECONDS
-    while not cases_in(partial):
-        assert time.perf_counter() < until
-        time.sleep(0.01)
+    wait_for_cases(here)
     running.send_signal(number)
     _, err = running.communicate(timeout=SECONDS)
     assert running.returncode in statuses, err
@@ -130,10 +123,7 @@ def test_a_run_at_work_keeps_a_second_one_out(processes):
     here = processes(2)
     here.scene("a", SCENE, LONG)
     running = here.start("run", "a.nml", "--max-seconds", "20")
-    until = time.perf_counter() + SECONDS
-    while not cases_in(here.directory / "output/a.partial"):
-        assert time.perf_counter() < until
-        time.sleep(0.01)
+    wait_for_cases(here)
     second = processes(1).beamwave("run", "a.nml", status=3)
     assert "another run is at work on this scene" in second.stderr
     running.communicate(timeout=SECONDS)

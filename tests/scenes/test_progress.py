@@ -5,11 +5,9 @@ import re
 import numpy as np
 from ring_downs import as_text
 from terminals import ended_on_terminal
-from workplace import captured_beam
+from workplace import ENDLESS, RATIOS, captured_beam
 
-# small cases with much to sum, and so many that any build is under way when the time is up
-ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 100_000}
+CASES = {**RATIOS, "count": 100_000}
 CLEAR = "\r\x1b[K"
 
 

@@ -3,11 +3,10 @@
 import json
 
 import pytest
-from workplace import captured_beam
+from workplace import RATIOS, captured_beam
 
 SWEEP = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 40.0, "count": 5}
 LONG = captured_beam(modes=None, response={"duration": 1.0, "samples": 256}) | {"modes": {"tolerance": 1e-10}}
-RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 STAGES = {"modes", "events", "response", "spectrum", "write", None}
 
 

@@ -7,13 +7,10 @@ import time
 import pytest
 import results
 from drafts import cases_in, drafts_in
-from workplace import SECONDS, captured_beam
+from workplace import ENDLESS, RATIOS, SECONDS, captured_beam, wait_until
 
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 900}
 LONG = captured_beam(modes={"before": 1000, "after": 1000}, response={"duration": 8.0, "samples": 1024})
-# small cases with much to sum, and so many that any build is under way when they vanish
-ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 STATUS = 4  # the fastest cases, which come first, overflow
 
 
@@ -38,10 +35,7 @@ def uninterrupted(shared):
 
 def wait_for_work(here):
     """Until a first case is saved, or all are."""
-    until = time.perf_counter() + SECONDS
-    while not (cases_in(here.directory / "output/a.partial") or (here.directory / "output/a.nc").exists()):
-        assert time.perf_counter() < until, "no work is done"
-        time.sleep(0.005)
+    wait_until(lambda: cases_in(here.directory / "output/a.partial") or (here.directory / "output/a.nc").exists())
 
 
 def has_draft(here):

@@ -8,9 +8,9 @@ import time
 
 import pytest
 import results
-from drafts import cases_in
+from drafts import wait_for_cases
 from faults import NO_LOCKS
-from workplace import SECONDS, captured_beam
+from workplace import ENDLESS, RATIOS, SECONDS, captured_beam, wait_until
 
 PAIRS = int(os.environ.get("BEAMWAVE_PAIRS", "4"))
 SEED = int(os.environ.get("BEAMWAVE_SEED", "20261122"))
@@ -82,13 +82,9 @@ def test_a_lock_that_names_no_run_is_called_that(here, injector):
 
 @pytest.mark.parametrize("overwrite", [True, False], ids=["with --overwrite", "without"])
 def test_a_result_that_was_put_there_meanwhile_is_replaced_only_if_asked(here, overwrite):
-    slow = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-    here.scene("a", slow, {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 400})
+    here.scene("a", ENDLESS, {**RATIOS, "count": 400})
     running = here.start("run", "a.nml", *(["--overwrite"] if overwrite else []))
-    until = time.perf_counter() + SECONDS
-    while not cases_in(here.directory / "output/a.partial"):
-        assert time.perf_counter() < until
-        time.sleep(0.005)
+    wait_for_cases(here)
     result = here.directory / here.write("output/a.nc", "somebody's")
     status, said = finish(running)
     if overwrite:
@@ -102,16 +98,12 @@ def test_a_result_that_was_put_there_meanwhile_is_replaced_only_if_asked(here, o
 
 
 def test_a_run_whose_lock_is_taken_away_does_not_place_its_result(here):
-    slow = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-    here.scene("a", slow, {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 400})
+    here.scene("a", ENDLESS, {**RATIOS, "count": 400})
     running = subprocess.Popen(
         here.command(["run", "a.nml"]), cwd=here.directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     lock = here.directory / "output/a.partial/lock"
-    until = time.perf_counter() + SECONDS
-    while not lock.exists():
-        assert time.perf_counter() < until
-        time.sleep(0.005)
+    wait_until(lock.exists)
     lock.unlink()
     lock.write_text("elsewhere 1 1\n")
     status, said = finish(running)

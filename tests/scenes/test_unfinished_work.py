@@ -3,13 +3,10 @@
 import pytest
 from drafts import cases_in, drafts_in
 from terminals import ended_on_terminal
-from workplace import captured_beam
+from workplace import ENDLESS, RATIOS, captured_beam
 
 SMALL = {"modes": {"before": 4, "after": 4}}
-# small cases with much to sum, and so many that any build is under way when the time is up
-ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
 OTHER = {**ENDLESS, "rotation": {"angular_velocity": 51.0}}
-CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 TAKEN_AWAY = "unfinished work, damaged or of another scene or version, was removed"
 
 
@@ -21,13 +18,13 @@ def stop_early(here, *words, **options):
 
 def test_a_run_with_nothing_to_do_leaves_the_cases_of_another_scene(here):
     here.simulate("a", captured_beam(**SMALL))
-    here.scene("a", ENDLESS, CASES)
+    here.scene("a", ENDLESS, RATIOS)
     _, saved = stop_early(here, "--overwrite")
     assert saved
     here.scene("a", captured_beam(**SMALL))
     assert "nothing to do" in here.beamwave("run", "a.nml").stdout
     assert cases_in(here.directory / "output/a.partial") == saved
-    here.scene("a", ENDLESS, CASES)
+    here.scene("a", ENDLESS, RATIOS)
     _, more = stop_early(here, "--overwrite")
     assert more > saved
 
@@ -45,9 +42,9 @@ def test_what_a_finished_run_left_of_itself_is_taken_away(here):
 
 @pytest.mark.parametrize("words", [(), ("--quiet",)], ids=["aloud", "quiet"])
 def test_a_changed_sweep_says_what_it_took_away_though_it_is_stopped(here, words):
-    here.scene("a", OTHER, CASES)
+    here.scene("a", OTHER, RATIOS)
     stop_early(here)
-    here.scene("a", ENDLESS, CASES)
+    here.scene("a", ENDLESS, RATIOS)
     ended, _ = stop_early(here, *words)
     assert ended.stderr.count(TAKEN_AWAY) == 1
     ended, _ = stop_early(here, *words)
@@ -55,7 +52,7 @@ def test_a_changed_sweep_says_what_it_took_away_though_it_is_stopped(here, words
 
 
 def test_a_single_scene_says_so_too(here):
-    here.scene("a", ENDLESS, CASES)
+    here.scene("a", ENDLESS, RATIOS)
     stop_early(here)
     here.scene("a", captured_beam(**SMALL))
     ended = here.beamwave("run", "a.nml")
@@ -65,7 +62,7 @@ def test_a_single_scene_says_so_too(here):
 
 
 def test_a_terminal_shows_it_once(here):
-    here.scene("a", ENDLESS, CASES)
+    here.scene("a", ENDLESS, RATIOS)
     stop_early(here)
     here.scene("a", captured_beam(**SMALL))
     _, shown = ended_on_terminal(here, "run", "a.nml", streams=("stdout", "stderr"))
@@ -73,7 +70,7 @@ def test_a_terminal_shows_it_once(here):
 
 
 def test_a_draft_that_cannot_be_read_stays(here):
-    here.scene("a", ENDLESS, CASES)
+    here.scene("a", ENDLESS, RATIOS)
     _, saved = stop_early(here)
     (draft,) = drafts_in(here.directory / "output/a.partial")
     elsewhere = here.directory / "elsewhere"

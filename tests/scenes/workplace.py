@@ -3,6 +3,7 @@
 import ast
 import re
 import subprocess
+import time
 from pathlib import Path
 
 import results
@@ -17,6 +18,14 @@ MPI_ON_FEW_CORES = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
 }
+
+
+def wait_until(is_so):
+    """Until a call says that it is so."""
+    until = time.perf_counter() + SECONDS
+    while not is_so():
+        assert time.perf_counter() < until
+        time.sleep(0.002)
 
 
 def unwrapped(text):
@@ -39,6 +48,11 @@ def captured_beam(**groups):
         else:
             scene[name] = {**scene.get(name, {}), **values}
     return scene
+
+
+# small cases with much to sum, and so many that any build is under way when they are stopped
+ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
+RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 
 
 def namelist(scene, *sweeps):

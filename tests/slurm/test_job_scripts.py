@@ -12,7 +12,7 @@ import pytest
 import results
 from ring_downs import FREQUENCY, text_of
 from slurm import PROJECT, TESTS, needs_mpi
-from workplace import SECONDS, captured_beam
+from workplace import captured_beam, wait_until
 
 SPEED = "rotation%angular_velocity"
 RESPONSE = {"duration": 1.0, "samples": 4096}
@@ -81,10 +81,7 @@ def sweep(here, uninterrupted):
 
 def is_under_way(place):
     """Wait until a run has begun to save, and longer."""
-    until = time.monotonic() + SECONDS
-    while not list(place.directory.glob("output/long.partial/*")):
-        assert time.monotonic() < until, "the run does not begin"
-        time.sleep(0.02)
+    wait_until(lambda: list(place.directory.glob("output/long.partial/*")))
     time.sleep(0.5)
 
 
@@ -204,10 +201,7 @@ def test_a_cancelled_run_stays_cancelled_and_the_same_command_goes_on(jobs, swee
     is_under_way(sweep)
     jobs.call("scancel", job)
     jobs.wait(job, "CANCELLED")
-    until = time.monotonic() + SECONDS
-    while "the same command goes on from there" not in log(sweep, job):
-        assert time.monotonic() < until, log(sweep, job)
-        time.sleep(0.1)
+    wait_until(lambda: "the same command goes on from there" in log(sweep, job))
     assert jobs.tasks(job)[0]["Restarts"] == "0"
     again, state = jobs.ended(sweep, SINGLE, "long.nml")
     assert state == ("COMPLETED", 0)
@@ -273,7 +267,4 @@ def test_nothing_is_left_of_slurm_when_a_test_is_killed():
     assert len(processes_that_name(str(directory))) >= 4
     test.send_signal(signal.SIGKILL)
     test.wait()
-    until = time.monotonic() + SECONDS
-    while processes_that_name(str(directory)) or directory.exists():
-        assert time.monotonic() < until, processes_that_name(str(directory))
-        time.sleep(0.1)
+    wait_until(lambda: not processes_that_name(str(directory)) and not directory.exists())
