@@ -9,7 +9,7 @@ N = (cosh a xi - cos a xi)(sinh a + sin a) - (sinh a xi - sin a xi)(cosh a + cos
 import math
 from fractions import Fraction
 
-from mpmath import cos, cosh, exp, mp, mpf, pi, sin, sinh, sqrt
+from mpmath import cos, exp, mpf, pi, sin, sqrt
 
 from beam import PaperBeam, root, use_digits
 from table import write_table

@@ -10,7 +10,7 @@ from multiprocessing import Pool
 
 from mpmath import findroot, mp, mpf, sqrt
 
-from effects_beam import Case, at_tip, mean_square, roots, series_determinant, shape
+from effects_beam import Case, at_tip, mean_square, series_determinant, shape
 from table import write_table
 
 MODES = 5

@@ -6,15 +6,13 @@ from typing import Iterator, NamedTuple
 
 import contact_reference
 import numpy as np
+from load_scenes import NOISE, TOLD, float_in
 from workplace import PAPER_BEAM
 
 HISTORIES = ("displacement", "velocity", "bending_moment")
-TIMES = ("event_time", "event_end")
 SAMPLES = 200
 MOST_CONTACTS = 50
 FEW = 5  # contacts, which hardly amplify an error
-NOISE = 1e-13  # of a peak; errors below it are those of rounding
-TOLD = 0.1  # of a peak; errors above it are no errors that an estimate is made for
 
 
 class Judged(NamedTuple):
@@ -24,11 +22,6 @@ class Judged(NamedTuple):
     contacts: int  # up to there
     part: float  # error over the peak; of times over that of the first contact
     estimate: float  # given, over the error
-
-
-def float_in(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number that a namelist takes."""
-    return float(rng.uniform(low, high))
 
 
 def draw(rng: np.random.Generator) -> dict:
