@@ -24,22 +24,20 @@ module bw_case_histories
   use bw_truncation_error, only: block_ends, fewest
   implicit none (type, external)
   private
-  public :: add_hub_angle, find_loaded_segments, samples_before, sum_histories, sums_of_segment
+  public :: add_hub_angle, find_loaded_segments, samples_before, sum_histories
 
   integer, parameter :: long = 2**14        !! tuned: samples up to which summing in parts costs hardly more
   integer, parameter :: looked_at = 1024 !! samples for the octaves of a long record: evenly spaced, and as many after the first
-  integer, parameter :: sums_of_segment = 3 !! of all samples, of those after the first, and of evenly spaced ones
 
 contains
 
-  subroutine sum_histories(scene, motion, quantity, monitor, workspace, histories)
+  subroutine sum_histories(scene, motion, quantity, monitor, histories)
     !! Sum the histories. They are fill if modes are not resolved or not found, or the tolerance is out of reach, and
     !! from an overflow on.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     integer, intent(in) :: quantity                      !! deflections, curvatures or turns (bw_mode_set)
     class(monitor_type), intent(inout), target :: monitor   !! the histories are invalid if it requests a stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)  !! `sums_of_segment`; may come from another case
     type(case_histories), intent(out) :: histories
     type(sampling_type) :: sampling
     logical :: known
@@ -54,7 +52,7 @@ contains
       known = .false.
     end if
     if (known) then
-      call sum_segments(scene, motion, sampling, monitor, workspace, histories)
+      call sum_segments(scene, motion, sampling, monitor, histories)
       if (monitor%stop_requested()) return
       if (histories%response%failing_mode > 0) call note_overflow(scene, histories)
       associate (failure => first_failure(motion%modes%configuration))
@@ -83,16 +81,15 @@ contains
     sampling%quantity = quantity
   end function sampling_of
 
-  subroutine add_hub_angle(scene, motion, monitor, workspace, response)
+  subroutine add_hub_angle(scene, motion, monitor, response)
     !! Add the rotation of a free hub to the histories: the same sum over the same modes.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     class(monitor_type), intent(inout), target :: monitor   !! the turn is invalid if it requests a stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(response_type), intent(inout) :: response
     type(case_histories) :: found
     if (.not. allocated(scene%hub)) return
-    call sum_histories(scene, motion, turns, monitor, workspace, found)
+    call sum_histories(scene, motion, turns, monitor, found)
     if (monitor%stop_requested()) return
     response%hub_angle = scaled(found%response%displacement(:, 1), 1.0_dp/motion%units%length)
   end subroutine add_hub_angle
@@ -128,13 +125,12 @@ contains
       ' s; the histories are missing from there on')
   end subroutine note_overflow
 
-  subroutine sum_segments(scene, motion, sampling, monitor, workspace, histories)
+  subroutine sum_segments(scene, motion, sampling, monitor, histories)
     !! Sum all segments in order, up to the time until which contacts are known. Returns early on a requested stop.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(sampling_type), intent(in) :: sampling          !! of the whole record
     class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(inout) :: histories
     type(part_monitor) :: share
     type(response_type) :: part
@@ -149,7 +145,7 @@ contains
         if (samples(1) > samples(2) .or. response%failing_mode > 0) cycle
         share = part_monitor(monitor, (samples(1) - 1.0_dp)/grid%samples, (samples(2) - samples(1) + 1.0_dp)/grid%samples)
         call sum_segment(scene, motion, segments(i), motion%modes%configuration(segments(i)%configuration), sampling, samples, &
-                         share, workspace, part, histories%blocks(i))
+                         share, part, histories%blocks(i))
         if (monitor%stop_requested()) return
         call take_samples(part, samples, response)
       end do
@@ -168,7 +164,7 @@ contains
     if ((samples - 1)*grid%step%hi >= time) samples = samples - 1
   end function samples_before
 
-  subroutine sum_segment(scene, motion, segment, configuration, sampling, samples, monitor, workspace, part, block)
+  subroutine sum_segment(scene, motion, segment, configuration, sampling, samples, monitor, part, block)
     !! Sum the histories of a segment from its state at its first sample, and find the largest values of its last two octaves.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
@@ -177,9 +173,9 @@ contains
     type(sampling_type), intent(in) :: sampling          !! of the whole record
     integer, intent(in) :: samples(2)                    !! the first and the last of the segment
     class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(response_type), intent(out) :: part             !! of these samples
     type(block_type), intent(out) :: block
+    type(nonuniform_sum) :: workspace(3)                 ! of all samples, of those after the first, and of evenly spaced ones
     type(sampling_type) :: own
     type(segment_type) :: moved
     real(dp) :: unit                                     ! m of displacements in V l²/h

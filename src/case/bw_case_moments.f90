@@ -11,7 +11,6 @@ module bw_case_moments
   use bw_missing, only: is_missing, missing, scaled
   use bw_mode_set, only: curvatures
   use bw_monitor, only: monitor_type
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: response_type
   use bw_scene, only: scene_type
   use bw_text, only: append, shortest
@@ -21,16 +20,15 @@ module bw_case_moments
 
 contains
 
-  subroutine find_moments(scene, motion, monitor, workspace, histories, errors)
+  subroutine find_moments(scene, motion, monitor, histories, errors)
     !! Add moments to the histories of a case, and their errors to its errors.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     class(monitor_type), intent(inout), target :: monitor   !! the moments are invalid if it requests a stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
     type(case_histories) :: found
-    call sum_histories(scene, motion, curvatures, monitor, workspace, found)
+    call sum_histories(scene, motion, curvatures, monitor, found)
     if (monitor%stop_requested()) return
     if (allocated(errors%displacement)) then
       call errors_of_quantity(scene, motion, curvatures, found, monitor, errors)

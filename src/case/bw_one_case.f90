@@ -62,11 +62,9 @@ contains
     if (allocated(scene%record)) then
       call run_record_case(scene, layout, watch, monitor, cache%record, result, completed)
     else if (allocated(scene%contact)) then
-      call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
-                            result, completed)
+      call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%spectrum, result, completed)
     else if (changes_in_time(scene)) then
-      call run_changing_case(scene, layout, watch, monitor, cache%motion%modes, cache%motion%sums, cache%spectrum, &
-                             result, completed)
+      call run_changing_case(scene, layout, watch, monitor, cache%motion%modes, cache%spectrum, result, completed)
     else
       if (is_loaded(scene)) then
         call simulate_case(without_tolerance(scene), layout, watch, monitor, cache, result, completed, planned, scene)
@@ -161,9 +159,9 @@ contains
     call find_histories(scene, motion, part, cache%motion, histories, errors, watch)
     if (monitor%stop_requested()) return
     if (allocated(histories%response)) then
-      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%motion%sums, histories, errors)
+      if (scene%response%bending_moment) call find_moments(scene, motion, part, histories, errors)
       if (monitor%stop_requested()) return
-      call add_hub_angle(scene, motion, part, cache%motion%sums, histories%response)
+      call add_hub_angle(scene, motion, part, histories%response)
       if (monitor%stop_requested()) return
       call drop_errors(motion, errors)
       if (present(loaded)) then

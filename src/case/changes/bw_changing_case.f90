@@ -26,7 +26,6 @@ module bw_changing_case
   use bw_mode_set, only: observe_searches, deflections, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes
   use bw_monitor, only: monitor_type
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_note, only: remark
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: is_met, judge_tolerance, part_of_peak, with_counts
@@ -42,14 +41,13 @@ module bw_changing_case
 
 contains
 
-  subroutine run_changing_case(scene, layout, watch, monitor, cache, workspace, plan, result, completed)
+  subroutine run_changing_case(scene, layout, watch, monitor, cache, plan, result, completed)
     !! Run a case with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(out) :: result
     logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
@@ -65,7 +63,7 @@ contains
     integer :: handing
     completed = .false.
     call watch%start()
-    call follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
+    call follow_to_tolerance(scene, watch, monitor, cache, failure, counted, motion, histories, errors, handing)
     if (monitor%stop_requested()) return
     if (is_loaded(scene) .and. motion%modes%resolved .and. allocated(histories%response)) then
       call add_loads(scene, motion, monitor, cache, histories, errors, loads, result%error, before_event)
@@ -105,13 +103,12 @@ contains
     completed = .true.
   end subroutine run_changing_case
 
-  subroutine follow_to_tolerance(scene, watch, monitor, cache, workspace, failure, counted, motion, histories, errors, handing)
+  subroutine follow_to_tolerance(scene, watch, monitor, cache, failure, counted, motion, histories, errors, handing)
     !! Follow the motion with the counts of the scene, or with as many modes as its tolerance needs, and estimate its errors.
     type(scene_type), intent(in) :: scene
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(search_failure), intent(inout), target :: failure
     type(scene_type), intent(out) :: counted         !! the scene with the final counts
     type(case_motion), intent(out) :: motion
@@ -132,7 +129,7 @@ contains
       call watch%lap(stage_modes)
       if (.not. motion%modes%resolved) return
       call observe_searches(motion%modes%configuration, failure, monitor)
-      call follow_fewer(counted, handing, motion, watch, monitor, workspace, histories, errors)
+      call follow_fewer(counted, handing, motion, watch, monitor, histories, errors)
       if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
       rounding = rounding_of_turn(counted, motion)
       call leave_out_rounding(rounding, errors)
@@ -164,7 +161,7 @@ contains
     more%modes%after = times*scene%modes%after
   end function times_as_many
 
-  subroutine follow_fewer(scene, handing, motion, watch, monitor, workspace, histories, errors)
+  subroutine follow_fewer(scene, handing, motion, watch, monitor, histories, errors)
     !! Follow the motion with all modes and with fewer, and extrapolate the differences to the truncation error (`extrapolate`).
     !! After later arrivals of bodies differences vary irregularly with the count, so the largest of several is taken.
     type(scene_type), intent(in) :: scene            !! with mode counts
@@ -172,7 +169,6 @@ contains
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
     type(case_histories) :: half, other, quarter
@@ -180,17 +176,17 @@ contains
     type(history_errors) :: before, early            ! differences of half and a quarter, and of a quarter and an eighth
     integer :: eighths
     if (allocated(scene%response)) then
-      call run_eighths(scene, 4, handing, motion, watch, monitor, workspace, half)
+      call run_eighths(scene, 4, handing, motion, watch, monitor, half)
       if (monitor%stop_requested()) return
     end if
-    call run_eighths(scene, 8, handing, motion, watch, monitor, workspace, histories)
+    call run_eighths(scene, 8, handing, motion, watch, monitor, histories)
     if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
     errors = history_errors(status=histories%status)
     call add_difference(histories%response, half%response, errors)
     reduced = motion
     do eighths = 7, 3, -1
       if (eighths == 4 .or. size(motion%timeline%events) == 0) cycle
-      call run_eighths(scene, eighths, handing, reduced, watch, monitor, workspace, other)
+      call run_eighths(scene, eighths, handing, reduced, watch, monitor, other)
       if (monitor%stop_requested()) return
       if (eighths > 4) then
         call add_difference(histories%response, other%response, errors)
@@ -198,10 +194,10 @@ contains
         call add_difference(half%response, other%response, before)
       end if
     end do
-    call run_eighths(scene, 2, handing, reduced, watch, monitor, workspace, quarter)
+    call run_eighths(scene, 2, handing, reduced, watch, monitor, quarter)
     if (monitor%stop_requested()) return
     call add_difference(half%response, quarter%response, before)
-    call run_eighths(scene, 1, handing, reduced, watch, monitor, workspace, other)
+    call run_eighths(scene, 1, handing, reduced, watch, monitor, other)
     if (monitor%stop_requested()) return
     call add_difference(quarter%response, other%response, early)
     call watch%lap(stage_response)
@@ -210,27 +206,26 @@ contains
     if (allocated(errors%bending_moment)) call extrapolate(early%bending_moment, before%bending_moment, errors%bending_moment)
   end subroutine follow_fewer
 
-  subroutine run_eighths(scene, eighths, handing, motion, watch, monitor, workspace, found)
+  subroutine run_eighths(scene, eighths, handing, motion, watch, monitor, found)
     !! Follow the motion with some eighths of the modes, and sum its histories. `motion` is that of this run afterwards.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: eighths, handing
     type(case_motion), intent(inout) :: motion
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(case_histories), intent(out) :: found
     type(history_errors) :: none
     call follow_changes(scene, eighths, handing, motion, monitor)
     if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
     call watch%lap(stage_events)
     if (.not. allocated(scene%response)) return
-    call sum_histories(scene, motion, deflections, monitor, workspace, found)
+    call sum_histories(scene, motion, deflections, monitor, found)
     if (monitor%stop_requested()) return
-    if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, found, none)
+    if (scene%response%bending_moment) call find_moments(scene, motion, monitor, found, none)
     if (monitor%stop_requested()) return
     found%status = max(found%status, none%status)
     call add_notes(found%notes, none%notes)
-    if (eighths == 8) call add_hub_angle(scene, motion, monitor, workspace, found%response)
+    if (eighths == 8) call add_hub_angle(scene, motion, monitor, found%response)
   end subroutine run_eighths
 
   subroutine note_losses(motion)

@@ -20,7 +20,6 @@ module bw_case_contacts
   use bw_mode_set, only: deflections
   use bw_monitor, only: monitor_type
   use bw_neglected_modes, only: find_neglected, neglected_type
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: response_type
   use bw_result_layout, only: contact_samples
   use bw_scene, only: scene_type, unit_velocity
@@ -49,13 +48,12 @@ module bw_case_contacts
 
 contains
 
-  subroutine follow_run(scene, motion, demand, monitor, workspace, run, loads)
+  subroutine follow_run(scene, motion, demand, monitor, run, loads)
     !! Follow contacts and flights, and sum histories. `motion` gets the timeline of this run.
     type(scene_type), intent(in) :: scene            !! with mode counts
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(demand_type), intent(in) :: demand
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(run_type), intent(out) :: run
     type(placed_loads), intent(in), optional :: loads   !! N; absent: only the mass acts on the beam
     type(lasting_contacts) :: contacts
@@ -93,15 +91,15 @@ contains
     else
       call find_loaded_segments(scene, motion, monitor)
       if (monitor%stop_requested()) return
-      call find_neglected(scene, motion, demand%modes, monitor, workspace, run%neglected)
+      call find_neglected(scene, motion, demand%modes, monitor, run%neglected)
     end if
     if (monitor%stop_requested()) return
     if (any(asked)) call find_next_octave(scene, motion, driven, run%neglected)
-    call sum_histories(scene, motion, deflections, monitor, workspace, histories)
+    call sum_histories(scene, motion, deflections, monitor, histories)
     if (monitor%stop_requested()) return
-    if (scene%response%bending_moment) call find_moments(scene, motion, monitor, workspace, histories, none)
+    if (scene%response%bending_moment) call find_moments(scene, motion, monitor, histories, none)
     if (monitor%stop_requested()) return
-    call add_hub_angle(scene, motion, monitor, workspace, histories%response)
+    call add_hub_angle(scene, motion, monitor, histories%response)
     if (monitor%stop_requested()) return
     run%status = max(histories%status, none%status)
     call move_alloc(histories%response, run%response)

@@ -28,7 +28,6 @@ module bw_contact_case
   use bw_load_columns, only: placed_loads
   use bw_load_courses, only: courses_of
   use bw_monitor, only: monitor_type
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: first_count, is_met, judge_tolerance, part_of_peak, with_counts
   use bw_scene, only: bodies_change, is_loaded, scene_type, unit_velocity
@@ -44,14 +43,13 @@ module bw_contact_case
 
 contains
 
-  subroutine run_contact_case(scene, layout, watch, monitor, cache, workspace, plan, result, completed)
+  subroutine run_contact_case(scene, layout, watch, monitor, cache, plan, result, completed)
     !! Run a case with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(out) :: result
     logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
@@ -76,7 +74,7 @@ contains
       end associate
       call place_loads(scene, loads)
     end if
-    call follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
+    call follow_to_tolerance(scene, loads, watch, monitor, cache, failure, counted, motion, run, errors)
     if (monitor%stop_requested()) return
     if (motion%modes%resolved) then
       call note_validity(counted, motion, run%response, validity)
@@ -107,14 +105,13 @@ contains
     completed = .true.
   end subroutine run_contact_case
 
-  subroutine follow_to_tolerance(scene, loads, watch, monitor, cache, workspace, failure, counted, motion, run, errors)
+  subroutine follow_to_tolerance(scene, loads, watch, monitor, cache, failure, counted, motion, run, errors)
     !! Follow the motion with the counts of the scene, or with as many modes as its tolerance needs, and estimate its errors.
     type(scene_type), intent(in) :: scene
     type(placed_loads), allocatable, intent(in) :: loads   !! besides the contact force
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(search_failure), intent(inout), target :: failure
     type(scene_type), intent(out) :: counted         !! the scene with the final count
     type(case_motion), intent(out) :: motion
@@ -198,7 +195,7 @@ contains
       demand = demand_type((counted%modes%before + divisor - 1)/divisor, scene%contact%max_contacts, &
                            scene%response%duration/motion%units%time%hi, step_tolerance(scene), allocated(scene%capture))
       allocate (followed)
-      call follow_run(counted, motion, demand, monitor, workspace, followed, loads)
+      call follow_run(counted, motion, demand, monitor, followed, loads)
     end subroutine follow_part
   end subroutine follow_to_tolerance
 

@@ -21,7 +21,6 @@ module bw_neglected_modes
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, curvatures, damping_rates, deflections, first_numbers, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_oscillators, only: oscillators, oscillators_of
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, load_type, move, segment_type
@@ -38,13 +37,12 @@ module bw_neglected_modes
 
 contains
 
-  subroutine find_neglected(scene, motion, summed, monitor, workspace, neglected)
+  subroutine find_neglected(scene, motion, summed, monitor, neglected)
     !! Find the contribution of the next octave of modes under the contact forces alone.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion          !! of the summed modes
     integer, intent(in) :: summed                    !! modes of the first configuration
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
-    type(nonuniform_sum), intent(inout) :: workspace(:)
     type(neglected_type), intent(out) :: neglected
     type(case_motion) :: beyond
     integer, allocatable :: first(:)                 ! mode of the next octave, (configurations)
@@ -71,7 +69,7 @@ contains
       real(dp), allocatable, intent(out), optional :: rate(:)
       type(case_histories) :: found
       integer :: p
-      call sum_histories(scene, beyond, quantity, monitor, workspace, found)
+      call sum_histories(scene, beyond, quantity, monitor, found)
       if (monitor%stop_requested()) return
       associate (response => found%response, n => found%response%finite_samples)
         value = [(largest_magnitude(response%displacement(:n, p)), p=1, size(scene%response%points))]

@@ -3,7 +3,7 @@ module bw_kept_tolerance
   !! with what they showed. With given counts there is one sum.
   use bw_case_drift, only: drift_errors
   use bw_case_errors, only: estimate_errors
-  use bw_case_histories, only: sum_histories, sums_of_segment
+  use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache
   use bw_case_motion, only: follow_motion, start_motion
   use bw_case_result, only: case_histories, case_motion, history_errors
@@ -12,7 +12,6 @@ module bw_kept_tolerance
   use bw_magnitude, only: largest_magnitude
   use bw_mode_set, only: deflections
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_plan, only: bound_times
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_events, stopwatch
@@ -24,7 +23,6 @@ module bw_kept_tolerance
     !! Work shared by several motions.
     type(case_mode_cache) :: modes
     type(initial_state_cache) :: initial
-    type(nonuniform_sum) :: sums(sums_of_segment)   !! kernels, plans and grids of the last transforms
   end type motion_cache
 
 contains
@@ -57,7 +55,7 @@ contains
     do try = 1, tries
       part = part_monitor(monitor)
       if (try > 1) part = part_monitor(monitor, 1.0_dp, 0.0_dp)
-      call sum_histories(scene, motion, deflections, part, cache%sums, histories)
+      call sum_histories(scene, motion, deflections, part, histories)
       if (monitor%stop_requested()) return
       call estimate_errors(scene, motion, histories, part, errors)
       if (monitor%stop_requested() .or. .not. errors%missed) return
