@@ -16,9 +16,10 @@ module bw_one_case
     put_together
   use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
-  use bw_case_validity, only: note_history_errors, note_validity
+  use bw_case_validity, only: note_validity
   use bw_changing_case, only: run_changing_case
   use bw_contact_case, only: run_contact_case
+  use bw_history_notes, only: note_history_errors
   use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
   use bw_kinds, only: dp
   use bw_modal_model, only: find_modal_model

@@ -14,13 +14,14 @@ module bw_changing_case
   use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, case_result, case_spectrum, &
     history_errors, load_result, put_together
   use bw_case_spectrum, only: find_spectrum
-  use bw_case_validity, only: note_history_errors, note_validity
+  use bw_case_validity, only: note_validity
   use bw_change_of_bodies, only: beam_state
   use bw_changing_motion, only: follow_changes
   use bw_event, only: event_words
   use bw_changing_errors, only: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, &
     rounding_of_turn
   use bw_contact_errors, only: add_rounding
+  use bw_history_notes, only: note_history_errors
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_set, only: observe_searches, deflections, first_numbers, mode_set, search_failure

@@ -17,8 +17,9 @@ module bw_contact_case
   use bw_case_spectrum, only: find_spectrum
   use bw_changing_case, only: compose_modes
   use bw_changing_errors, only: join_state_errors
-  use bw_case_validity, only: note_contact, note_history_errors, note_validity
+  use bw_case_validity, only: note_contact, note_validity
   use bw_constants, only: two_pi
+  use bw_history_notes, only: note_history_errors
   use bw_mode_set, only: observe_searches, configuration_type, first_numbers, mode_set, search_failure
   use bw_modes_par, only: by_tolerance, shown_modes, wanted_tolerance
   use bw_contact_errors, only: add_rounding, fall_of_force, find_force_errors, find_history_errors
