@@ -2,28 +2,20 @@ module bw_effect_pairs
   !! Two scenes for each row of the table of effects, one with it and one without, all else as in the studied scene,
   !! which is one of the two if possible. An effect that is off is tried with a value derived from the scene, stated in
   !! the row's remark.
-  use bw_constants, only: pi
   use bw_kinds, only: dp, qp
   use bw_beam_par, only: beam_mass, beam_par, beam_piece, pieces_of_beam
   use bw_beam_piece, only: mass_moments, stiffness_law
-  use bw_beam_units, only: beam_units, units_of
-  use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_modes
   use bw_effect_list, only: effect_off, effect_on, effect_row
-  use bw_effect_table, only: effect_table, effect_type, of_duration, of_first_speed, of_section, of_sphere, of_sphere_radius, &
-    own_unit, &
-    plain
+  use bw_effect_table, only: effect_table, effect_type, of_sphere
   use bw_input_name, only: has_word
-  use bw_input_table, only: group_table, name_row, name_table
-  use bw_missing, only: is_missing, missing
+  use bw_input_table, only: group_table
+  use bw_missing, only: is_missing
   use bw_modes_par, only: by_tolerance
-  use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
-  use bw_scene_scales, only: own_size
   use bw_scene_variant, only: has_group, scene_variants, with_group, with_value, without_group
-  use bw_shear_par, only: shear_par, usual_coefficient
-  use bw_text, only: replaced, shortest, string, text_of, words_of
+  use bw_text, only: replaced, string, text_of, words_of
+  use bw_tried_values, only: find_values, tried_speed
   implicit none (type, external)
   private
   public :: pairs_of
@@ -32,8 +24,7 @@ module bw_effect_pairs
     !! All rows, and every scene they need, each once; the first is the studied one.
     type(effect_row), allocatable :: rows(:)       !! in the order of the table
     type(scene_variants) :: variants
-    real(dp), private :: first_speed = missing     !! by `find_first_speed`, rad/s; missing until it is called
-    logical, private :: grows = .false.            !! mode 1 is unstable at that speed
+    type(tried_speed), private :: speed
   end type compared_scenes
 
 contains
@@ -134,7 +125,7 @@ contains
     groups = words_of(effect%groups)
     values = trim(effect%values)
     if (has_group(with, groups(1)%text)) values = ''
-    call find_values(scene, effect, list, values, row%remark)
+    call find_values(scene, effect, list%speed, values, row%remark)
     do i = 1, size(groups)
       if (.not. has_group(with, groups(i)%text)) with = with_group(without_excluded(with, groups(i)%text), groups(i)%text, values)
       values = ''
@@ -194,7 +185,7 @@ contains
     if (without /= text) return
     row%state = effect_off
     on = trim(effect%on)
-    call find_values(scene, effect, list, on, row%remark)
+    call find_values(scene, effect, list%speed, on, row%remark)
     with = with_value(text, trim(effect%groups), trim(effect%input), on)
   end subroutine pair_values
 
@@ -241,7 +232,7 @@ contains
         else
           with = with_value(with, 'beam', 'taper', "'linear'")
         end if
-        call find_values(scene, effect, list, values, row%remark)
+        call find_values(scene, effect, list%speed, values, row%remark)
         row%remark = row%remark//repeat(' '//trim(name), merge(1, 0, effect%name == 'taper'))
       end if
     end associate
@@ -284,76 +275,5 @@ contains
         text_of(real(second_moment, dp))
     end if
   end function mean_beam
-
-  subroutine find_values(scene, effect, list, values, remark)
-    !! Replace `@` in the values and in the remark by the number with which an effect is tried. Numbers scaled by the
-    !! beam have three digits.
-    type(scene_type), intent(in) :: scene          !! without the effect
-    type(effect_type), intent(in) :: effect
-    type(compared_scenes), intent(inout) :: list
-    character(:), allocatable, intent(inout) :: values
-    character(:), allocatable, intent(out) :: remark
-    type(shear_par) :: usual
-    character(:), allocatable :: digits
-    real(dp) :: number
-    remark = trim(effect%remark_off)
-    if (index(values//remark, '@') == 0) return
-    select case (effect%measure)
-    case (plain); number = effect%tried
-    case (own_unit); number = effect%tried*own_size(unit_of(trim(effect%groups), values), scene%beam)
-    case (of_first_speed)
-      if (is_missing(list%first_speed)) call find_first_speed(scene, list)
-      number = effect%tried*list%first_speed
-      if (list%grows .and. index(remark, '@') > 0) remark = remark//', '//text_of(effect%tried)// &
-        ' of the speed at which mode 1 would be unstable'
-    case (of_sphere); number = effect%tried*sphere_inertia(scene)
-    case (of_sphere_radius); number = effect%tried*sphere_radius(scene)
-    case (of_duration); number = effect%tried*scene%response%duration
-    case (of_section)
-      number = effect%tried*usual_coefficient(usual%poisson_ratio, scene%beam%round)
-      remark = remark//', that of a solid '//trim(merge('circle   ', 'rectangle', scene%beam%round))
-    end select
-    digits = text_of(number)
-    if (any(effect%measure == [own_unit, of_first_speed, of_sphere, of_sphere_radius])) digits = shortest(number, 3)
-    values = replaced(values, '@', digits)
-    remark = replaced(remark, '@', shortest(number, 3))
-  end subroutine find_values
-
-  pure function unit_of(group, values) result(unit)
-    !! Return the unit of the name that is set.
-    character(*), intent(in) :: group
-    character(*), intent(in) :: values             !! `name = value`
-    character(:), allocatable :: unit
-    unit = name_table(name_row(group, values(:index(values, ' =') - 1)))%unit
-  end function unit_of
-
-  subroutine find_first_speed(scene, list)
-    !! Find the angular velocity at which mode 1 becomes unstable or, if there is none, one typical of the beam.
-    type(scene_type), intent(in) :: scene          !! without rotation
-    type(compared_scenes), intent(inout) :: list
-    type(beam_units) :: units
-    type(case_modes) :: modes
-    type(silent_monitor) :: monitor
-    units = units_of(scene%beam)
-    call find_modes(scene, units, monitor, modes)
-    associate (moving => modes%configuration(modes%moving))
-      if (.not. allocated(moving%set)) call moving%source%find([1], moving%set)     ! a tolerance holds none of the beam alone
-      list%first_speed = moving%set%critical_speed%hi*units%frequency
-    end associate
-    list%grows = list%first_speed > 0.0_dp
-    if (.not. list%grows) list%first_speed = units%frequency
-  end subroutine find_first_speed
-
-  pure real(dp) function sphere_inertia(scene) result(inertia)
-    !! Return the rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
-    type(scene_type), intent(in) :: scene
-    inertia = 0.4_dp*scene%impact%mass*sphere_radius(scene)**2
-  end function sphere_inertia
-
-  pure real(dp) function sphere_radius(scene) result(radius)
-    !! Return the radius of that sphere, m.
-    type(scene_type), intent(in) :: scene
-    radius = (0.75_dp*scene%impact%mass/pi/scene%beam%density)**(1.0_dp/3.0_dp)
-  end function sphere_radius
 
 end module bw_effect_pairs

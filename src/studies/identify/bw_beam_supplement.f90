@@ -24,15 +24,13 @@ module bw_beam_supplement
   use bw_monitor, only: monitor_type, part_monitor
   use bw_notes, only: notes_type
   use bw_quantile, only: normal_quantile
-  use bw_record, only: sensor_type
   use bw_record_lines, only: status_words
+  use bw_record_set, only: read_all, record_set
   use bw_result_layout, only: has
-  use bw_result_lines, only: read_result_lines, result_lines
   use bw_result_supplement, only: result_supplement
   use bw_result_table, only: of_supplement, result_table
   use bw_scene, only: scene_type
-  use bw_scene_cases, only: case_count, case_scene
-  use bw_scene_states, only: all_unknowns, measured_scene, states_of, unknowns_in
+  use bw_scene_states, only: all_unknowns, states_of, unknowns_in
   use bw_screen, only: details
   use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
@@ -51,17 +49,6 @@ module bw_beam_supplement
     procedure :: rows
     procedure :: add
   end type beam_supplement
-
-  type :: record_set
-    !! Everything fitted together: the cases of the scene, then those of further scenes.
-    type(measured_scene), allocatable :: measured(:)     !! (cases of all scenes)
-    type(result_lines), allocatable :: lines(:)          !! (the same)
-    type(measured_state), allocatable :: states(:)           !! (the same); unallocated unless unknowns are identified
-    integer :: own = 0                                   !! cases of the scene itself
-    integer :: places = 0                                !! along the beam, for shapes that are written
-    type(sensor_type), allocatable :: sensors(:)         !! whose response to a hammer is modelled; unallocated: none
-    real(dp), allocatable :: frequencies(:)              !! of that response, Hz
-  end type record_set
 
 contains
 
@@ -109,7 +96,7 @@ contains
     listener%start = 1.0_dp
     listener%share = 0.0_dp
     quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
-    call read_all(self, draft%file%path, quantile, listener, set, error)
+    call read_all(self%scene, self%further, self%directory, draft%file%path, quantile, listener, set, error)
     set%places = draft%layout%profile
     if (has(draft%layout, 'hammer places')) then
       set%sensors = draft%layout%record%sensors
@@ -147,45 +134,6 @@ contains
     call draft%file%write()
     if (draft%file%problem /= 0) call cannot_be_written(error, draft%file%path, draft%file%problem)
   end subroutine add
-
-  subroutine read_all(self, draft, quantile, monitor, set, error)
-    !! Read the scenes and lines of all cases.
-    class(beam_supplement), intent(in) :: self
-    character(*), intent(in) :: draft            !! the result of the scene itself
-    real(dp), intent(in) :: quantile             !! half width of an interval in standard deviations
-    class(monitor_type), intent(inout), target :: monitor
-    type(record_set), intent(out) :: set
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: i, n
-    n = int(case_count(self%scene))
-    set%own = n
-    do i = 1, size(self%further)
-      n = n + int(case_count(self%further(i)))
-    end do
-    allocate (set%measured(n), set%lines(n))
-    n = 0
-    call read_cases(self%scene, draft)
-    do i = 1, size(self%further)
-      call read_cases(self%further(i), self%directory//'/'//self%further(i)%name//'.nc')
-    end do
-  contains
-    subroutine read_cases(one, path)
-      type(scene_type), intent(in) :: one
-      character(*), intent(in) :: path           !! of its result
-      type(result_lines), allocatable :: cases(:)
-      integer :: c
-      if (allocated(error)) return
-      call read_result_lines(path, quantile, cases, error)
-      do c = 1, int(case_count(one))
-        if (allocated(error)) return
-        n = n + 1
-        set%lines(n) = cases(c)
-        set%measured(n)%lines = cases(c)%lines
-        set%measured(n)%monitor => monitor
-        call case_scene(one, int(c, i8), set%measured(n)%scene, error)
-      end do
-    end subroutine read_cases
-  end subroutine read_all
 
   subroutine compare(set, findings, lines, notes)
     !! Compare lines with modes, case by case, without unknowns. Cases after the first are details.
