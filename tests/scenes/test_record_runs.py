@@ -1,5 +1,6 @@
 """Records through the program: lines inside their intervals, repeats and sweeps as cases, and what makes a result another."""
 
+import itertools
 import re
 import signal
 import time
@@ -90,6 +91,28 @@ def test_decays_in_noise_of_a_steep_band_are_found(here):
     here.scene("band", {"record": {"file": "band.csv"}, "spectrum": {}})
     found = here.run("band")["measured_angular_frequency"] / (2 * np.pi)
     assert abs(found - 72.0).min() < 1e-3 and abs(found - 86.0).min() < 1e-3
+
+
+@pytest.mark.parametrize("seed", [1, 5, 7])
+def test_a_beam_that_is_struck_again_before_it_rests(here, seed):
+    """Five blows within a fifth of the decay time of mode 1, which each add to what still moves."""
+    draws = np.random.default_rng(seed)
+    poles = -np.array([0.125, 0.39, 1.2, 5.0]) + 2j * np.pi * np.array([4.64, 45.15, 140.57, 290.0])
+    shapes = draws.uniform(0.3, 1, (4, 3)) * draws.choice([-1, 1], (4, 3))
+    edges = np.array([0, 1870, 3600, 5280, 6650, 9000])
+    motion = np.zeros((4, 3), complex)
+    values = np.zeros((9000, 3))
+    for first, last in itertools.pairwise(edges):
+        size = np.array([0.015, 0.003, 0.0014, 0.0006]) * draws.uniform(0.7, 1.5) * draws.uniform(0.5, 1.2, 4)
+        motion = motion - 1j * size[:, None] * shapes
+        values[first:last] = (np.exp(np.outer(np.arange(last - first) / 5000, poles)) @ motion).real
+        motion = motion * np.exp(poles * (last - first) / 5000)[:, None]
+    values += 3e-4 * draws.standard_normal(values.shape)
+    here.write("struck.csv", as_text(np.arange(9000) / 5000, values.T, "time [s],a [m],b [m],c [m]"))
+    here.scene("struck", {"record": {"file": "struck.csv"}, "spectrum": {}})
+    result = here.run("struck")
+    away = abs(result["measured_angular_frequency"][: int(result["peak_count"])] - poles.imag)
+    assert (away < WIDE * result["measured_angular_frequency_error"][: len(away)]).all()
 
 
 @pytest.mark.parametrize("seed", [30, 33])

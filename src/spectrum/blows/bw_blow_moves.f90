@@ -1,9 +1,6 @@
 module bw_blow_moves
   !! Blows are moved to where the lines place them, dropped if they gain less than their penalty, and added where they are missing.
-  !!
-  !! New motion with known poles that begins at sample n lowers the squares of the residual by T(n) = cᵀG⁻¹c. Here c is the
-  !! residual's scalar products with the parts of Σ e^(z_k(m − n)), m ≥ n, and G those of these parts. Both follow from those for
-  !! n + 1, so that all n together cost no more than a few transforms.
+  use bw_blow_gains, only: gains_before, gains_from, is_sudden
   use bw_kinds, only: dp
   use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
@@ -18,10 +15,8 @@ module bw_blow_moves
   integer, parameter :: most_lines = 8           !! the strongest, which locate a blow
   integer, parameter :: enough = 2**21           !! tuned: numbers that are enough to locate a blow of known poles
   integer, parameter :: most_blows = 32
-  integer, parameter :: renewed = 100            !! G is renewed when its samples have grown by 1/renewed
-  integer, parameter :: fewest = 16              !! fewest samples between blows
+  integer, parameter, public :: fewest = 16              !! fewest samples between blows
   integer, parameter :: near = 64                !! samples by which a blow may be wrong if found from prediction errors
-  real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, needed if poles are close to each other
   real(dp), parameter :: most_carried = 30       !! largest logarithm of an amplitude's change between samples
   real(dp), parameter :: worth = 1               !! fall of −2 ln L for which a blow is moved
 
@@ -56,14 +51,15 @@ contains
   end subroutine move_blows
 
   subroutine drop_blows(samples, false_alarm, model, dropped)
-    !! Drop blows that add no significant motion with the poles found; one is kept.
+    !! Drop blows that add no significant motion with the poles found; one is kept. What the added motion gains over amplitudes that
+    !! do not change is less, as these would be fitted to both stretches.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
     real(dp), allocatable :: residual(:, :), white(:, :), gain(:)
     integer, allocatable :: chosen(:)
-    integer :: b
+    integer :: b, n
     dropped = 0
     if (all(model%lines%steady) .or. ubound(model%stretches, 2) == 1) return
     chosen = locating_components(samples, model)
@@ -73,7 +69,11 @@ contains
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
       if (model%stretches(2, b) >= model%stretches(1, b)) then   ! otherwise the next blow was moved to the same sample
         white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
-        gain = gains_of(strongest(model, b), white + added_motion(model, chosen, b, 0, size(white, 1)))
+        white = white + added_motion(model, chosen, b, 0, size(white, 1))
+        call detrend([(1.0_dp, n=1, size(white, 1))], white)  ! an offset may have been fitted instead of a slow motion
+        n = size(white, 1)                         ! the next blow may come earlier
+        if (b < ubound(model%stretches, 2)) white = white(:max((n + 1)/2, n - near), :)
+        gain = gains_from(strongest(model, b), white)*share_before(model, b)
         b = b + 1
         if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
         b = b - 1
@@ -93,39 +93,64 @@ contains
     penalty = chi_squared(false_alarm/samples%count, 2*components*min(most_lines, count(.not. model%lines%steady)))
   end function penalty_of_blow
 
-  subroutine add_missing_blows(samples, false_alarm, rival, from, model, added)
-    !! Add blows where new motion with the poles gains more than the penalty and than a rival move.
+  subroutine add_missing_blows(samples, false_alarm, from, model, added)
+    !! Divide stretches by blows where new motion with the poles gains more than the penalty. The amplitudes before such a blow
+    !! change, too, as they were fitted to the whole stretch.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm, rival
+    real(dp), intent(in) :: false_alarm
     integer, intent(in) :: from                  !! first stretch to search; 0 is before any blow
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
-    real(dp), allocatable :: residual(:, :), gain(:)
+    real(dp), allocatable :: residual(:, :), white(:, :), gain(:)
     integer, allocatable :: chosen(:)
-    real(dp) :: need
-    integer :: b, best, first
+    real(dp) :: penalty
+    integer :: b
     added = 0
     if (all(model%lines%steady) .or. allocated(samples%place)) return
     chosen = locating_components(samples, model)
-    allocate (residual(samples%count, size(chosen)), gain(0))
+    allocate (residual(samples%count, size(chosen)), white(0, 0), gain(0))
     call find_residual(samples, model, chosen, residual)
-    need = max(rival, penalty_of_blow(samples, false_alarm, model, size(chosen)))
-    b = from
-    do while (b <= min(most_blows, ubound(model%stretches, 2)))
-      first = model%stretches(1, b)
-      if (model%stretches(2, b) < first) then
-        b = b + 1
-        cycle
+    penalty = penalty_of_blow(samples, false_alarm, model, size(chosen))
+    do b = min(most_blows, ubound(model%stretches, 2)), from, -1
+      if (model%stretches(2, b) < model%stretches(1, b)) cycle
+      white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
+      gain = gains_from(strongest(model, b), white)
+      if (b > 0) then
+        gain = gain + gains_before(strongest(model, b), white)
+        gain(:min(fewest, size(gain))) = 0
       end if
-      gain = gains_of(strongest(model, b), white_values(samples, model, chosen, residual, b, first))
-      best = maxloc(gain, dim=1)
-      b = b + 1
-      if (gain(best) < need .or. (best < fewest .and. b > 1)) cycle
-      call add_blow(model, b - 1, first + best - 1)
-      call find_residual(samples, model, chosen, residual)
+      if (maxval(gain) < penalty) cycle
+      if (b > 0) then
+        if (.not. is_sudden(strongest(model, b), white, maxloc(gain, dim=1), penalty)) cycle
+      end if
+      call add_blow(model, b, model%stretches(1, b) + maxloc(gain, dim=1) - 1)
       added = added + 1
     end do
   end subroutine add_missing_blows
+
+  pure real(dp) function share_before(model, b) result(share)
+    !! The part of the energy of the lines from blow b − 1 on that comes before blow b, if they lived to the end of stretch b; 1 for
+    !! the first blow.
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: energy(2), steps(2)              !! up to blow b, and in all
+    integer :: k
+    share = 1
+    if (b < 2) return
+    energy = 0
+    steps = model%stretches([1, 2], b) - model%stretches(1, b - 1) + [0, 1]
+    do k = 1, size(model%lines)
+      associate (line => model%lines(k), white => white_amplitude(model%noise, model%lines(k)))
+        if (line%steady) cycle
+        if (abs(line%pole%re)*steps(2) > 1.0e-6_dp) then
+          energy = energy + sum(abs(white(:, b))**2)*(1 - exp(2*line%pole%re*steps))/(1 - exp(2*line%pole%re))
+        else
+          energy = energy + sum(abs(white(:, b))**2)*steps
+        end if
+      end associate
+    end do
+    if (energy(2) > 0) share = energy(1)/energy(2)
+  end function share_before
 
   pure function locating_components(samples, model) result(chosen)
     !! The components of the noise in which the lines are strongest, as many as are enough to locate blows.
@@ -169,18 +194,13 @@ contains
     real(dp), intent(in) :: residual(:, :)
     integer, intent(in) :: b, first
     real(dp), allocatable :: white(:, :)
-    real(dp), dimension(first:model%stretches(2, b)) :: place, weight
-    integer :: s, last, n
+    real(dp) :: weight(first:model%stretches(2, b))
+    integer :: s, last
     last = model%stretches(2, b)
     white = residual(first:last, :)
     weight = 1
     if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid(first:last))
-    place = [(n, n=first, last)]
-    place = place - sum(weight*place)/max(1.0_dp, sum(weight))
-    do s = 1, size(white, 2)                     ! subtract an offset and a slope
-      white(:, s) = weight*(white(:, s) - sum(weight*white(:, s))/max(1.0_dp, sum(weight)) &
-                            - sum(weight*place*white(:, s))/max(1.0_dp, sum(weight*place**2))*place)
-    end do
+    call detrend(weight, white)
     do s = 1, size(white, 2)
       associate (filter => model%noise%filter(:model%noise%order(chosen(s)), chosen(s)))
         call whiten(filter, white(:, s))
@@ -189,6 +209,20 @@ contains
     end do
     white(pack(model%missing, model%missing >= first .and. model%missing <= last) - first + 1, :) = 0
   end function white_values
+
+  pure subroutine detrend(weight, values)
+    !! Subtract an offset and a slope.
+    real(dp), intent(in) :: weight(:)
+    real(dp), intent(inout) :: values(:, :)
+    real(dp) :: place(size(weight))
+    integer :: s, n
+    place = [(n, n=1, size(weight))]
+    place = place - sum(weight*place)/max(1.0_dp, sum(weight))
+    do s = 1, size(values, 2)
+      values(:, s) = weight*(values(:, s) - sum(weight*values(:, s))/max(1.0_dp, sum(weight)) &
+                             - sum(weight*place*values(:, s))/max(1.0_dp, sum(weight*place**2))*place)
+    end do
+  end subroutine detrend
 
   pure function added_motion(model, chosen, b, from, count) result(motion)
     !! The white motion that blow b adds, `from`, `from` + 1, … samples after it: new motion minus the continued earlier one.
@@ -282,65 +316,6 @@ contains
     end do
     poles = pack(model%lines%pole, [(energy(k) >= 0 .and. count(energy > energy(k)) < most_lines, k=1, size(energy))])
   end function strongest
-
-  pure function gains_of(poles, values) result(gain)
-    !! The gains T of white values.
-    complex(dp), intent(in) :: poles(:)
-    real(dp), intent(in) :: values(:, :)
-    real(dp) :: gain(size(values, 1))
-    complex(dp), dimension(size(poles), size(poles)) :: with, against, product, mirrored
-    complex(dp) :: c(size(poles), size(values, 2)), step(size(poles))
-    real(dp) :: factor(2*size(poles), 2*size(poles)), y(2*size(poles))
-    integer :: n, k, s, rows, next
-    step = exp(poles)
-    do k = 1, size(poles)
-      with(:, k) = exp(poles + poles(k))
-      against(:, k) = exp(poles + conjg(poles(k)))
-    end do
-    product = 0
-    mirrored = 0
-    c = 0
-    gain = 0
-    next = 0
-    do n = size(values, 1), 1, -1
-      product = 1 + with*product
-      mirrored = 1 + against*mirrored
-      do s = 1, size(values, 2)
-        c(:, s) = values(n, s) + step*c(:, s)
-      end do
-      rows = size(values, 1) - n + 1
-      if (rows < 2*size(y)) cycle
-      if (rows >= next .or. n == 1) then
-        factor = inverse_triangle(product, mirrored)
-        next = rows + rows/renewed + 1
-      end if
-      do s = 1, size(values, 2)
-        y = matmul([c(:, s)%re, -c(:, s)%im], factor)
-        gain(n) = gain(n) + dot_product(y, y)
-      end do
-    end do
-  end function gains_of
-
-  pure function inverse_triangle(product, mirrored) result(inverse)
-    !! R⁻¹ for the scalar products RᵀR of real and negative imaginary parts of exponentials x, from Σ x_k x_l and Σ x_k x_l*.
-    complex(dp), intent(in) :: product(:, :), mirrored(:, :)
-    real(dp), dimension(2*size(product, 1), 2*size(product, 1)) :: gram, inverse
-    integer :: i, n
-    n = size(product, 1)
-    gram(:n, :n) = real(mirrored + product, dp)/2
-    gram(:n, n + 1:) = aimag(mirrored - product)/2
-    gram(n + 1:, :n) = transpose(gram(:n, n + 1:))
-    gram(n + 1:, n + 1:) = real(mirrored - product, dp)/2
-    do i = 1, 2*n
-      gram(i, i) = gram(i, i)*(1 + ridge) + tiny(1.0_dp)
-    end do
-    inverse = 0
-    do i = 1, 2*n                                ! Gram and Schmidt: columns that are orthonormal in this product
-      inverse(i, i) = 1
-      inverse(:, i) = inverse(:, i) - matmul(inverse(:, :i - 1), matmul(gram(i, :), inverse(:, :i - 1)))
-      inverse(:, i) = inverse(:, i)/sqrt(max(dot_product(inverse(:, i), matmul(gram, inverse(:, i))), ridge*gram(i, i)))
-    end do
-  end function inverse_triangle
 
   pure subroutine drop_blow(model, b)
     !! Join a stretch with the one before, whose lines continue unless it is empty.

@@ -3,7 +3,6 @@ module bw_line_moves
   !! two, a tone that does not decay.
   use bw_band, only: enough_for
   use bw_band_fit, only: most_growth
-  use bw_blow_moves, only: add_missing_blows
   use bw_constants, only: pi
   use bw_cost, only: order_price, penalty_of_course, penalty_of_line, penalty_of_tone
   use bw_decay_bank, only: decay_candidate, edge, find_candidates
@@ -32,13 +31,13 @@ module bw_line_moves
 
 contains
 
-  subroutine add_round(samples, false_alarm, with_blows, model, accepted)
+  subroutine add_round(samples, false_alarm, model, accepted, beside)
     !! Add lines and courses that do not overlap, at candidates from the bank of decays.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
-    logical, intent(in) :: with_blows            !! add a blow instead where that explains more
     type(model_type), intent(inout) :: model
     integer, intent(out) :: accepted
+    logical, intent(out), optional :: beside     !! the strongest candidate overlaps with a line
     type(decay_candidate), allocatable :: candidates(:)
     complex(dp), allocatable :: moved(:)
     type(refit_type) :: found
@@ -48,16 +47,12 @@ contains
     moved = [complex(dp) ::]
     need = penalty_of_line(samples, false_alarm, model)
     call find_candidates(model, need, most_lines, candidates)
+    if (present(beside)) beside = any([(near(model, candidates(i)%pole), i=1, min(1, size(candidates)))])
     do i = 1, size(candidates)
       if (any(overlaps(moved, candidates(i)%pole, span_of_model(model)))) cycle  ! wait until these have converged
       if (size(model%lines) >= most_lines) return
       call propose(need, penalty_of_course(false_alarm), candidates(i), model, found, penalty)
       penalty = penalty*colour_at(model, candidates(i)%pole%im)
-      if (i == 1 .and. any(found%old) .and. with_blows) then   ! a blow may cause the same residual
-        call add_missing_blows(samples, false_alarm, found%gain, 1, model, accepted)
-        if (accepted > 0) call renew(samples, order_price(samples), model%last%robust, model)
-        if (accepted > 0) return
-      end if
       if (accepted > 0 .and. found%gain < promised*candidates(i)%gain) cycle  ! it was the skirt of another
       if (candidates(i)%gain < faint*candidates(1)%gain .and. has_moved(candidates(i), found, span_of_model(model))) cycle
       gain = 0

@@ -6,10 +6,9 @@ module bw_line_search
   !! move lowers J. This module has the order of the moves; `bw_line_moves`, `bw_line_drops` and `bw_blow_moves` have the moves.
   use bw_band, only: enough_for
   use bw_band_fit, only: converged
-  use bw_blow_moves, only: add_missing_blows, drop_blow, move_blows
+  use bw_blow_moves, only: add_missing_blows, drop_blow, fewest, move_blows
   use bw_blows, only: find_blows
   use bw_cost, only: akaike, cost_beside_noise, cost_of_all, order_price
-  use bw_decay_bank, only: highest_decay
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
   use bw_line, only: find_wave, line_type
@@ -59,7 +58,28 @@ contains
     call find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
     if (outcome%driven .and. allocated(samples%valid) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
       & call find_lines_after(blows(:1), samples, false_alarm, model, outcome, monitor)    ! gaps may look like further blows
+    if (.not. (allocated(samples%blow) .or. allocated(samples%place)) .and. blows(1) > 1 &
+      & .and. (outcome%driven .or. any(model%lines%steady))) call try_earlier_blow()
     call allow_for_limits(samples, model)
+
+  contains
+
+    subroutine try_earlier_blow()
+      !! Try whether the record begins within a decay. Its lines replace tones: these are no more, and J is lower.
+      type(state_type) :: before
+      type(line_outcome) :: within_tones
+      logical :: is_better
+      before = state_of(samples, false_alarm, model)
+      within_tones = outcome
+      call find_lines_after([1, blows], samples, false_alarm, model, outcome, monitor)
+      if (stops(monitor)) return
+      is_better = within_tones%driven .or. &
+        & (size(model%lines) <= size(before%lines) .and. cost_of_all(samples, false_alarm, model) < before%cost)
+      if (is_better .and. size(model%lines) > 0) return
+      call go_back(samples, before, model)
+      outcome = within_tones
+    end subroutine try_earlier_blow
+
   end subroutine find_lines
 
   subroutine find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
@@ -88,13 +108,13 @@ contains
       if (present(monitor)) call monitor%advance(first_lines + (1 - first_lines)*round/(most_rounds + 2))
       call refit_all(all_steps, negligible_gain, model)
       call renew(samples, order_price(samples), .false., model)
-      call try_blows(samples, false_alarm, model, moved)
+      call try_blows(samples, false_alarm, model, moved, .false.)
       call try_tones(samples, false_alarm, model, changed)
       moved = moved + changed
       call judge_moves()
       call add_lines(changed)
       changed = changed + moved
-      call try_blows(samples, false_alarm, model, moved, 0.0_dp)
+      call try_blows(samples, false_alarm, model, moved, .true.)
       changed = changed + moved
       call judge_moves()
       if (size(model%lines) == 0) exit
@@ -130,7 +150,7 @@ contains
       integer :: accepted, k
       added = 0
       do k = 1, most_additions
-        call add_round(samples, false_alarm, .true., model, accepted)
+        call add_round(samples, false_alarm, model, accepted)
         if (accepted == 0) exit
         if (stops(monitor)) exit
         added = added + accepted
@@ -172,13 +192,13 @@ contains
     type(state_type), intent(inout) :: best
     type(line_outcome), intent(inout) :: outcome
     class(monitor_type), intent(inout), optional :: monitor
+    type(line_type), allocatable :: found(:)
     integer :: added, steady, moved, dropped, round, in_vain
     real(dp) :: cost, last
     in_vain = 0
     do round = 1, most_additions
       if (present(monitor)) call monitor%advance(first_lines*round/(round + 2))
-      call renew(samples, order_price(samples), .true., model)
-      call add_round(samples, false_alarm, .true., model, added)
+      call add_lines_or_blows(added)
       if (stops(monitor)) exit
       if (added > 0) call refit_all(trial_steps, negligible_gain, model)
       if (added > 0) call renew(samples, order_price(samples), .true., model)
@@ -197,7 +217,9 @@ contains
       if (size(model%lines) < many_lines) cycle
       call try_tones(samples, false_alarm, model, moved)
       call renew(samples, order_price(samples), .false., model)
+      found = model%lines
       call drop_weakest(samples, false_alarm, model, dropped)  ! lines that represent a blow found later
+      if (size(model%lines) == 0 .and. alone < huge(alone)) model%lines = found  ! noise alone explains these, which is said
       call keep_best(samples, false_alarm, model, best)
       call keep_or_clear(samples, false_alarm, alone, least_share, model, outcome)
       if (size(model%lines) == 0) return
@@ -209,7 +231,7 @@ contains
       cost = cost_beside_noise(samples, false_alarm, model)
       if (cost < alone .or. cost > last - abs(alone - cost)/most_additions) exit  ! or J falls too slowly
       last = cost
-      call add_round(samples, false_alarm, .false., model, added)
+      call add_round(samples, false_alarm, model, added)
       if (added == 0) exit
       if (stops(monitor)) exit
       call refit_all(trial_steps, negligible_gain, model)
@@ -217,28 +239,64 @@ contains
     end do
     call keep_or_clear(samples, false_alarm, alone, 0.0_dp, model, outcome)
 
+  contains
+
+    subroutine add_lines_or_blows(added)
+      !! Add lines, or blows instead if these lower J more: a blow, too, causes a residual beside the lines.
+      integer, intent(out) :: added
+      type(state_type) :: with_lines
+      type(line_type), allocatable :: before(:)
+      logical :: beside
+      integer :: blows, more
+      before = model%lines
+      call renew(samples, order_price(samples), .true., model)
+      call add_round(samples, false_alarm, model, added, beside)
+      if (added == 0 .or. .not. beside .or. allocated(samples%blow)) return
+      call refit_all(trial_steps, negligible_gain, model)
+      with_lines = state_of(samples, false_alarm, model)
+      model%lines = before
+      call renew(samples, order_price(samples), .false., model)
+      more = 0
+      do
+        call add_missing_blows(samples, false_alarm, 1, model, blows)
+        if (blows == 0) exit
+        more = more + blows
+        call renew(samples, order_price(samples), .false., model)
+        call refit_all(trial_steps, negligible_gain, model)
+        call renew(samples, order_price(samples), .false., model)
+      end do
+      if (more > 0 .and. cost_of_all(samples, false_alarm, model) < with_lines%cost) then
+        added = more
+      else
+        call go_back(samples, with_lines, model)
+      end if
+    end subroutine add_lines_or_blows
+
   end subroutine add_first_lines
 
-  subroutine try_blows(samples, false_alarm, model, moved, rival)
+  subroutine try_blows(samples, false_alarm, model, moved, missing)
     !! Drop and move blows, or add missing ones, if that lowers J after a refit of the lines.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: moved                !! number of blows
-    real(dp), intent(in), optional :: rival      !! blows are added if they lower the squares by more than this
+    logical, intent(in) :: missing               !! add blows; otherwise they are dropped and moved
     type(state_type) :: before
-    integer :: short_lived
+    logical :: short_lived(size(model%lines))
     moved = 0
     if (allocated(samples%blow)) return
     before = state_of(samples, false_alarm, model)
-    if (present(rival)) then
-      call add_missing_blows(samples, false_alarm, rival, merge(1, 0, rival > 0), model, moved)
+    if (missing) then
+      call add_missing_blows(samples, false_alarm, 0, model, moved)
     else
-      short_lived = count(-model%lines%pole%re > highest_decay) ! such a line represents a blow at another sample
-      if (short_lived > 0) model%lines = pack(model%lines, -model%lines%pole%re <= highest_decay)
-      if (short_lived > 0) call renew(samples, order_price(samples), .false., model)
       call move_blows(samples, false_alarm, model, moved)
-      moved = moved + short_lived
+      short_lived = -model%lines%pole%re*fewest > 1
+      if (moved == 0 .and. any(short_lived)) then  ! such a line may represent a blow at another sample
+        model%lines = pack(model%lines, .not. short_lived)
+        call renew(samples, order_price(samples), .false., model)
+        call move_blows(samples, false_alarm, model, moved)
+        if (moved == 0) call go_back(samples, before, model)
+      end if
     end if
     if (moved > 0) call keep_if_cheaper(samples, false_alarm, before, model, moved)
   end subroutine try_blows
