@@ -14,7 +14,7 @@ module bw_decay_bank
   public :: find_candidates
 
   real(dp), parameter :: folds = 7               !! e-folds after which a decay is taken as 0
-  real(dp), parameter, public :: highest_decay = 0.5_dp  !! per step
+  real(dp), parameter :: highest_decay = 0.5_dp  !! per step
   real(dp), parameter, public :: edge = 3        !! fewest periods in a stretch, and below half the sampling rate; fewer: trend
   real(dp), parameter :: clear = 16              !! tuned: factor by which a gain exceeds the skirts of a stronger line
   real(dp), parameter :: mirrored = 20           !! widths from 0 and half the sampling rate, within which mirror images interfere
