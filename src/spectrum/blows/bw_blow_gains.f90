@@ -12,15 +12,15 @@ module bw_blow_gains
   integer, parameter :: renewed = 100            !! G is renewed when its samples have grown by 1/renewed
   integer, parameter :: most_cells = 4           !! on either side of a sample
   integer, parameter :: rows_per_column = 4      !! rows of a cell, at least
-  real(dp), parameter :: smooth = 0.05_dp        !! tuned: a steady change leaves 0.31 of what a sudden one explains, a random walk more
+  real(dp), parameter :: smooth = 0.05_dp        !! tuned: a ramp leaves 0.31 of what a jump at n explains, a random walk more
   real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, needed if poles are close to each other
 
 contains
 
   pure function gains_from(poles, values) result(gain)
-    !! The gains of motion that begins at each sample.
-    complex(dp), intent(in) :: poles(:)
-    real(dp), intent(in) :: values(:, :)
+    !! The gains of motion that begins at each sample, (N), in variances of the noise.
+    complex(dp), intent(in) :: poles(:)          !! per step
+    real(dp), intent(in) :: values(:, :)         !! white, (N, S)
     real(dp) :: gain(size(values, 1))
     complex(dp), dimension(size(poles), size(poles)) :: with, against, product, mirrored
     complex(dp) :: c(size(poles), size(values, 2)), step(size(poles))
@@ -56,9 +56,9 @@ contains
   end function gains_from
 
   pure function gains_before(poles, values) result(gain)
-    !! The gains of motion that ends before each sample.
-    complex(dp), intent(in) :: poles(:)
-    real(dp), intent(in) :: values(:, :)
+    !! The gains of motion that ends before each sample, (N), in variances of the noise.
+    complex(dp), intent(in) :: poles(:)          !! per step
+    real(dp), intent(in) :: values(:, :)         !! white, (N, S)
     real(dp) :: gain(size(values, 1))
     complex(dp), dimension(size(poles), size(poles)) :: product, mirrored
     complex(dp) :: c(size(poles), size(values, 2)), wave(size(poles))
@@ -91,13 +91,13 @@ contains
   end function gains_before
 
   logical function is_sudden(poles, values, n, need)
-    !! Whether the amplitudes change at sample n rather than in the course of time. In some window around it, two pairs of amplitudes
-    !! then gain more than the need, and others in each part of both sides hardly more. What lines do not describe (two modes in one,
-    !! a stiffness that depends on the amplitude, a phase that wanders) changes them on either side, too.
-    complex(dp), intent(in) :: poles(:)
-    real(dp), intent(in) :: values(:, :)
+    !! Whether the amplitudes change at sample n rather than gradually. In some window around it, amplitudes of their own
+    !! before and from n on then gain more than `need`, and others in parts of both sides hardly more. What lines do not
+    !! describe (two modes in one, a stiffness that depends on the amplitude, a phase that wanders) changes them within a side, too.
+    complex(dp), intent(in) :: poles(:)          !! per step
+    real(dp), intent(in) :: values(:, :)         !! white, (N, S)
     integer, intent(in) :: n
-    real(dp), intent(in) :: need
+    real(dp), intent(in) :: need                 !! in variances of the noise
     real(dp) :: gain(2), chance
     integer :: half, first, last, cells(2)
     is_sudden = .false.
@@ -109,7 +109,7 @@ contains
       if (any(cells < 1) .or. sum(cells) < most_cells) return
       gain = gains_of_change(poles, values(first:last, :), n - first, cells)
       if (gain(1) < need) return
-      chance = sqrt(real(2*sum(cells - 1)*2*size(poles)*size(values, 2), dp))  ! standard deviation of what noise adds to gain(2)
+      chance = sqrt(real(2*sum(cells - 1)*2*size(poles)*size(values, 2), dp))  ! standard deviation of gain(2) in noise
       is_sudden = gain(2) + chance < smooth*gain(1)
       if (is_sudden) return
       half = half/2

@@ -261,6 +261,7 @@ contains
         call add_missing_blows(samples, false_alarm, 1, model, blows)
         if (blows == 0) exit
         more = more + blows
+        if (stops(monitor)) return
         call renew(samples, order_price(samples), .false., model)
         call refit_all(trial_steps, negligible_gain, model)
         call renew(samples, order_price(samples), .false., model)
