@@ -86,7 +86,7 @@ contains
   subroutine spectrum_rows(table, amplitude, answer, measured)
     !! Put amplitude spectra of histories, the response to a harmonic force, and measured waves.
     class(result_table), intent(inout) :: table
-    real(dp), intent(in), optional :: amplitude(:, :)
+    real(dp), intent(in), optional, contiguous :: amplitude(:, :)  !! contiguous, or gfortran 12 packs an absent one
     type(answer_type), intent(in), optional :: answer
     type(measured_type), intent(in), optional :: measured
     if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
