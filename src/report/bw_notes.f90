@@ -1,7 +1,7 @@
 module bw_notes
   !! The collected notes of a scene's cases. In a sweep each kind of note is given once, for its first case, with the
-  !! number of other cases that have it and the differing values of the last one. Warnings precede remarks. Cases may be
-  !! added in any order.
+  !! number of other cases that have it and the differing values of the last one. If a case has several of one kind, as of
+  !! two sensors, they count as different ones. Warnings precede remarks. Cases may be added in any order.
   use bw_kinds, only: i8
   use bw_note, only: is_remark, kind_of, remark_mark, unmarked
   use bw_text, only: append, string, text_builder, text_of
@@ -33,12 +33,15 @@ contains
     class(notes_type), intent(inout) :: self
     integer(i8), intent(in) :: index       !! of the case
     type(string), intent(in) :: notes(:)
+    logical, allocatable :: met(:)         !! in this case
     integer :: n, k
     if (.not. allocated(self%kinds)) allocate (self%kinds(0))
+    allocate (met(size(self%kinds) + size(notes)), source=.false.)
     do n = 1, size(notes)
       do k = 1, size(self%kinds)
-        if (kind_of(self%texts(k)%text) == kind_of(notes(n)%text)) exit
+        if (.not. met(k) .and. kind_of(self%texts(k)%text) == kind_of(notes(n)%text)) exit
       end do
+      met(k) = .true.
       if (k > size(self%kinds)) then
         self%kinds = [self%kinds, kind_type(index, n, index, 0)]
         call append(self%texts, notes(n)%text)
