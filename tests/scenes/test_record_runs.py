@@ -115,6 +115,21 @@ def test_a_beam_that_is_struck_again_before_it_rests(here, seed):
     assert (away < WIDE * result["measured_angular_frequency_error"][: len(away)]).all()
 
 
+@pytest.mark.parametrize(("second", "strength"), [(340, 0.7), (2800, 0.05)], ids=["double hit", "weak hit"])
+def test_a_second_hit_that_is_early_or_weak(here, second, strength):
+    """It comes a seventh of the lowest period after the first, or adds a twentieth of its motion."""
+    rows, poles = np.arange(4500), -np.array([0.3, 0.9, 2.5]) + 2j * np.pi * np.array([7.3, 46.1, 128.8])
+    decay = np.exp(np.outer(rows / 2000, poles)).imag @ [5, 1.5, 0.6]
+    values = 0.005 * np.random.default_rng(3).standard_normal(len(rows))
+    for first, size in ((300, 1), (second, strength)):
+        values[first:] += size * decay[: len(rows) - first]
+    here.write("twice.csv", as_text(rows / 2000, values[None], "time [s],a [m]"))
+    here.scene("twice", {"record": {"file": "twice.csv"}, "spectrum": {}})
+    result = here.run("twice")
+    away = abs(result["measured_angular_frequency"][: int(result["peak_count"])] - poles.imag)
+    assert (away < WIDE * result["measured_angular_frequency_error"][: len(away)]).all()
+
+
 @pytest.mark.parametrize("seed", [30, 33])
 def test_decays_at_uneven_times_in_coloured_noise_are_found(here, seed):
     """Clocks jitter by a tenth of a step, and both modes decay by 0.5 to 3 in the record."""

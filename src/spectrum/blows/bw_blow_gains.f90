@@ -11,7 +11,7 @@ module bw_blow_gains
 
   integer, parameter :: renewed = 100            !! G is renewed when its samples have grown by 1/renewed
   integer, parameter :: most_cells = 4           !! on either side of a sample
-  integer, parameter :: rows_per_column = 4      !! rows of a cell, at least
+  integer, parameter :: rows_per_column = 2      !! rows of a cell, at least
   real(dp), parameter :: smooth = 0.05_dp        !! tuned: a ramp leaves 0.31 of what a jump at n explains, a random walk more
   real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, needed if poles are close to each other
 
@@ -61,7 +61,7 @@ contains
     real(dp), intent(in) :: values(:, :)         !! white, (N, S)
     real(dp) :: gain(size(values, 1))
     complex(dp), dimension(size(poles), size(poles)) :: product, mirrored
-    complex(dp) :: c(size(poles), size(values, 2)), wave(size(poles))
+    complex(dp) :: c(size(poles), size(values, 2)), wave(size(poles)), step(size(poles))
     real(dp) :: factor(2*size(poles), 2*size(poles)), y(2*size(poles))
     integer :: n, k, s, next
     product = 0
@@ -69,6 +69,7 @@ contains
     c = 0
     gain = 0
     wave = 1
+    step = exp(poles)
     next = 2*size(y) + 1
     do n = 1, size(values, 1)
       if (n >= next) then
@@ -86,7 +87,7 @@ contains
         product(:, k) = product(:, k) + wave*wave(k)
         mirrored(:, k) = mirrored(:, k) + wave*conjg(wave(k))
       end do
-      wave = wave*exp(poles)
+      wave = wave*step
     end do
   end function gains_before
 
@@ -124,7 +125,7 @@ contains
     integer, intent(in) :: cells(2)              !! on either side
     real(dp) :: gain(2)
     real(dp), allocatable :: x(:, :)
-    complex(dp) :: wave(size(poles))
+    complex(dp) :: wave(size(poles)), step(size(poles))
     real(dp), dimension(2*size(poles), 2*size(poles)) :: gram_all, gram_side, gram
     real(dp), dimension(2*size(poles), size(values, 2)) :: products_all, products_side, products
     integer :: edges(0:sum(cells)), side, cell, row, i
@@ -133,6 +134,7 @@ contains
     gram_all = 0
     products_all = 0
     wave = 1
+    step = exp(poles)
     do side = 1, 2
       gram_side = 0
       products_side = 0
@@ -140,7 +142,7 @@ contains
         allocate (x(edges(cell - 1) + 1:edges(cell), size(gram, 1)))
         do row = lbound(x, 1), ubound(x, 1)
           x(row, :) = [wave%re, -wave%im]
-          wave = wave*exp(poles)
+          wave = wave*step
         end do
         gram = matmul(transpose(x), x)
         products = matmul(transpose(x), values(lbound(x, 1):ubound(x, 1), :))

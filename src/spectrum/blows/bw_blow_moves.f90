@@ -2,39 +2,37 @@ module bw_blow_moves
   !! Blows are moved to where the lines place them, dropped if they gain less than their penalty, and added where they are missing.
   use bw_blow_gains, only: gains_before, gains_from, is_sudden
   use bw_kinds, only: dp
-  use bw_line, only: bend_of, course_type, find_wave, life_of, line_type
+  use bw_line, only: course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
   use bw_model, only: add_lines, at_sensors, clear_invalid, model_type
   use bw_noise, only: mix, mixed_amplitude, white_amplitude, whiten
   use bw_penalty, only: chi_squared
   use bw_samples, only: samples_type
+  use bw_stretches, only: add_blow, continued, drop_blow, shift_blow
   implicit none (type, external)
   private
-  public :: add_missing_blows, drop_blow, move_blows
+  public :: add_missing_blows, drop_blows, drop_gradual_blows, move_blows
 
   integer, parameter :: most_lines = 8           !! the strongest, which locate a blow
   integer, parameter :: enough = 2**21           !! tuned: numbers that are enough to locate a blow of known poles
   integer, parameter :: most_blows = 32
-  integer, parameter, public :: fewest = 16              !! fewest samples between blows
-  integer, parameter :: near = 64                !! samples by which a blow may be wrong if found from prediction errors
-  real(dp), parameter :: most_carried = 30       !! largest logarithm of an amplitude's change between samples
+  integer, parameter :: fewest = 16              !! fewest samples between blows
+  integer, parameter, public :: near = 64        !! samples by which a blow may be wrong if found from prediction errors
+  real(dp), parameter :: comparable = 0.5_dp     !! of the strongest missing blow's gain: such blows are added together
   real(dp), parameter :: worth = 1               !! fall of −2 ln L for which a blow is moved
 
 contains
 
-  subroutine move_blows(samples, false_alarm, model, changed)
-    !! Drop and move blows; afterwards the model has to be renewed and refitted.
+  subroutine move_blows(samples, model, changed)
+    !! Move blows; afterwards the model has to be renewed and refitted.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! number of moves
     real(dp), allocatable :: residual(:, :), white(:, :)
     integer, allocatable :: chosen(:)
     integer :: b, best, first
     changed = 0
-    if (allocated(samples%place)) return         ! at uneven times there is no prediction from sample to sample
-    call drop_blows(samples, false_alarm, model, changed)
-    if (all(model%lines%steady)) return
+    if (all(model%lines%steady) .or. allocated(samples%place)) return  ! uneven samples do not predict each other
     chosen = locating_components(samples, model)
     allocate (residual(samples%count, size(chosen)), white(0, 0))
     do b = 1, ubound(model%stretches, 2)
@@ -48,36 +46,36 @@ contains
       call shift_blow(model, b, model%stretches(1, b) + best)
       changed = changed + 1
     end do
+    do b = ubound(model%stretches, 2) - 1, 1, -1
+      if (model%stretches(2, b) < model%stretches(1, b)) call drop_blow(model, b)  ! the next was moved to the same sample
+    end do
   end subroutine move_blows
 
-  subroutine drop_blows(samples, false_alarm, model, dropped)
-    !! Drop blows that add no significant motion with the poles found; one is kept. What the added motion gains over amplitudes that
-    !! do not change is less, as these would be fitted to both stretches.
+  subroutine drop_blows(samples, false_alarm, early, model, dropped)
+    !! Drop blows that add no significant motion with the poles found; one is kept.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
+    integer, intent(in) :: early                 !! samples by which the next blow may come earlier
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
     real(dp), allocatable :: residual(:, :), white(:, :), gain(:)
     integer, allocatable :: chosen(:)
     integer :: b, n
     dropped = 0
-    if (all(model%lines%steady) .or. ubound(model%stretches, 2) == 1) return
+    if (all(model%lines%steady) .or. ubound(model%stretches, 2) == 1 .or. allocated(samples%place)) return
     chosen = locating_components(samples, model)
     allocate (residual(samples%count, size(chosen)), white(0, 0), gain(0))
     call find_residual(samples, model, chosen, residual)
     b = 1
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
-      if (model%stretches(2, b) >= model%stretches(1, b)) then   ! otherwise the next blow was moved to the same sample
-        white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
-        white = white + added_motion(model, chosen, b, 0, size(white, 1))
-        call detrend([(1.0_dp, n=1, size(white, 1))], white)  ! an offset may have been fitted instead of a slow motion
-        n = size(white, 1)                         ! the next blow may come earlier
-        if (b < ubound(model%stretches, 2)) white = white(:max((n + 1)/2, n - near), :)
-        gain = gains_from(strongest(model, b), white)*share_before(model, b)
-        b = b + 1
-        if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
-        b = b - 1
-      end if
+      white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
+      white = white + added_motion(model, chosen, b, 0, size(white, 1))
+      n = size(white, 1)
+      if (b < ubound(model%stretches, 2)) white = white(:max((n + 1)/2, n - early), :)
+      gain = gains_from(strongest(model, b), white)
+      b = b + 1
+      if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
+      b = b - 1
       call drop_blow(model, b)
       call find_residual(samples, model, chosen, residual)
       dropped = dropped + 1
@@ -94,8 +92,8 @@ contains
   end function penalty_of_blow
 
   subroutine add_missing_blows(samples, false_alarm, from, model, added)
-    !! Divide stretches by blows where new motion with the poles gains more than the penalty. The amplitudes before such a blow
-    !! change, too, as they were fitted to the whole stretch.
+    !! Divide stretches by blows where new motion with the poles gains more than the penalty, beginning with the strongest. The
+    !! amplitudes before such a blow change, too, as they were fitted to the whole stretch.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: from                  !! first stretch to search; 0 is before any blow
@@ -103,15 +101,15 @@ contains
     integer, intent(out) :: added
     real(dp), allocatable :: residual(:, :), white(:, :), gain(:)
     integer, allocatable :: chosen(:)
-    real(dp) :: penalty
-    integer :: b
+    real(dp) :: most(0:ubound(model%stretches, 2))   !! that a blow within each stretch gains
+    integer :: at(0:ubound(most, 1)), b
     added = 0
     if (all(model%lines%steady) .or. allocated(samples%place)) return
     chosen = locating_components(samples, model)
     allocate (residual(samples%count, size(chosen)), white(0, 0), gain(0))
     call find_residual(samples, model, chosen, residual)
-    penalty = penalty_of_blow(samples, false_alarm, model, size(chosen))
-    do b = min(most_blows, ubound(model%stretches, 2)), from, -1
+    most = 0
+    do b = from, min(most_blows, ubound(most, 1))
       if (model%stretches(2, b) < model%stretches(1, b)) cycle
       white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
       gain = gains_from(strongest(model, b), white)
@@ -119,38 +117,43 @@ contains
         gain = gain + gains_before(strongest(model, b), white)
         gain(:min(fewest, size(gain))) = 0
       end if
-      if (maxval(gain) < penalty) cycle
-      if (b > 0) then
-        if (.not. is_sudden(strongest(model, b), white, maxloc(gain, dim=1), penalty)) cycle
-      end if
-      call add_blow(model, b, model%stretches(1, b) + maxloc(gain, dim=1) - 1)
+      most(b) = maxval(gain)
+      at(b) = model%stretches(1, b) + maxloc(gain, dim=1) - 1
+    end do
+    do b = ubound(most, 1), from, -1
+      if (most(b) < max(penalty_of_blow(samples, false_alarm, model, size(chosen)), comparable*maxval(most))) cycle
+      call add_blow(model, b, at(b))
       added = added + 1
     end do
   end subroutine add_missing_blows
 
-  pure real(dp) function share_before(model, b) result(share)
-    !! The part of the energy of the lines from blow b − 1 on that comes before blow b, if they lived to the end of stretch b; 1 for
-    !! the first blow.
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: b
-    real(dp) :: energy(2), steps(2)              !! up to blow b, and in all
-    integer :: k
-    share = 1
-    if (b < 2) return
-    energy = 0
-    steps = model%stretches([1, 2], b) - model%stretches(1, b - 1) + [0, 1]
-    do k = 1, size(model%lines)
-      associate (line => model%lines(k), white => white_amplitude(model%noise, model%lines(k)))
-        if (line%steady) cycle
-        if (abs(line%pole%re)*steps(2) > 1.0e-6_dp) then
-          energy = energy + sum(abs(white(:, b))**2)*(1 - exp(2*line%pole%re*steps))/(1 - exp(2*line%pole%re))
-        else
-          energy = energy + sum(abs(white(:, b))**2)*steps
-        end if
-      end associate
+  subroutine drop_gradual_blows(samples, false_alarm, before, model)
+    !! Move new blows to where the lines fitted with them place them, and drop those at which the amplitudes change gradually.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    integer, intent(in) :: before(:)             !! samples of the blows that were there before
+    type(model_type), intent(inout) :: model
+    real(dp), allocatable :: residual(:, :), white(:, :), motion(:, :)
+    integer, allocatable :: chosen(:)
+    integer :: b, first, n, shift
+    chosen = locating_components(samples, model)
+    allocate (residual(samples%count, size(chosen)), white(0, 0), motion(0, 0))
+    do b = ubound(model%stretches, 2), 2, -1
+      first = model%stretches(1, b - 1)
+      if (any(before == model%stretches(1, b)) .or. model%stretches(2, b - 1) < first) cycle
+      call find_residual(samples, model, chosen, residual)
+      white = white_values(samples, model, chosen, residual, b, first)
+      motion = added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1))
+      n = model%stretches(1, b) - first + 1      ! the blow's sample among these
+      shift = best_shift(white, motion, n)
+      white(n:, :) = white(n:, :) + motion(n:, :)  ! as if the motion before continued
+      if (is_sudden(strongest(model, b), white, n + shift, penalty_of_blow(samples, false_alarm, model, size(chosen)))) then
+        if (shift /= 0) call shift_blow(model, b, model%stretches(1, b) + shift)
+      else
+        call drop_blow(model, b)
+      end if
     end do
-    if (energy(2) > 0) share = energy(1)/energy(2)
-  end function share_before
+  end subroutine drop_gradual_blows
 
   pure function locating_components(samples, model) result(chosen)
     !! The components of the noise in which the lines are strongest, as many as are enough to locate blows.
@@ -282,25 +285,6 @@ contains
     end do
   end function best_shift
 
-  pure function continued(model, line, b) result(amplitude)
-    !! The amplitudes that the motion before blow b would have had at its first sample, (S).
-    type(model_type), intent(in) :: model
-    type(line_type), intent(in) :: line
-    integer, intent(in) :: b
-    complex(dp) :: amplitude(size(line%amplitude, 1))
-    real(dp) :: m
-    amplitude = 0
-    if (b < 2) return
-    m = model%stretches(1, b) - model%stretches(1, b - 1)
-    amplitude = line%amplitude(:, b)*propagated(line%pole*m + bend_of(line, m))
-  end function continued
-
-  elemental complex(dp) function propagated(exponent)
-    !! The factor of an amplitude from one sample to another, limited in size.
-    complex(dp), intent(in) :: exponent
-    propagated = exp(cmplx(max(-most_carried, min(most_carried, exponent%re)), exponent%im, dp))
-  end function propagated
-
   pure function strongest(model, b) result(poles)
     !! The poles of the lines with most energy in a stretch.
     type(model_type), intent(in) :: model
@@ -316,69 +300,5 @@ contains
     end do
     poles = pack(model%lines%pole, [(energy(k) >= 0 .and. count(energy > energy(k)) < most_lines, k=1, size(energy))])
   end function strongest
-
-  pure subroutine drop_blow(model, b)
-    !! Join a stretch with the one before, whose lines continue unless it is empty.
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: b
-    integer :: k, i, others(ubound(model%stretches, 2))
-    if (model%stretches(2, b - 1) < model%stretches(1, b - 1)) then
-      do k = 1, size(model%lines)
-        model%lines(k)%amplitude(:, b) = model%lines(k)%amplitude(:, b + 1)
-      end do
-    end if
-    others = [(i, i=0, b - 1), (i, i=b + 1, ubound(model%stretches, 2))]
-    model%stretches(2, b - 1) = model%stretches(2, b)
-    call choose(model, others)
-    do k = 1, size(model%lines)
-      model%lines(k)%amplitude = model%lines(k)%amplitude(:, others + 1)
-    end do
-  end subroutine drop_blow
-
-  pure subroutine choose(model, others)
-    !! Keep only these stretches.
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: others(0:)
-    integer :: stretches(2, 0:ubound(others, 1))
-    stretches = model%stretches(:, others)
-    deallocate (model%stretches, model%trend)
-    allocate (model%stretches(2, 0:ubound(stretches, 2)), source=stretches)
-    allocate (model%trend(2, size(model%white, 2), 0:ubound(stretches, 2)), source=0.0_dp)
-  end subroutine choose
-
-  pure subroutine shift_blow(model, b, first)
-    !! Move a blow to a sample, and its amplitudes with it.
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: b, first
-    real(dp) :: m
-    integer :: k
-    m = first - model%stretches(1, b)
-    model%stretches(1, b) = first
-    model%stretches(2, b - 1) = first - 1
-    do k = 1, size(model%lines)
-      associate (line => model%lines(k))
-        line%amplitude(:, b + 1) = line%amplitude(:, b + 1)*propagated(line%pole*m)
-      end associate
-    end do
-  end subroutine shift_blow
-
-  pure subroutine add_blow(model, b, first)
-    !! Divide a stretch at a sample.
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: b, first
-    integer :: k, i, last
-    real(dp) :: m
-    last = model%stretches(2, b)
-    m = first - model%stretches(1, b)
-    do k = 1, size(model%lines)
-      associate (line => model%lines(k))
-        line%amplitude = line%amplitude(:, [(i, i=1, b + 1), b + 1, (i, i=b + 2, size(line%amplitude, 2))])
-        line%amplitude(:, b + 2) = line%amplitude(:, b + 1)*propagated(line%pole*m + bend_of(line, m))
-      end associate
-    end do
-    call choose(model, [(i, i=0, b), b, (i, i=b + 1, ubound(model%stretches, 2))])
-    model%stretches(2, b) = first - 1
-    model%stretches(:, b + 1) = [first, last]
-  end subroutine add_blow
 
 end module bw_blow_moves

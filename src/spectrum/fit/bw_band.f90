@@ -29,6 +29,7 @@ module bw_band
     integer :: stretch = 0
     integer :: first = 1                     !! first sample
     integer :: used = 0                      !! number of samples
+    integer :: length = 0                    !! number of samples with rows in the stretch, used or not
     integer :: sensors(2) = 1                !! first and last
     type(missing_type) :: missing            !! missing samples that enter the rows
     integer, allocatable :: block(:)         !! the last block that each of them enters
@@ -116,6 +117,7 @@ contains
           part%stretch = b
           part%first = stretches(1, b)
           part%used = used(b)
+          part%length = stretches(2, b) - stretches(1, b) + 1
           part%sensors = k + [0, size(noise%order) - shares(b)]
           part%missing = missing_among(missing, part%first, part%used, noise%filter(:noise%order(k), k))
           if (present(place)) part%place = place(part%first:part%first + part%used - 1) - place(part%first)

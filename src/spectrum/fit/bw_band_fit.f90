@@ -4,7 +4,7 @@ module bw_band_fit
   use bw_band, only: band_type, enough_for, holds, line_columns, trend_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
-  use bw_line, only: highest, line_type, pole_at, psi
+  use bw_line, only: has_trend, highest, line_type, pole_at, psi
   use bw_line_projection, only: find_step, project, projected_type
   implicit none (type, external)
   private
@@ -138,7 +138,10 @@ contains
           end do
           deallocate (columns)
         end do
-        if (with_trend) matrix(:, n - 1:n) = trend_columns(band, part)
+        if (with_trend) then
+          matrix(:, n - 1:n) = 0
+          if (has_trend(lines, nint(band%longest), part%length)) matrix(:, n - 1:n) = trend_columns(band, part)
+        end if
         call project(matrix, part%rows, n, own)
         deallocate (matrix)
       end associate

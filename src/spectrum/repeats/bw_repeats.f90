@@ -1,7 +1,7 @@
 module bw_repeats
   !! Repeats of one measurement: the lines that they share, and the scatter of frequencies and decay rates.
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: is_missing
   use bw_order, only: ascending
   use bw_random_effects, only: middle_of, pooled_number, pooled_value
   implicit none (type, external)

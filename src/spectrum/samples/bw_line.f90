@@ -4,10 +4,11 @@ module bw_line
   !! Sensor s moves as Re A_s e^(zm + Σκψ(m)), m steps after a blow. The pole z = −δ + iω is that at the blow. A mode that drifts
   !! has courses: ψ(m) = 2(m − (1 − e^(−gm))/g)/g is m² at first, and its slope levels off after 1/g steps, so that the pole moves
   !! from z to z + 2κ/g. With g = 2δ the frequency follows the square of the amplitude.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: bend_of, find_wave, later, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
+  public :: bend_of, find_wave, has_trend, later, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
 
   integer, parameter :: table = 64            !! samples between two exponentials that are computed directly
   real(dp), parameter, public :: highest = 250        !! of exponents; the exponential squared, times powers of time, is finite
@@ -26,6 +27,15 @@ module bw_line
   end type line_type
 
 contains
+
+  pure logical function has_trend(lines, longest, count)
+    !! Whether a stretch has an offset and a slope of its own: not if a line that has a period in the longest stretch has none in
+    !! this one, from which a trend does not tell it.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: longest               !! samples in the longest stretch
+    integer, intent(in) :: count                 !! samples in this one
+    has_trend = .not. any(lines%pole%im*longest >= 2*pi .and. lines%pole%im*count < 2*pi)
+  end function has_trend
 
   elemental real(dp) function psi(rate, m)
     !! The function ψ(m) of a course.

@@ -33,7 +33,8 @@ contains
     integer :: k
     cost = model%noise%cost + size(model%lines)*penalty_of_line(samples, false_alarm, model) &
       & + sum([(size(model%lines(k)%courses), k=1, size(model%lines))])*penalty_of_course(false_alarm) &
-      & + count(model%lines%steady)*penalty_of_tone(samples, false_alarm)
+      & + count(model%lines%steady)*penalty_of_tone(samples, false_alarm) &
+      & + (ubound(model%stretches, 2) - 1)*chi_squared(false_alarm/samples%count, 2)  ! the places of further blows
   end function cost_of_all
 
   pure real(dp) function order_price(samples)

@@ -4,7 +4,7 @@ module bw_line_moves
   use bw_band, only: enough_for
   use bw_band_fit, only: most_growth
   use bw_constants, only: pi
-  use bw_cost, only: order_price, penalty_of_course, penalty_of_line, penalty_of_tone
+  use bw_cost, only: penalty_of_course, penalty_of_line, penalty_of_tone
   use bw_decay_bank, only: decay_candidate, edge, find_candidates
   use bw_kinds, only: dp
   use bw_line, only: course_type, line_type, pole_at
@@ -14,7 +14,6 @@ module bw_line_moves
   use bw_order, only: ascending
   use bw_penalty, only: chi_squared
   use bw_refit, only: accept, all_steps, is_broken, near, overlaps, refit, refit_type, span_of_model, trial_steps
-  use bw_renewal, only: renew
   use bw_samples, only: samples_type
   implicit none (type, external)
   private

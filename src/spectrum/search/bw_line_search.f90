@@ -3,10 +3,10 @@ module bw_line_search
   !!
   !! J = −2 ln L of the prediction errors + the penalty of each unknown. Moves add a line where the bank of decays shows one, or a
   !! course to a line; renew the noise; move, add and drop blows; and drop what gains less than its penalty. The search ends when no
-  !! move lowers J. This module has the order of the moves; `bw_line_moves`, `bw_line_drops` and `bw_blow_moves` have the moves.
+  !! move lowers J. This module has the order of the moves; `bw_line_moves`, `bw_line_drops` and `bw_blow_trials` have the moves.
   use bw_band, only: enough_for
   use bw_band_fit, only: converged
-  use bw_blow_moves, only: add_missing_blows, drop_blow, fewest, move_blows
+  use bw_blow_trials, only: try_missing_blows, try_moved_blows
   use bw_blows, only: find_blows
   use bw_cost, only: akaike, cost_beside_noise, cost_of_all, order_price
   use bw_kinds, only: dp
@@ -21,6 +21,8 @@ module bw_line_search
   use bw_refit, only: all_steps, negligible_gain, refit_all, trial_steps
   use bw_renewal, only: renew
   use bw_samples, only: samples_type
+  use bw_search_state, only: go_back, keep_best, keep_if_cheaper, state_of, state_type
+  use bw_stretches, only: drop_blow
   implicit none (type, external)
   private
   public :: find_lines, line_outcome
@@ -30,15 +32,6 @@ module bw_line_search
   integer, parameter :: most_in_vain = 1          !! tuned: rounds in which J does not fall
   real(dp), parameter :: first_lines = 0.6_dp     !! fraction of the time
   real(dp), parameter :: least_share = 0.3_dp     !! of the usual gain; chosen: driven beams have 0.25, free decays 0.5 and more
-
-  type :: state_type
-    !! The state of a model, to which the search may return.
-    type(line_type), allocatable :: lines(:)
-    integer, allocatable :: stretches(:, :)      !! (2, 0:B)
-    real(dp), allocatable :: trend(:, :, :)      !! (2, S, 0:B)
-    real(dp) :: cost = huge(1.0_dp)              !! J
-    real(dp) :: beside_noise = huge(1.0_dp)      !! J as it is compared with that of noise alone
-  end type state_type
 
 contains
 
@@ -108,13 +101,13 @@ contains
       if (present(monitor)) call monitor%advance(first_lines + (1 - first_lines)*round/(most_rounds + 2))
       call refit_all(all_steps, negligible_gain, model)
       call renew(samples, order_price(samples), .false., model)
-      call try_blows(samples, false_alarm, model, moved, .false.)
+      call try_moved_blows(samples, false_alarm, .false., model, moved)
       call try_tones(samples, false_alarm, model, changed)
       moved = moved + changed
       call judge_moves()
       call add_lines(changed)
       changed = changed + moved
-      call try_blows(samples, false_alarm, model, moved, .true.)
+      call try_missing_blows(samples, false_alarm, 0, model, moved)
       changed = changed + moved
       call judge_moves()
       if (size(model%lines) == 0) exit
@@ -204,12 +197,7 @@ contains
       if (added > 0) call renew(samples, order_price(samples), .true., model)
       call judge_steady(samples, false_alarm, model, steady)
       if (steady > 0) call refit_all(trial_steps, negligible_gain, model)
-      moved = 0
-      if (.not. allocated(samples%blow)) call move_blows(samples, false_alarm, model, moved)
-      if (moved > 0) then
-        call renew(samples, order_price(samples), .true., model)
-        call refit_all(trial_steps, negligible_gain, model)
-      end if
+      call try_moved_blows(samples, false_alarm, .true., model, moved)
       last = best%cost
       call keep_best(samples, false_alarm, model, best)
       in_vain = merge(0, in_vain + 1, best%cost < last)
@@ -255,16 +243,12 @@ contains
       call refit_all(trial_steps, negligible_gain, model)
       with_lines = state_of(samples, false_alarm, model)
       model%lines = before
-      call renew(samples, order_price(samples), .false., model)
       more = 0
       do
-        call add_missing_blows(samples, false_alarm, 1, model, blows)
-        if (blows == 0) exit
+        call try_missing_blows(samples, false_alarm, 1, model, blows)
+        if (blows < 1) exit
         more = more + blows
         if (stops(monitor)) return
-        call renew(samples, order_price(samples), .false., model)
-        call refit_all(trial_steps, negligible_gain, model)
-        call renew(samples, order_price(samples), .false., model)
       end do
       if (more > 0 .and. cost_of_all(samples, false_alarm, model) < with_lines%cost) then
         added = more
@@ -274,33 +258,6 @@ contains
     end subroutine add_lines_or_blows
 
   end subroutine add_first_lines
-
-  subroutine try_blows(samples, false_alarm, model, moved, missing)
-    !! Drop and move blows, or add missing ones, if that lowers J after a refit of the lines.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(model_type), intent(inout) :: model
-    integer, intent(out) :: moved                !! number of blows
-    logical, intent(in) :: missing               !! add blows; otherwise they are dropped and moved
-    type(state_type) :: before
-    logical :: short_lived(size(model%lines))
-    moved = 0
-    if (allocated(samples%blow)) return
-    before = state_of(samples, false_alarm, model)
-    if (missing) then
-      call add_missing_blows(samples, false_alarm, 0, model, moved)
-    else
-      call move_blows(samples, false_alarm, model, moved)
-      short_lived = -model%lines%pole%re*fewest > 1
-      if (moved == 0 .and. any(short_lived)) then  ! such a line may represent a blow at another sample
-        model%lines = pack(model%lines, .not. short_lived)
-        call renew(samples, order_price(samples), .false., model)
-        call move_blows(samples, false_alarm, model, moved)
-        if (moved == 0) call go_back(samples, before, model)
-      end if
-    end if
-    if (moved > 0) call keep_if_cheaper(samples, false_alarm, before, model, moved)
-  end subroutine try_blows
 
   subroutine try_tones(samples, false_alarm, model, changed)
     !! Turn lines that hardly decay into tones that were there before the first blow, if that lowers J. A record that begins within
@@ -349,56 +306,5 @@ contains
       power = power + abs(sum(wave*x))**2/max(sum(x**2), tiny(1.0_dp))
     end do
   end function tone_power
-
-  function state_of(samples, false_alarm, model) result(state)
-    !! The state of a model, with J.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(model_type), intent(inout) :: model     !! renewed
-    type(state_type) :: state
-    call renew(samples, order_price(samples), .false., model)
-    state%cost = cost_of_all(samples, false_alarm, model)
-    state%beside_noise = cost_beside_noise(samples, false_alarm, model)
-    allocate (state%lines, source=model%lines)
-    allocate (state%stretches(2, 0:ubound(model%stretches, 2)), source=model%stretches)
-    allocate (state%trend(2, size(model%trend, 2), 0:ubound(model%stretches, 2)), source=model%trend)
-  end function state_of
-
-  subroutine keep_if_cheaper(samples, false_alarm, before, model, moved)
-    !! Refit the lines of a model, and return to the state before if that has the lower J.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(state_type), intent(inout) :: before
-    type(model_type), intent(inout) :: model
-    integer, intent(inout) :: moved              !! number of changes; 0 if the model returns
-    call renew(samples, order_price(samples), .false., model)
-    call refit_all(trial_steps, negligible_gain, model)
-    call renew(samples, order_price(samples), .false., model)
-    if (cost_of_all(samples, false_alarm, model) < before%cost) return
-    moved = 0
-    call go_back(samples, before, model)
-  end subroutine keep_if_cheaper
-
-  subroutine keep_best(samples, false_alarm, model, best)
-    !! Keep the state of least J.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(model_type), intent(inout) :: model     !! is renewed
-    type(state_type), intent(inout) :: best
-    call renew(samples, order_price(samples), .false., model)
-    if (cost_of_all(samples, false_alarm, model) < best%cost) best = state_of(samples, false_alarm, model)
-  end subroutine keep_best
-
-  subroutine go_back(samples, before, model)
-    !! Return a model to a state that it had before.
-    type(samples_type), intent(in) :: samples
-    type(state_type), intent(in) :: before
-    type(model_type), intent(inout) :: model
-    deallocate (model%lines, model%stretches, model%trend)
-    allocate (model%lines, source=before%lines)
-    allocate (model%stretches(2, 0:ubound(before%stretches, 2)), source=before%stretches)
-    allocate (model%trend(2, size(before%trend, 2), 0:ubound(before%stretches, 2)), source=before%trend)
-    call renew(samples, order_price(samples), .false., model)
-  end subroutine go_back
 
 end module bw_line_search

@@ -8,12 +8,12 @@ module bw_model
   use bw_lapack, only: ddot, dgemm
   use bw_line, only: find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
-  use bw_noise, only: mixed_amplitude, noise_type, squares_at_end, white_amplitude, whiten
+  use bw_noise, only: noise_type, white_amplitude
   use bw_samples, only: place_of, samples_type
   implicit none (type, external)
   private
-  public :: add_lines, at_sensors, clear_invalid, colour_at, exchange_lines, find_misfit, find_residual, rows_of_stretches, &
-    & steps_between, subtract_missing, white_lines
+  public :: add_lines, at_sensors, clear_invalid, colour_at, find_misfit, find_residual, rows_of_stretches, steps_between, &
+    & subtract_missing, white_lines
 
   real(dp), parameter :: negligible = 40         !! e-folds after which a line is negligible
   integer, parameter, public :: chunk = 2048     !! rows handled at once
@@ -63,102 +63,6 @@ contains
       white(k)%amplitude = white_amplitude(model%noise, lines(k))
     end do
   end function white_lines
-
-  pure subroutine exchange_lines(model, old, new, fall)
-    !! Add some lines to the residual, and subtract others.
-    type(model_type), intent(inout) :: model
-    type(line_type), intent(in) :: old(:), new(:)
-    real(dp), intent(out) :: fall                !! of −2 ln L at a fixed noise level
-    type(line_type) :: lines(size(old) + size(new))
-    logical :: drifts(size(lines))
-    real(dp) :: before
-    integer :: k
-    lines = [old, new]
-    do k = size(old) + 1, size(lines)
-      lines(k)%amplitude = -lines(k)%amplitude
-    end do
-    drifts = [(size(lines(k)%courses) > 0, k=1, size(lines))]
-    before = squares_at_ends(model)
-    if (any(drifts) .or. size(model%missing) > 0) before = before + sum(model%white**2)
-    call add_to_ends(model, lines)
-    if (any(drifts)) call add_drifting_lines(model, pack(lines, drifts))
-    call add_lines(rows_of_stretches(model), white_lines(model, pack(lines, .not. drifts)), 1.0_dp, model%white, model%place, fall)
-    if (size(model%missing) > 0) call subtract_missing(model)
-    if (any(drifts) .or. size(model%missing) > 0) fall = -sum(model%white**2)
-    fall = fall + before - squares_at_ends(model)
-  end subroutine exchange_lines
-
-  pure subroutine add_drifting_lines(model, lines)
-    !! Add the prediction errors of lines whose factor H changes along the record, to white samples.
-    type(model_type), intent(inout) :: model
-    type(line_type), intent(in) :: lines(:)
-    type(line_type) :: mixed(size(lines))
-    real(dp) :: motion(size(model%white, 1), 1)
-    integer :: k, c, b
-    mixed = lines
-    do k = 1, size(lines)
-      mixed(k)%amplitude = mixed_amplitude(model%noise, lines(k)%amplitude)
-    end do
-    do c = 1, size(model%white, 2)
-      motion = 0
-      call add_lines(model%stretches, at_sensors(mixed, [c]), 1.0_dp, motion, model%place)
-      do b = 1, ubound(model%stretches, 2)
-        associate (first => model%stretches(1, b), last => model%stretches(2, b))
-          if (last < first) cycle
-          call whiten(model%noise%filter(:model%noise%order(c), c), motion(first:last, 1))
-          motion(max(first, last - model%noise%lost + 1):last, 1) = 0
-          model%white(first:last, c) = model%white(first:last, c) + motion(first:last, 1)
-        end associate
-      end do
-    end do
-  end subroutine add_drifting_lines
-
-  pure real(dp) function squares_at_ends(model) result(squares)
-    !! The sum of squared prediction errors of all samples without a row.
-    type(model_type), intent(in) :: model
-    integer :: b
-    squares = 0
-    do b = 0, ubound(model%stretches, 2)
-      associate (n => model%stretches(2, b) - model%stretches(1, b) + 1, lost => model%noise%lost)
-        squares = squares + squares_at_end(model%noise, model%last_values(max(1, lost - n + 1):, :, b))
-      end associate
-    end do
-  end function squares_at_ends
-
-  pure subroutine add_to_ends(model, lines)
-    !! Add lines to the residual of the last samples of each stretch.
-    type(model_type), intent(inout) :: model
-    type(line_type), intent(in) :: lines(:)
-    complex(dp) :: wave(model%noise%lost)
-    integer :: k, c, b, first
-    if (model%noise%lost == 0) return
-    do k = 1, size(lines)
-      associate (amplitude => mixed_amplitude(model%noise, lines(k)%amplitude))
-        do b = merge(0, 1, lines(k)%steady), ubound(model%stretches, 2)
-          first = max(1, model%noise%lost - (model%stretches(2, b) - model%stretches(1, b)))
-          call find_wave(lines(k), real(model%stretches(2, b) - model%stretches(1, b) + first - model%noise%lost, dp), &
-            & wave=wave(first:))
-          do c = 1, size(amplitude, 1)
-            model%last_values(first:, c, b) = model%last_values(first:, c, b) + real(amplitude(c, b + 1)*wave(first:), dp)
-          end do
-        end do
-      end associate
-    end do
-    if (size(model%missing) > 0) call clear_ends(model)
-  end subroutine add_to_ends
-
-  pure subroutine clear_ends(model)
-    !! Set missing samples to 0 there.
-    type(model_type), intent(inout) :: model
-    integer :: b, i
-    do b = 0, ubound(model%stretches, 2)
-      do i = 1, size(model%missing)
-        associate (n => model%missing(i) - model%stretches(2, b) + model%noise%lost)
-          if (n > 0 .and. n <= model%noise%lost) model%last_values(n, :, b) = 0
-        end associate
-      end do
-    end do
-  end subroutine clear_ends
 
   pure real(dp) function steps_between(model, first, last)
     !! The length of a part of the record, in steps.

@@ -3,9 +3,10 @@ module bw_refit
   use bw_band, only: add_to_band, band_around, band_type, fill_rows
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_constants, only: pi
+  use bw_exchange, only: exchange_lines
   use bw_kinds, only: dp
   use bw_line, only: line_type
-  use bw_model, only: exchange_lines, model_type, rows_of_stretches, steps_between, white_lines
+  use bw_model, only: model_type, rows_of_stretches, steps_between, white_lines
   use bw_noise, only: amplitude_of
   implicit none (type, external)
   private
@@ -14,16 +15,17 @@ module bw_refit
   real(dp), parameter :: unlike = 1/37.0_dp      !! tuned: squared scalar product of two lines that are not fitted together
   real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
   integer, parameter :: most_sweeps = 6
-  integer, parameter :: most_together = 8        !! tuned: lines of a chain fitted at once; of a longer one each with its neighbours
+  integer, parameter, public :: most_together = 8        !! tuned: lines of a chain fitted at once; of a longer one each with its neighbours
   integer, parameter :: trial_steps = 5, all_steps = 10   !! of a trial fit, and of a final one
   real(dp), parameter :: negligible_gain = 1      !! fall of −2 ln L that is expected of another fit, below which lines rest
-  real(dp), parameter :: low = 24                !! periods in the longest stretch; slower lines are fitted with a trend
+  real(dp), parameter :: low = 24                !! periods in the shortest stretch; slower lines are fitted with a trend
 
   type, public :: refit_type
     !! Lines that replace others.
     logical, allocatable :: old(:)               !! the lines of the model that they replace
     type(line_type), allocatable :: lines(:)
     type(reduced_type), allocatable :: reduced(:)
+    logical :: with_trend = .false.              !! offset and slope of the stretches were fitted with them
     real(dp) :: gain = 0                         !! decrease of the squares in the band
   end type refit_type
 
@@ -35,6 +37,18 @@ contains
     integer :: b
     span_of_model = maxval([(steps_between(model, model%stretches(1, b), model%stretches(2, b)), b=0, ubound(model%stretches, 2))])
   end function span_of_model
+
+  pure real(dp) function shortest_span(model) result(span)
+    !! The length of the shortest stretch that has lines, in steps: there they overlap most.
+    type(model_type), intent(in) :: model
+    integer :: b
+    span = span_of_model(model)
+    do b = merge(0, 1, any(model%lines%steady)), ubound(model%stretches, 2)
+      associate (own_span => steps_between(model, model%stretches(1, b), model%stretches(2, b)))
+        if (own_span > 1) span = min(span, own_span)
+      end associate
+    end do
+  end function shortest_span
 
   elemental logical function overlaps(pole, other, span)
     !! Whether two lines are fitted together: if they are equally damped, within 6 times the sum of their decay rates, and within
@@ -53,19 +67,36 @@ contains
     likeness = 4*product(rate)/(sum(rate)**2 + (pole%im - other%im)**2)
   end function likeness
 
-  pure function near(model, pole) result(are)
+  pure function near(model, pole, span) result(are)
     !! The lines that overlap with one at a pole; tones also with tones before the first blow.
     type(model_type), intent(in) :: model
     complex(dp), intent(in) :: pole
+    real(dp), intent(in), optional :: span       !! of the stretch, in steps; the longest one if absent
     logical :: are(size(model%lines))
     integer :: k
-    are = overlaps(model%lines%pole, pole, span_of_model(model))
+    if (present(span)) then
+      are = overlaps(model%lines%pole, pole, span)
+    else
+      are = overlaps(model%lines%pole, pole, span_of_model(model))
+    end if
     associate (before => steps_between(model, model%stretches(1, 0), model%stretches(2, 0)))
       if (before > 1 .and. any(model%lines%steady .and. abs(model%lines%pole - pole) <= 0)) &
         & are = are .or. (model%lines%steady .and. overlaps(model%lines%pole, pole, max(1.0_dp, before)))
     end associate
     are = are .or. [(is_broken(model, model%lines(k)%pole%re, real(pole, dp)), k=1, size(are))]
   end function near
+
+  pure function nearest_lines(model, pole, span) result(are)
+    !! The lines that overlap most with one at a pole.
+    type(model_type), intent(in) :: model
+    complex(dp), intent(in) :: pole
+    real(dp), intent(in) :: span
+    logical :: are(size(model%lines))
+    real(dp) :: alike(size(model%lines))
+    integer :: k
+    alike = likeness(model%lines%pole, pole, span)
+    are = near(model, pole, span) .and. [(count(alike > alike(k)) < most_together, k=1, size(are))]
+  end function nearest_lines
 
   pure logical function is_broken(model, rate, other)
     !! Whether so much of two lines' lives is missing that one appears at the frequency of the other, as with clipped crests. Since
@@ -98,7 +129,6 @@ contains
     type(line_type), allocatable :: white(:)
     type(band_type) :: band
     real(dp) :: before
-    logical :: with_trend
     integer :: p, k, rows(2, 0:ubound(model%stretches, 2)), stretches
     rows = rows_of_stretches(model)
     if (present(window)) rows(2, :) = min(rows(2, :), rows(1, :) + window - 1)
@@ -110,8 +140,8 @@ contains
     call fill_rows(model%white, band)
     before = sum([(sum(band%part(p)%rows**2), p=1, size(band%part))])
     call add_to_band(white, band)
-    with_trend = minval(start%pole%im)*span_of_model(model) < 2*pi*low
-    call fit_band(band, with_trend, most_steps, found%lines, found%reduced, least=least)
+    found%with_trend = minval(start%pole%im)*shortest_span(model) < 2*pi*low
+    call fit_band(band, found%with_trend, most_steps, found%lines, found%reduced, least=least)
     found%gain = before - squares_left(found%reduced)
     do k = 1, size(start)
       found%lines(k)%amplitude = amplitude_of(model%noise, found%lines(k)%pole, &
@@ -131,12 +161,12 @@ contains
     type(line_type), allocatable :: old(:)
     real(dp) :: back
     old = pack(model%lines, found%old)
-    call exchange_lines(model, old, found%lines, gain)
+    call exchange_lines(model, old, found%lines, found%with_trend, gain)
     if (gain > need) then
       model%lines = [pack(model%lines, .not. found%old), found%lines]
       if (.not. abs(gain) > 0) gain = tiny(gain)   ! accepted nevertheless
     else
-      call exchange_lines(model, found%lines, old, back)
+      call exchange_lines(model, found%lines, old, found%with_trend, back)
       gain = 0
     end if
   end subroutine accept
@@ -151,20 +181,15 @@ contains
     logical :: done(size(model%lines)), own(size(model%lines))
     type(refit_type) :: found
     real(dp) :: gain, span
-    integer :: sweep, first, k, b
-    span = span_of_model(model)
-    do b = merge(0, 1, any(model%lines%steady)), ubound(model%stretches, 2)   ! lines overlap more in a shorter stretch
-      associate (own_span => steps_between(model, model%stretches(1, b), model%stretches(2, b)))
-        if (own_span > 1) span = min(span, own_span)
-      end associate
-    end do
+    integer :: sweep, first, k
+    span = shortest_span(model)
     due = huge(1.0_dp)
     do sweep = 1, most_sweeps
       done = .not. due > rest
       do while (.not. all(done))
         first = findloc(done, .false., dim=1)
-        own = cluster_of(model, first)
-        if (count(own) > most_together) own = near(model, model%lines(first)%pole)
+        own = cluster_of(model, first, span)
+        if (count(own) > most_together) own = nearest_lines(model, model%lines(first)%pole, span)
         call refit(model, own, pack(model%lines, own), most_steps, found)
         gain = 0
         if (found%gain > converged) call accept(found, 0.0_dp, model, gain)
@@ -183,10 +208,11 @@ contains
     end do
   end subroutine refit_all
 
-  pure function cluster_of(model, first) result(own)
+  pure function cluster_of(model, first, span) result(own)
     !! All lines that overlap with one, directly or through others.
     type(model_type), intent(in) :: model
     integer, intent(in) :: first
+    real(dp), intent(in), optional :: span       !! as in `near`
     logical :: own(size(model%lines))
     integer :: k, before
     own = .false.
@@ -194,7 +220,7 @@ contains
     do
       before = count(own)
       do k = 1, size(own)
-        if (own(k)) own = own .or. near(model, model%lines(k)%pole)
+        if (own(k)) own = own .or. near(model, model%lines(k)%pole, span)
       end do
       if (count(own) == before) exit
     end do

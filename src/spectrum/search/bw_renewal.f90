@@ -4,7 +4,7 @@ module bw_renewal
   use bw_autoregression, only: autoregression, burg, robust_levels
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
-  use bw_line, only: line_type
+  use bw_line, only: has_trend, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
   use bw_model, only: chunk, clear_invalid, find_residual, model_type, subtract_missing
   use bw_noise, only: ends_of, whiten
@@ -182,12 +182,13 @@ contains
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
     real(dp) :: weight(samples%count), u(samples%count), middle, slope
-    integer :: s, b, i
+    integer :: s, b, i, other, length(0:ubound(model%stretches, 2))
+    length = model%stretches(2, :) - model%stretches(1, :) + 1
     weight = 1
     if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid)
     do b = 0, ubound(model%stretches, 2)
       associate (first => model%stretches(1, b), last => model%stretches(2, b))
-        if (last < first) cycle
+        if (last < first .or. b /= sharing(b)) cycle
         associate (w => weight(first:last), n => max(1.0_dp, sum(weight(first:last))))
           u(first:last) = [(place_of(samples, i) - place_of(samples, first), i=first, last)]
           middle = sum(w*u(first:last))/n
@@ -202,6 +203,38 @@ contains
         end associate
       end associate
     end do
+    do b = 0, ubound(model%stretches, 2)
+      other = sharing(b)
+      if (other == b) cycle
+      do s = 1, size(model%white, 2)
+        associate (first => model%stretches(1, b), trend => model%trend(:, s, b))
+          trend = model%trend(:, s, other)
+          trend(1) = trend(1) + trend(2)*(place_of(samples, first) - place_of(samples, model%stretches(1, other)))
+          do i = first, model%stretches(2, b)
+            model%white(i, s) = model%white(i, s) - trend(1) - trend(2)*(place_of(samples, i) - place_of(samples, first))
+          end do
+        end associate
+      end do
+    end do
+
+  contains
+
+    pure integer function sharing(b)
+      !! The stretch whose trend stretch b shares: the next that has one, from b on, or else the last that has one.
+      integer, intent(in) :: b
+      do sharing = b, ubound(model%stretches, 2)
+        if (has_own(sharing)) return
+      end do
+      do sharing = b - 1, 0, -1
+        if (has_own(sharing)) return
+      end do
+    end function sharing
+
+    pure logical function has_own(b)
+      integer, intent(in) :: b
+      has_own = has_trend(model%lines, maxval(length), length(b))
+    end function has_own
+
   end subroutine subtract_trend
 
   subroutine try_mixing(samples, penalty, order, noise, model)

@@ -1,0 +1,80 @@
+module bw_blow_trials
+  !! Blows are added, moved and dropped for a trial, and stay so if J falls after a refit of the lines.
+  use bw_blow_moves, only: add_missing_blows, drop_blows, drop_gradual_blows, move_blows, near
+  use bw_cost, only: order_price
+  use bw_kinds, only: dp
+  use bw_line_drops, only: energy_of
+  use bw_model, only: model_type
+  use bw_refit, only: most_together, refit, refit_type, trial_steps
+  use bw_renewal, only: renew
+  use bw_samples, only: samples_type
+  use bw_search_state, only: keep_if_cheaper, refit_in_new_noise, state_of, state_type
+  implicit none (type, external)
+  private
+  public :: try_missing_blows, try_moved_blows
+
+  integer, parameter :: most_moves = 4           !! of blows in a trial
+
+contains
+
+  subroutine try_missing_blows(samples, false_alarm, from, model, added)
+    !! Add missing blows. The poles have adapted to a motion without them, so that they are moved, and dropped if the motion does not
+    !! change suddenly, after a refit. This is one of the strongest lines together in white noise: in a short stretch all lines
+    !! overlap, and coloured noise has no rows there.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    integer, intent(in) :: from                  !! first stretch to search; 0 is before any blow
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: added
+    integer, allocatable :: blows(:)
+    real(dp) :: energy(size(model%lines))
+    logical :: strong(size(model%lines))
+    type(refit_type) :: found
+    type(state_type) :: before
+    integer :: dropped, moved, i, k
+    added = 0
+    if (allocated(samples%blow)) return
+    before = state_of(samples, false_alarm, model)
+    blows = model%stretches(1, 1:)
+    call add_missing_blows(samples, false_alarm, from, model, added)
+    if (added == 0) return
+    do i = 1, most_moves
+      call renew(samples, order_price(samples), .false., model, 0)
+      energy = [(energy_of(model, model%lines(k)), k=1, size(energy))]
+      strong = [(count(energy > energy(k)) < most_together, k=1, size(energy))]
+      call refit(model, strong, pack(model%lines, strong), trial_steps, found)
+      model%lines = [pack(model%lines, .not. strong), found%lines]
+      call renew(samples, order_price(samples), .false., model, 0)
+      call drop_blows(samples, false_alarm, 0, model, dropped)
+      call move_blows(samples, model, moved)
+      if (dropped + moved == 0) exit
+    end do
+    call refit_in_new_noise(samples, model)
+    call drop_gradual_blows(samples, false_alarm, blows, model)
+    added = ubound(model%stretches, 2) - size(blows)
+    call keep_if_cheaper(samples, false_alarm, before, model, added)
+  end subroutine try_missing_blows
+
+  subroutine try_moved_blows(samples, false_alarm, robust, model, changed)
+    !! Drop blows that add no significant motion, and move others.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    logical, intent(in) :: robust                !! the noise is not to absorb lines that are still missing
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: changed              !! number of blows
+    type(state_type) :: before
+    integer :: moved
+    changed = 0
+    if (allocated(samples%blow)) return
+    before = state_of(samples, false_alarm, model)
+    call renew(samples, order_price(samples), robust, model)
+    call drop_blows(samples, false_alarm, near, model, changed)
+    if (changed > 0) call keep_if_cheaper(samples, false_alarm, before, model, changed)
+    if (changed > 0) before = state_of(samples, false_alarm, model)
+    call renew(samples, order_price(samples), robust, model)
+    call move_blows(samples, model, moved)
+    if (moved > 0) call keep_if_cheaper(samples, false_alarm, before, model, moved)
+    changed = changed + moved
+  end subroutine try_moved_blows
+
+end module bw_blow_trials
