@@ -11,7 +11,7 @@ module bw_blow_gains
 
   integer, parameter :: renewed = 100            !! G is renewed when its samples have grown by 1/renewed
   integer, parameter :: most_cells = 4           !! on either side of a sample
-  integer, parameter :: rows_per_column = 2      !! rows of a cell, at least
+  integer, parameter :: rows_per_column = 2      !! rows of a cell, at least; more would exclude blows close to each other
   real(dp), parameter :: smooth = 0.05_dp        !! tuned: a ramp leaves 0.31 of what a jump at n explains, a random walk more
   real(dp), parameter :: ridge = 1.0e-6_dp       !! of G's diagonal, needed if poles are close to each other
 

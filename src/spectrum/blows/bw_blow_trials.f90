@@ -18,9 +18,9 @@ module bw_blow_trials
 contains
 
   subroutine try_missing_blows(samples, false_alarm, from, model, added)
-    !! Add missing blows. The poles have adapted to a motion without them, so that they are moved, and dropped if the motion does not
-    !! change suddenly, after a refit. This is one of the strongest lines together in white noise: in a short stretch all lines
-    !! overlap, and coloured noise has no rows there.
+    !! Add missing blows. The poles have adapted to a motion without these, so that the lines are fitted again before a blow is
+    !! moved, or dropped because the motion does not change suddenly. The strongest lines are fitted together in white noise first:
+    !! in a short stretch all lines overlap, and coloured noise has no rows there.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: from                  !! first stretch to search; 0 is before any blow
