@@ -28,6 +28,7 @@ CLASSES = {
         Struck("quiet", quiet=0.1),
         Struck("blows", quiet=0.05, blows=5),
         Struck("clipped", clipped=0.005),
+        Struck("crests", clipped=0.2),
         Struck("missing", missing=0.01),
         Struck("drift", drift=0.02),
         Struck("tone", quiet=0.05, tone=True),

@@ -1,7 +1,7 @@
 module bw_sensor_choice
-  !! The choice of the sensors from which lines are found. A row of a record tells of the lines only if its samples are valid at
-  !! all of these sensors, so that one bad sensor may cost most rows of good ones. Those with the fewest flawed samples are chosen,
-  !! so many that the number of sensors times that of their valid rows is largest.
+  !! The choice of the sensors from which lines are found. A row that lacks a number of one of them is left out, so that one sensor
+  !! may cost most rows of the others: those that lack fewest are chosen, so many that the number of sensors times that of their
+  !! common rows is largest. A flawed sample costs no other one, but a sensor with very many of them is left out.
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
   use bw_record, only: record_type
@@ -10,51 +10,48 @@ module bw_sensor_choice
   private
   public :: choose_sensors
 
+  real(dp), parameter :: most_flawed = 0.25_dp   !! chosen: of its samples; with more a search finds false lines and blows
+
 contains
 
   pure subroutine choose_sensors(told, record)
-    !! Leave out sensors with so many flawed samples that the others determine the lines better without them.
+    !! Leave out sensors with so many missing or flawed samples that the others determine the lines better without them.
     logical, intent(in) :: told(:)               !! rows that have a time
     type(record_type), intent(inout) :: record   !! `flawed` and `left_out` of its sensors are set
-    logical :: is_valid(size(told)), chosen(size(record%sensors)), next(size(record%sensors)), is_constant(size(record%sensors))
-    integer(i8) :: flawed(size(record%sensors)), rows, most
-    integer :: s, k, marked
+    logical :: is_there(size(told)), chosen(size(record%sensors)), next(size(record%sensors)), is_constant(size(record%sensors))
+    integer(i8) :: lacking(size(record%sensors)), flawed(size(record%sensors)), most
+    integer :: s, k
     is_constant = [(.not. varies(record%values(:, s), told), s=1, size(chosen))]
-    do marked = 1, 0, -1                         ! flaws that fill most rows are none, but missing samples remain
-      flawed = [(count(told .and. .not. valid_samples(record%values(:, s), told, marked == 1), kind=i8), s=1, size(chosen))]
-      chosen = .true.
-      if (all(flawed == 0)) exit
-      is_valid = told
-      next = .false.
-      rows = 0
-      most = 0
-      do k = 1, count(.not. is_constant)
-        s = minloc(flawed, dim=1, mask=.not. (next .or. is_constant))
-        next(s) = .true.
-        is_valid = is_valid .and. valid_samples(record%values(:, s), told, marked == 1)
-        if (k*count(is_valid, kind=i8) <= most) cycle
-        chosen = next
-        rows = count(is_valid, kind=i8)
-        most = k*rows
-      end do
-      if (2*rows >= count(told, kind=i8)) exit
+    lacking = [(count(told .and. is_missing(record%values(:, s)), kind=i8), s=1, size(chosen))]
+    flawed = [(flaws_in(pack(record%values(:, s), told .and. .not. is_missing(record%values(:, s)))), s=1, size(chosen))]
+    chosen = .true.
+    is_there = told
+    next = .false.
+    most = 0
+    do k = 1, merge(count(.not. is_constant), 0, any(lacking > 0))
+      s = minloc(lacking, dim=1, mask=.not. (next .or. is_constant))
+      next(s) = .true.
+      is_there = is_there .and. .not. is_missing(record%values(:, s))
+      if (k*count(is_there, kind=i8) <= most) cycle
+      chosen = next
+      most = k*count(is_there, kind=i8)
     end do
-    record%sensors%flawed = real(flawed, dp)/max(1_i8, count(told, kind=i8))
-    record%sensors%left_out = .not. chosen .and. flawed > 0
+    chosen = chosen .or. lacking == 0
+    associate (is_sound => flawed < most_flawed*count(told))
+      if (any(chosen .and. is_sound .and. .not. is_constant)) chosen = chosen .and. (is_sound .or. is_constant)
+    end associate
+    record%sensors%flawed = real(lacking + flawed, dp)/max(1_i8, count(told, kind=i8))
+    record%sensors%left_out = .not. chosen
   end subroutine choose_sensors
 
-  pure function valid_samples(values, told, marked) result(is_valid)
-    !! Tell which samples of a sensor are neither missing nor, if these are marked, flawed.
+  pure integer(i8) function flaws_in(values) result(flawed)
+    !! The number of flawed samples.
     real(dp), intent(in) :: values(:)
-    logical, intent(in) :: told(:), marked
-    logical :: is_valid(size(values))
-    logical, allocatable :: own(:)
-    is_valid = told .and. .not. is_missing(values)
-    if (.not. (marked .and. any(is_valid))) return
-    allocate (own(count(is_valid)), source=.true.)
-    call mark_flaws(pack(values, is_valid), own)
-    is_valid = unpack(own, is_valid, .false.)
-  end function valid_samples
+    logical :: valid(size(values))
+    valid = .true.
+    if (size(values) > 0) call mark_flaws(values, valid)
+    flawed = count(.not. valid, kind=i8)
+  end function flaws_in
 
   pure logical function varies(values, told)
     !! Tell whether not all samples of a sensor are equal or missing.

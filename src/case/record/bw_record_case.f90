@@ -15,7 +15,7 @@ module bw_record_case
   use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_spectra
   use bw_record_waves, only: find_record_waves
   use bw_result_layout, only: result_layout
-  use bw_samples, only: samples_type
+  use bw_samples, only: gaps_of, samples_type, validity
   use bw_scene, only: scene_type
   use bw_sensor_unit, only: si_unit
   use bw_stopwatch, only: stage_response, stage_spectrum, stopwatch
@@ -150,10 +150,10 @@ contains
       deallocate (hammer)
       return
     end if
-    if (.not. allocated(samples%valid)) allocate (samples%valid(samples%count), source=.true.)
-    samples%valid = samples%valid .and. .not. hammer%acts
+    samples%missing = [(gaps_of(validity(samples, s) .and. .not. hammer%acts), s=1, size(record%values, 2))]
     samples%blow = hammer%after
-    if (.not. any(samples%valid(:samples%blow(1) - 1))) samples%blow(1) = 1
+    if (all([(count(samples%missing(s)%place < samples%blow(1)) == samples%blow(1) - 1, s=1, size(samples%missing))])) &
+      samples%blow(1) = 1                              ! none is valid before it
     if (layout%frequencies == 0 .or. allocated(samples%row)) return
     allocate (response(layout%frequencies, layout%points), impulse(layout%frequencies))
     call hammer_response(hammer, samples%step, record%values, layout%record%frequencies, response, impulse)

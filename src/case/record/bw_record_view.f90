@@ -11,7 +11,7 @@ module bw_record_view
   use bw_record_flaws, only: find_spikes, mark_flaws
   use bw_record_lines, only: fitted_history, noise_level
   use bw_result_layout, only: record_layout, result_layout
-  use bw_samples, only: place_of, samples_type, span_of
+  use bw_samples, only: gaps_of, place_of, samples_type, span_of, validity
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
@@ -34,25 +34,28 @@ contains
     !! even record become invalid samples.
     type(record_type), intent(in) :: record
     type(samples_type) :: samples
-    logical :: is_valid(size(record%times))
-    integer :: s
+    logical :: told(size(record%times))
+    logical, allocatable :: valid(:)
+    integer, allocatable :: row(:)
+    integer :: s, n
     samples%count = size(record%times)
     samples%step = step_of(record)
     if (.not. record%interval > 0) call find_rows(record%times, record%resolution, samples)
     if (.not. allocated(record%values)) return
-    is_valid = .true.
     if (any(record%sensors%left_out)) samples%left_out = record%sensors%left_out
-    do s = 1, size(record%values, 2)
-      if (.not. record%sensors(s)%left_out) call mark_flaws(record%values(:, s), is_valid)
+    if (allocated(samples%place)) return
+    row = [(n, n=1, samples%count)]
+    if (allocated(samples%row)) row = samples%row
+    allocate (samples%missing(size(record%values, 2)), valid(samples%count))
+    do s = 1, size(samples%missing)
+      told = .true.
+      if (.not. record%sensors(s)%left_out) call mark_flaws(record%values(:, s), told)
+      valid = .false.
+      valid(row) = told .or. 2*count(told) < size(told)          ! so many are no flaws
+      samples%missing(s) = gaps_of(valid)
     end do
-    if (2*count(is_valid) < size(is_valid)) is_valid = .true.    ! too many for flaws
-    if (allocated(samples%row)) then
-      allocate (samples%valid(samples%count), source=.false.)
-      samples%valid(samples%row) = is_valid
-      if (all(samples%valid)) deallocate (samples%valid, samples%row)
-    else if (.not. (all(is_valid) .or. allocated(samples%place))) then
-      samples%valid = is_valid
-    end if
+    if (all([(size(samples%missing(s)%place) == 0, s=1, size(samples%missing))])) deallocate (samples%missing)
+    if (.not. allocated(samples%missing) .and. allocated(samples%row)) deallocate (samples%row)
   end function samples_of
 
   pure subroutine find_rows(times, resolution, samples)
@@ -116,14 +119,13 @@ contains
     real(dp), allocatable, intent(out) :: amplitude(:, :), noise(:, :)   !! (frequencies, sensors); unallocated if not plotted
     type(real_fourier) :: fourier
     complex(dp), allocatable :: spectrum(:)
-    real(dp), allocatable :: weight(:), own(:)
-    real(dp) :: factor, mean
+    real(dp), allocatable :: own(:)
+    real(dp) :: from_blow(samples%count), weight(samples%count), factor, mean
     integer :: length, s, j
     if (layout%frequencies == 0) return
-    weight = weight_from_blow(samples, window, found)
+    from_blow = weight_from_blow(samples, window, found)
     length = 2*ceiling(span_of(samples)/2)
     if (.not. allocated(samples%place)) length = samples%count
-    factor = 2*norm2(weight)/sum(weight)
     allocate (amplitude(layout%frequencies, layout%points), noise(layout%frequencies, layout%points), source=missing)
     allocate (spectrum(0:length/2))
     do s = 1, layout%points
@@ -131,7 +133,9 @@ contains
         mean = distinct%constant(s)
         if (is_missing(mean)) cycle
         spectrum = 0
+        weight = from_blow
         if (distinct%place(s) > 0) then
+          weight = merge(from_blow, 0.0_dp, validity(samples, distinct%place(s)))
           own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
           mean = sum(own*weight)/sum(weight)
           own = (own - mean)*weight
@@ -146,6 +150,7 @@ contains
         end if
       end associate
       own = 2*abs(spectrum)/sum(weight)
+      factor = 2*norm2(weight)/sum(weight)
       own(1) = abs(mean)                             ! the mean of the record is all that is known there
       associate (frequency => layout%record%frequencies)
         amplitude(:, s) = on_axis(own, 1/(length*samples%step), frequency)
@@ -158,7 +163,7 @@ contains
 
   pure function weight_from_blow(samples, window, found) result(weight)
     !! Return a window that rises soon after the first impact, to keep the start of decays, and falls to the end of the
-    !! record. It is 0 before the impact and for invalid samples.
+    !! record. It is 0 before the impact.
     type(samples_type), intent(in) :: samples
     character(*), intent(in) :: window
     type(found_lines), intent(in) :: found
@@ -174,7 +179,6 @@ contains
     rest = span_of(samples) - place_of(samples, first)
     weight = window_at(window, merge(since/rise, rest + (since - rise*rest)/(1 - rise), since < rise*rest)/2, rest)
     weight(:first - 1) = 0
-    if (allocated(samples%valid)) weight = merge(weight, 0.0_dp, samples%valid)
   end function weight_from_blow
 
   pure function on_axis(own, spacing, axis) result(values)

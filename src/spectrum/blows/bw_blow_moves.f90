@@ -4,7 +4,7 @@ module bw_blow_moves
   use bw_kinds, only: dp
   use bw_line, only: course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
-  use bw_model, only: add_lines, at_sensors, clear_invalid, model_type
+  use bw_model, only: add_lines, at_sensors, clear_missing, model_type
   use bw_noise, only: mix, mixed_amplitude, white_amplitude, whiten
   use bw_penalty, only: chi_squared
   use bw_samples, only: samples_type
@@ -39,7 +39,7 @@ contains
       call find_residual(samples, model, chosen, residual)
       first = model%stretches(1, b - 1)
       if (model%stretches(2, b - 1) < first) first = model%stretches(1, b)
-      white = white_values(samples, model, chosen, residual, b, first)
+      white = white_values(model, chosen, residual, b, first)
       best = best_shift(white, added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1)), &
         & model%stretches(1, b) - first + 1)
       if (best == 0) cycle
@@ -68,8 +68,8 @@ contains
     call find_residual(samples, model, chosen, residual)
     b = 1
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
-      white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
-      white = white + added_motion(model, chosen, b, 0, size(white, 1))
+      white = white_values(model, chosen, residual, b, model%stretches(1, b))
+      call add_where_told(added_motion(model, chosen, b, 0, size(white, 1)), white)
       n = size(white, 1)
       if (b < ubound(model%stretches, 2)) white = white(:max((n + 1)/2, n - early), :)
       gain = gains_from(strongest(model, b), white)
@@ -111,7 +111,7 @@ contains
     most = 0
     do b = from, min(most_blows, ubound(most, 1))
       if (model%stretches(2, b) < model%stretches(1, b)) cycle
-      white = white_values(samples, model, chosen, residual, b, model%stretches(1, b))
+      white = white_values(model, chosen, residual, b, model%stretches(1, b))
       gain = gains_from(strongest(model, b), white)
       if (b > 0) then
         gain = gain + gains_before(strongest(model, b), white)
@@ -142,11 +142,11 @@ contains
       first = model%stretches(1, b - 1)
       if (any(before == model%stretches(1, b)) .or. model%stretches(2, b - 1) < first) cycle
       call find_residual(samples, model, chosen, residual)
-      white = white_values(samples, model, chosen, residual, b, first)
+      white = white_values(model, chosen, residual, b, first)
       motion = added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1))
       n = model%stretches(1, b) - first + 1      ! the blow's sample among these
       shift = best_shift(white, motion, n)
-      white(n:, :) = white(n:, :) + motion(n:, :)  ! as if the motion before continued
+      call add_where_told(motion(n:, :), white(n:, :))   ! as if the motion before continued
       if (is_sudden(strongest(model, b), white, n + shift, penalty_of_blow(samples, false_alarm, model, size(chosen)))) then
         if (shift /= 0) call shift_blow(model, b, model%stretches(1, b) + shift)
       else
@@ -186,45 +186,54 @@ contains
     end do
     call mix(model%noise, samples%value, chosen, residual)
     call add_lines(model%stretches, at_sensors(lines, chosen), -1.0_dp, residual, model%place)
-    call clear_invalid(samples, residual)
+    call clear_missing(model%missing(chosen), residual)
   end subroutine find_residual
 
-  function white_values(samples, model, chosen, residual, b, first) result(white)
-    !! The prediction errors of the residual from a sample to the end of a stretch, (samples, components).
-    type(samples_type), intent(in) :: samples
+  function white_values(model, chosen, residual, b, first) result(white)
+    !! The prediction errors of the residual from a sample to the end of a stretch, (samples, components); 0 where a sample is
+    !! missing.
     type(model_type), intent(in) :: model
     integer, intent(in) :: chosen(:)             !! components
     real(dp), intent(in) :: residual(:, :)
     integer, intent(in) :: b, first
     real(dp), allocatable :: white(:, :)
     real(dp) :: weight(first:model%stretches(2, b))
+    integer, allocatable :: gaps(:)
     integer :: s, last
     last = model%stretches(2, b)
     white = residual(first:last, :)
-    weight = 1
-    if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid(first:last))
-    call detrend(weight, white)
     do s = 1, size(white, 2)
+      associate (missing => model%missing(chosen(s))%place)
+        gaps = pack(missing, missing >= first .and. missing <= last)
+      end associate
+      weight = 1
+      weight(gaps) = 0
+      call detrend(weight, white(:, s))
       associate (filter => model%noise%filter(:model%noise%order(chosen(s)), chosen(s)))
         call whiten(filter, white(:, s))
-        call project_out_missing(missing_among(model%missing, first, last - first + 2 - size(filter), filter), white(:, s))
+        call project_out_missing(missing_among(gaps, first, last - first + 2 - size(filter), filter), white(:, s))
       end associate
+      white(gaps - first + 1, s) = 0
     end do
-    white(pack(model%missing, model%missing >= first .and. model%missing <= last) - first + 1, :) = 0
   end function white_values
+
+  pure subroutine add_where_told(motion, white)
+    !! Add motion to prediction errors, except where there is none.
+    real(dp), intent(in) :: motion(:, :)
+    real(dp), intent(inout) :: white(:, :)
+    where (abs(white) > 0) white = white + motion
+  end subroutine add_where_told
 
   pure subroutine detrend(weight, values)
     !! Subtract an offset and a slope.
     real(dp), intent(in) :: weight(:)
-    real(dp), intent(inout) :: values(:, :)
+    real(dp), intent(inout) :: values(:)
     real(dp) :: place(size(weight))
-    integer :: s, n
+    integer :: n
     place = [(n, n=1, size(weight))]
     place = place - sum(weight*place)/max(1.0_dp, sum(weight))
-    do s = 1, size(values, 2)
-      values(:, s) = weight*(values(:, s) - sum(weight*values(:, s))/max(1.0_dp, sum(weight)) &
-                             - sum(weight*place*values(:, s))/max(1.0_dp, sum(weight*place**2))*place)
-    end do
+    values = weight*(values - sum(weight*values)/max(1.0_dp, sum(weight)) &
+      & - sum(weight*place*values)/max(1.0_dp, sum(weight*place**2))*place)
   end subroutine detrend
 
   pure function added_motion(model, chosen, b, from, count) result(motion)
@@ -256,7 +265,7 @@ contains
 
   pure integer function best_shift(white, motion, at) result(shift)
     !! By how many samples a blow is best moved, with the motion that it adds unchanged. It is not delayed past rows without
-    !! information, which may be clipped crests, nor past motion that exists in another phase, as that of a beat does: if none
+    !! information at any sensor, which may be clipped crests, nor past motion that exists in another phase, as that of a beat does: if none
     !! exists, the squares fall by those of the motion alone.
     real(dp), intent(in) :: white(:, :)          !! residual with this motion from sample `at` on
     real(dp), intent(in) :: motion(:, :)
@@ -267,8 +276,7 @@ contains
     best = worth
     gain = 0
     do n = at - 1, 1, -1
-      if (all(abs(white(n, :)) <= 0)) cycle
-      gain = gain + sum(white(n, :)**2 - (white(n, :) - motion(n, :))**2)
+      gain = gain + sum(white(n, :)**2 - (white(n, :) - motion(n, :))**2, abs(white(n, :)) > 0)
       if (gain <= best) cycle
       best = gain
       shift = n - at
@@ -277,8 +285,8 @@ contains
     taken = 0
     do n = at, size(white, 1) - fewest
       if (all(abs(white(n, :)) <= 0)) exit
-      gain = gain + sum(white(n, :)**2 - (white(n, :) + motion(n, :))**2)
-      taken = taken + sum(motion(n, :)**2)
+      gain = gain + sum(white(n, :)**2 - (white(n, :) + motion(n, :))**2, abs(white(n, :)) > 0)
+      taken = taken + sum(motion(n, :)**2, abs(white(n, :)) > 0)
       if (gain <= best .or. (n - at >= near .and. abs(gain - taken) > taken/2)) cycle
       best = gain
       shift = n + 1 - at

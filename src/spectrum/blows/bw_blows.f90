@@ -7,7 +7,7 @@ module bw_blows
   use bw_kinds, only: dp
   use bw_order, only: ascending, quantile_of
   use bw_penalty, only: chi_squared
-  use bw_samples, only: samples_type, span_of, valid_runs
+  use bw_samples, only: runs_of, samples_type, span_of, validity
   implicit none (type, external)
   private
   public :: find_blows
@@ -31,17 +31,17 @@ contains
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(out) :: blows(:)
     real(dp), allocatable :: x(:, :)
-    logical, allocatable :: valid(:), recorded(:)
+    logical, allocatable :: valid(:, :), recorded(:)
     integer :: s, n, scale, sensors, stride
     n = ceiling(span_of(samples))
     stride = max(1, ceiling(real(n, dp)*size(samples%value, 2)/enough))
     sensors = (size(samples%value, 2) - 1)/stride + 1
-    allocate (x(n, sensors), valid(n), recorded(n))
+    allocate (x(n, sensors), valid(n, sensors), recorded(n))
     do s = 1, sensors
       x(:, s) = even_values(samples, n, 1 + (s - 1)*stride)
+      valid(:, s) = allocated(samples%place)
+      if (.not. allocated(samples%place)) valid(:, s) = validity(samples, 1 + (s - 1)*stride)
     end do
-    valid = .true.
-    if (allocated(samples%valid)) valid = samples%valid
     recorded = .not. allocated(samples%row)
     if (allocated(samples%row)) recorded(samples%row) = .true.
     allocate (blows(0))
@@ -51,7 +51,7 @@ contains
       n = size(x, 1)/2
       if (n < fewest) exit
       x = x(1:2*n:2, :) + x(2:2*n:2, :)
-      valid = valid(1:2*n:2) .and. valid(2:2*n:2)
+      valid = valid(1:2*n:2, :) .and. valid(2:2*n:2, :)
       recorded = recorded(1:2*n:2) .and. recorded(2:2*n:2)
       scale = 2*scale
     end do
@@ -88,7 +88,7 @@ contains
     !! or clipped crests, are not: errors are invalid until they are past. But the first sample of a crest was no smaller than the
     !! recorded one.
     real(dp), intent(inout) :: x(:, :)           !! invalid ones are interpolated
-    logical, intent(inout) :: valid(:)           !! single missing samples become valid
+    logical, intent(inout) :: valid(:, :)        !! single missing samples become valid
     logical, intent(in) :: recorded(:)
     integer, intent(in) :: scale
     real(dp), intent(in) :: false_alarm
@@ -101,23 +101,26 @@ contains
     n = size(x, 1)
     p = min(order, n/samples_per_order)
     burst = 0
-    is_usable = valid
-    is_single = .not. (valid .or. recorded) .and. eoshift(valid, -1, .true.) .and. eoshift(valid, 1, .true.)
-    do i = 1, n
-      if (valid(i)) cycle
-      if (recorded(i) .or. any(.not. valid(max(1, i - 1):i - 1))) is_usable(i:min(n, i + p)) = .false.
-    end do
-    is_bound = recorded .and. .not. valid .and. scale == 1   ! sums contain interpolated ones
-    is_bound(2:) = is_bound(2:) .and. is_usable(:n - 1)
-    if (count(is_usable) < 2) return
     do s = 1, size(x, 2)
-      recording = x(:, s) - sum(x(:first, s))/first
-      call predict(valid, is_single, p, x(:, s), noise)
+      associate (own => valid(:, s))
+        is_usable = own
+        is_single = .not. (own .or. recorded) .and. eoshift(own, -1, .true.) .and. eoshift(own, 1, .true.)
+        do i = 1, n
+          if (own(i)) cycle
+          if (recorded(i) .or. any(.not. own(max(1, i - 1):i - 1))) is_usable(i:min(n, i + p)) = .false.
+        end do
+        is_bound = recorded .and. .not. own .and. scale == 1   ! sums contain interpolated ones
+      end associate
+      is_bound(2:) = is_bound(2:) .and. is_usable(:n - 1)
+      if (count(is_usable) < 2) cycle
+      recording = x(:, s) - value_at_rest(x(:, s), valid(:, s))
+      call predict(valid(:, s), is_single, p, x(:, s), noise)
       call find_errors(x(:, s), noise%predictor, error)
       where (is_bound) error = merge(error + recording - x(:, s), 0.0_dp, (error + recording - x(:, s))*recording > 0)
       where (.not. (is_usable .or. is_bound)) error = 0
       error = error**2
       burst = burst + error/(quantile_of(pack(error, is_usable), 0.5_dp)/chi_median + tiny(1.0_dp))
+      valid(:, s) = valid(:, s) .or. is_single
     end do
     least = clearly*chi_squared(false_alarm/n, 2*((size(x, 2) + 1)/2))
     last = -n
@@ -127,7 +130,6 @@ contains
       if (i - last > p .and. all(abs(blows(:known) - scale*i) > 2*p*scale)) blows = [blows, 1 + scale*(i - 1)]
       last = i
     end do
-    valid = valid .or. is_single
   end subroutine add_bursts
 
   subroutine predict(valid, is_single, p, x, noise)
@@ -139,7 +141,7 @@ contains
     real(dp) :: weight(p + 1)
     integer :: n, i, last, m, q, stage
     n = size(x)
-    x = x - sum(x(:first))/first                 ! a record that begins before the blow begins at rest
+    x = x - value_at_rest(x, valid)              ! a record that begins before the blow begins at rest
     last = 0
     do i = 1, n                                  ! start with straight lines
       if (.not. valid(i)) cycle
@@ -147,7 +149,7 @@ contains
       last = i
     end do
     do stage = 1, 2
-      call burg(x, valid_runs(samples_type(valid=valid .or. (is_single .and. stage > 1)), 1, n), p, 0.0_dp, noise)
+      call burg(x, runs_of(valid .or. (is_single .and. stage > 1), 1, n), p, 0.0_dp, noise)
       if (all(valid)) return
       q = ubound(noise%predictor, 1)
       weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
@@ -159,6 +161,22 @@ contains
       if (.not. any(is_single)) return
     end do
   end subroutine predict
+
+  pure real(dp) function value_at_rest(x, valid) result(mean)
+    !! The mean of the first valid samples.
+    real(dp), intent(in) :: x(:)
+    logical, intent(in) :: valid(:)
+    integer :: i, n
+    mean = 0
+    n = 0
+    do i = 1, size(x)
+      if (.not. valid(i)) cycle
+      mean = mean + x(i)
+      n = n + 1
+      if (n == first) exit
+    end do
+    mean = mean/max(1, n)
+  end function value_at_rest
 
   pure subroutine find_errors(x, h, error)
     !! Find the prediction error of each sample from those before it.

@@ -11,6 +11,7 @@ module bw_band
   use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pole_at, psi, psi_bend, psi_by_rate, psi_slope
   use bw_missing_samples, only: fills_of, find_reach, missing_among, missing_type, project_out_missing
   use bw_noise, only: noise_type
+  use bw_samples, only: gaps_type
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
@@ -22,6 +23,7 @@ module bw_band
   real(dp), parameter :: resolved = 0.5_dp   !! of the frequencies that sums over blocks distinguish
   real(dp), parameter :: folds = 9           !! e-folds after which a line is negligible
   integer, parameter :: series = 8           !! powers of time within a block in the expansion of a drift
+  real(dp), parameter :: least_part = 1.0e-3_dp  !! of a line's norm that is left beside missing samples; less determines nothing
   real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block; with less a row is noiseless
 
   type, public :: band_part
@@ -57,7 +59,7 @@ contains
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: stretches(:, 0:)  !! first and last sample of each, (2, 0:B); the first is before any blow
     type(noise_type), intent(in) :: noise
-    integer, intent(in) :: missing(:)        !! samples, ascending
+    type(gaps_type), intent(in) :: missing(:)  !! of each component
     real(dp), intent(in), optional :: place(:)  !! times of uneven samples, in steps
     type(band_type) :: band
     real(dp) :: lowest, highest, widest, longest, width, life, lives
@@ -104,9 +106,7 @@ contains
     end if
     do b = 0, ubound(used, 1)
       shares(b) = min(1, used(b))
-      if (noise%lost == 0) cycle
-      if (any(missing >= stretches(1, b) .and. missing < stretches(1, b) + used(b) + noise%lost)) &
-        & shares(b) = shares(b)*size(noise%order)
+      if (have_gaps(stretches(1, b), used(b) + noise%lost)) shares(b) = shares(b)*size(noise%order)
     end do
     allocate (band%part(sum(shares)))
     n = 0
@@ -119,13 +119,23 @@ contains
           part%used = used(b)
           part%length = stretches(2, b) - stretches(1, b) + 1
           part%sensors = k + [0, size(noise%order) - shares(b)]
-          part%missing = missing_among(missing, part%first, part%used, noise%filter(:noise%order(k), k))
+          part%missing = missing_among(missing(k)%place, part%first, part%used, noise%filter(:noise%order(k), k))
           if (present(place)) part%place = place(part%first:part%first + part%used - 1) - place(part%first)
         end associate
         call find_traces(band, band%part(n))
         call find_weights(band, band%part(n))
       end do
     end do
+
+  contains
+
+    pure logical function have_gaps(first, count)
+      !! Whether samples of any component are missing among these.
+      integer, intent(in) :: first, count
+      integer :: k
+      have_gaps = any([(any(missing(k)%place >= first .and. missing(k)%place < first + count), k=1, size(missing))])
+    end function have_gaps
+
   end function band_around
 
   pure function tapered_band(count, image, first, noise) result(band)
@@ -372,7 +382,6 @@ contains
     complex(dp) :: wave(size(part%turn)), moment(0:series + 2), last_moment(0:series + 2), middle
     real(dp) :: m, by_rate(0:2)
     real(dp), allocatable :: places(:)
-    complex(dp), allocatable :: fills(:, :)
     integer :: blocks, j, c
     type(line_type) :: turned
     blocks = size(part%turn)
@@ -395,10 +404,7 @@ contains
           sums(j, 2*c + 1) = wave(j)*by_rate(0)
         end do
       end do
-      fills = line_fills(part, line, slopes)
-      do c = 0, slopes
-        sums(:, c) = sums(:, c) - traces_of(part, fills(:, c + 1))
-      end do
+      call subtract_fills()
       return
     end if
     middle = turned%pole
@@ -420,12 +426,23 @@ contains
         sums(j, :) = limited(turned%pole*m + bend_of(line, m))*drifting_sums(m)
       end do
     end if
-    fills = line_fills(part, line, slopes)
-    do c = 0, slopes
-      sums(:, c) = sums(:, c) - traces_of(part, fills(:, c + 1))
-    end do
+    call subtract_fills()
 
   contains
+
+    pure subroutine subtract_fills()
+      !! Subtract what missing samples contribute. Of a line that lives at missing samples only, rounding would be left.
+      complex(dp), allocatable :: fills(:, :)
+      real(dp) :: whole
+      integer :: c
+      if (size(part%missing%place) == 0) return
+      fills = line_fills(part, line, slopes)
+      whole = norm2(abs(sums(:, 0)))
+      do c = 0, slopes
+        sums(:, c) = sums(:, c) - traces_of(part, fills(:, c + 1))
+      end do
+      if (norm2(abs(sums(:, 0))) < least_part*whole) sums = 0
+    end subroutine subtract_fills
 
     pure function drifting_sums(m) result(own)
       !! The same for a block that begins m steps after the blow, over the exponential there.

@@ -13,7 +13,7 @@ module bw_found_lines
   use bw_monitor, only: monitor_type, stops
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_renewal, only: renew
-  use bw_samples, only: samples_type
+  use bw_samples, only: samples_type, validity
   use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
   implicit none (type, external)
@@ -45,7 +45,7 @@ contains
     found%distinct = find_distinct(samples)
     call keep_distinct(found%distinct, samples)
     pure = .false.
-    if (.not. allocated(samples%valid)) call find_lines_if_pure(samples, lines, residual, pure, monitor)
+    if (.not. allocated(samples%missing)) call find_lines_if_pure(samples, lines, residual, pure, monitor)
     if (stops(monitor)) return
     if (pure) then
       call take_lines(samples, lines, found)
@@ -94,10 +94,9 @@ contains
     real(dp) :: deviation(size(samples%value, 2)), residual(samples%count, 1)
     logical :: valid(samples%count)
     integer :: s
-    valid = .true.
-    if (allocated(samples%valid)) valid = samples%valid
     do s = 1, size(deviation)                      ! one sensor at a time, since a record may fill the memory
       call find_misfit(samples, model, [s], residual)
+      valid = validity(samples, s)
       deviation(s) = sqrt(sum(residual(:, 1)**2, mask=valid)/max(1, count(valid)))
     end do
   end function deviations_of

@@ -174,9 +174,10 @@ contains
     end do
   end function predictor_of
 
-  subroutine robust_levels(x, penalty, fourier, noise)
+  subroutine robust_levels(x, valid_count, penalty, fourier, noise)
     !! Fit an autoregression to the running median of a periodogram, which lines hardly raise.
-    real(dp), intent(in) :: x(:)
+    real(dp), intent(in) :: x(:)                  !! 0 where a sample is missing
+    integer, intent(in) :: valid_count            !! number of the others
     real(dp), intent(in) :: penalty               !! of a coefficient
     type(real_fourier), intent(inout) :: fourier
     type(autoregression), intent(out) :: noise
@@ -188,7 +189,7 @@ contains
     call fourier%prepare(n)
     fourier%samples(:) = window*x
     call fourier%transform()
-    power = abs(fourier%spectrum)**2/sum(window**2)
+    power = abs(fourier%spectrum)**2/(sum(window**2)*max(1, valid_count)/n)
     half = max(12, nint(1.5_dp*sqrt(real(n, dp))))  ! tuned: number of bins, more than lines occupy
     level = running_median(power(min(3, size(power)):), half)/log(2.0_dp)
     lag = 0                                       ! correlations: the level times cos pθ, by recursion in p
@@ -201,7 +202,7 @@ contains
       lag = lag + h/size(level)
     end do
     variance = max(lag(0), tiny(1.0_dp))
-    least = n*log(variance)
+    least = valid_count*log(variance)
     noise%variance = variance
     best = 0
     h = 0
@@ -211,7 +212,7 @@ contains
       if (.not. variance*(1 - reflection(p)**2) > least_level*lag(0)) exit   ! the correlations have no more digits
       h(:p) = h(:p) + reflection(p)*h(p:0:-1)
       variance = variance*(1 - reflection(p)**2)
-      cost = n*log(variance) + p*penalty
+      cost = valid_count*log(variance) + p*penalty
       if (cost >= least) cycle
       least = cost
       best = p

@@ -16,6 +16,7 @@ module bw_noise_with_gaps
   public :: fit_with_gaps
 
   integer, parameter :: most_steps = 8
+  integer, parameter :: ample = 10               !! orders: so long runs lose little at a gap between them
   real(dp), parameter :: enough = 1             !! penalty of a coefficient, that a step must gain for another
 
 contains
@@ -56,7 +57,7 @@ contains
   end subroutine fit_with_gaps
 
   pure function pieces_of(runs, stretches, highest) result(pieces)
-    !! Join runs across short gaps; where that gives no long piece, keep the single runs.
+    !! Join runs across short gaps unless both are long; where that gives no long piece, keep the single runs.
     integer, intent(in) :: runs(:, :), stretches(:, :)
     integer, intent(in) :: highest
     integer, allocatable :: pieces(:, :)
@@ -69,6 +70,7 @@ contains
       last = first
       do while (last < size(runs, 2))
         if (runs(1, last + 1) - runs(2, last) > highest) exit
+        if (all(runs(2, last:last + 1) - runs(1, last:last + 1) > ample*highest)) exit
         if (any(stretches(1, :) > runs(2, last) .and. stretches(1, :) <= runs(1, last + 1))) exit
         last = last + 1
       end do
@@ -158,10 +160,16 @@ contains
     logarithm = 2*sum(log(root(0, :)))
     allocate (inverse(0:wide, size(place)), source=0.0_dp)
     do j = size(place), 1, -1
-      associate (last => min(band, size(place) - j))
-        do k = 1, min(wide, size(place) - j)
-          inverse(k, j) = -sum([(root(d, j)*inverse(abs(k - d), j + min(k, d)), d=1, last)])/root(0, j)
+      associate (last => min(band, size(place) - j), m => min(wide, size(place) - j))
+        do d = 1, last                             ! Σ root(d, j)·inverse of j + d and j + k: d ≤ k, then d > k
+          do k = d, m
+            inverse(k, j) = inverse(k, j) + root(d, j)*inverse(k - d, j + d)
+          end do
         end do
+        do k = 1, last - 1
+          inverse(k, j) = inverse(k, j) + dot_product(root(k + 1:last, j), inverse(1:last - k, j + k))
+        end do
+        inverse(1:m, j) = -inverse(1:m, j)/root(0, j)
         inverse(0, j) = (1/root(0, j) - dot_product(root(1:last, j), inverse(1:last, j)))/root(0, j)
       end associate
     end do

@@ -3,7 +3,11 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: keep_sensors, place_of, span_of, valid_runs
+  public :: gaps_of, keep_sensors, place_of, runs_of, span_of, validity
+
+  type, public :: gaps_type
+    integer, allocatable :: place(:)         !! invalid samples of a sensor, ascending
+  end type gaps_type
 
   type, public :: samples_type
     integer :: count = 0                     !! N
@@ -12,7 +16,7 @@ module bw_samples
     integer, allocatable :: row(:)           !! numbers of the recorded samples, ascending from 1; unallocated: all were recorded
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
     logical, allocatable :: left_out(:)      !! sensors without which lines are found, (S); unallocated: none
-    logical, allocatable :: valid(:)         !! the samples of all other sensors are valid, (N); unallocated: all are
+    type(gaps_type), allocatable :: missing(:)  !! invalid samples of each sensor, (S); unallocated: all are valid
     integer, allocatable :: blow(:)          !! first samples after known blows; unallocated: blows are searched for
     logical :: pure = .false.                !! known to hold lines and rounding but no noise, as a simulation's
   end type samples_type
@@ -45,24 +49,37 @@ contains
       value(:, s) = samples%value(:, kept(s))
     end do
     call move_alloc(value, samples%value)
+    if (allocated(samples%missing)) samples%missing = samples%missing(kept)
   end subroutine keep_sensors
 
-  pure function valid_runs(samples, first, last) result(runs)
-    !! First and last sample of each run of valid samples between two samples, (2, runs).
+  pure function validity(samples, s) result(valid)
+    !! Which samples of a sensor are valid, (N).
     type(samples_type), intent(in) :: samples
+    integer, intent(in) :: s
+    logical :: valid(samples%count)
+    valid = .true.
+    if (allocated(samples%missing)) valid(samples%missing(s)%place) = .false.
+  end function validity
+
+  pure type(gaps_type) function gaps_of(valid) result(gaps)
+    !! The invalid samples of a sensor.
+    logical, intent(in) :: valid(:)
+    integer :: n
+    gaps%place = pack([(n, n=1, size(valid))], .not. valid)
+  end function gaps_of
+
+  pure function runs_of(valid, first, last) result(runs)
+    !! First and last sample of each run of valid samples between two samples, (2, runs).
+    logical, intent(in) :: valid(:)
     integer, intent(in) :: first, last
     integer, allocatable :: runs(:, :)
     integer, allocatable :: starts(:), ends(:)
     logical, allocatable :: is_valid(:)
     integer :: n
-    if (.not. allocated(samples%valid)) then
-      runs = reshape([first, last], [2, 1])
-      return
-    end if
-    is_valid = [.false., samples%valid(first:last), .false.]
+    is_valid = [.false., valid(first:last), .false.]
     starts = pack([(n, n=first, last)], .not. is_valid(:size(is_valid) - 2) .and. is_valid(2:size(is_valid) - 1))
     ends = pack([(n, n=first, last)], is_valid(2:size(is_valid) - 1) .and. .not. is_valid(3:))
     runs = transpose(reshape([starts, ends], [size(starts), 2]))
-  end function valid_runs
+  end function runs_of
 
 end module bw_samples

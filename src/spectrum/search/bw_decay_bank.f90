@@ -18,6 +18,7 @@ module bw_decay_bank
   real(dp), parameter, public :: edge = 3        !! fewest periods in a stretch, and below half the sampling rate; fewer: trend
   real(dp), parameter :: clear = 16              !! tuned: factor by which a gain exceeds the skirts of a stronger line
   real(dp), parameter :: mirrored = 20           !! widths from 0 and half the sampling rate, within which mirror images interfere
+  real(dp), parameter :: least_part = 0.05_dp    !! of a line's energy that must not be missing
   integer, parameter :: most = 24                !! number of candidates at a time
   integer, parameter :: fewest = 8               !! fewest samples for a line
 
@@ -93,7 +94,7 @@ contains
     real(dp), allocatable, intent(out) :: gain(:)
     real(dp), allocatable :: fall(:)
     integer :: rows(2, 0:ubound(model%stretches, 2)), length, b, s, n, k, low, first, last, most
-    real(dp) :: energy
+    real(dp) :: whole, energy, valid_part
     rows = rows_of_stretches(model)
     n = ceiling(longest(model))
     if (decay*n > folds) n = ceiling(folds/decay)
@@ -109,10 +110,13 @@ contains
     do b = 1, ubound(rows, 2)
       k = min(n, rows(2, b) - rows(1, b) + 1)
       if (k < 4) cycle
-      energy = sum(fall(:k)**2)
+      whole = sum(fall(:k)**2)
       first = min(most + 1, 1 + ceiling(edge*length/k))  ! in so short a stretch it would be offset and slope
       last = min(most, int(mirrored*max(decay, 1.0_dp/k)*length/(2*pi)) + 1)
       do s = 1, size(model%white, 2)
+        energy = energy_at(s, rows(1, b), k)
+        valid_part = energy/whole
+        if (valid_part < least_part) cycle
         model%fourier%samples(:k) = fall(:k)*model%white(rows(1, b):rows(1, b) + k - 1, s)
         model%fourier%samples(k + 1:) = 0
         call model%fourier%transform()
@@ -128,6 +132,19 @@ contains
 
   contains
 
+    pure real(dp) function energy_at(s, first, count) result(energy)
+      !! Σ e^(−2δm) over the valid ones of the samples of a sensor.
+      integer, intent(in) :: s, first, count
+      real(dp), allocatable :: own(:)
+      energy = whole
+      if (size(model%missing(s)%place) == 0) return
+      own = fall(:count)
+      associate (m => model%missing(s)%place - first + 1)
+        own(pack(m, m >= 1 .and. m <= count)) = 0
+      end associate
+      energy = sum(own**2)
+    end function energy_at
+
     subroutine add_mirrored(from, to, count)
       !! Add the effect of the mirror image on the gain in `count` samples: with E and P, both over E² − |P|², instead of 1/E.
       integer, intent(in) :: from, to, count
@@ -137,7 +154,7 @@ contains
       do j = from, to
         omega = 2*pi*(j - 1)/length
         f = model%fourier%spectrum(j - 1)
-        p = (1 - exp(cmplx(-2*decay*count, -2*omega*count, dp)))/(1 - exp(cmplx(-2*decay, -2*omega, dp)))
+        p = valid_part*(1 - exp(cmplx(-2*decay*count, -2*omega*count, dp)))/(1 - exp(cmplx(-2*decay, -2*omega, dp)))
         gain(j) = gain(j) + 2*((energy*abs(f)**2 - real(f**2*conjg(p), dp))/(energy**2 - abs(p)**2) - abs(f)**2/energy)
       end do
     end subroutine add_mirrored

@@ -2,7 +2,7 @@ module bw_exchange
   !! The exchange of some lines of a model for others, and by how much the squares of its prediction errors fall.
   use bw_kinds, only: dp
   use bw_line, only: find_wave, has_trend, line_type
-  use bw_model, only: add_lines, at_sensors, model_type, rows_of_stretches, subtract_missing, white_lines
+  use bw_model, only: add_lines, at_sensors, has_gaps, model_type, rows_of_stretches, subtract_missing, white_lines
   use bw_noise, only: mixed_amplitude, squares_at_end, whiten
   implicit none (type, external)
   private
@@ -17,7 +17,7 @@ contains
     logical, intent(in) :: with_trend            !! fit offset and slope of each stretch again
     real(dp), intent(out) :: fall                !! of −2 ln L at a fixed noise level
     type(line_type) :: lines(size(old) + size(new))
-    logical :: drifts(size(lines))
+    logical :: drifts(size(lines)), gaps
     real(dp) :: before
     integer :: k
     lines = [old, new]
@@ -26,13 +26,14 @@ contains
     end do
     drifts = [(size(lines(k)%courses) > 0, k=1, size(lines))]
     before = squares_at_ends(model)
-    if (any(drifts) .or. size(model%missing) > 0 .or. with_trend) before = before + sum(model%white**2)
+    gaps = has_gaps(model)
+    if (any(drifts) .or. gaps .or. with_trend) before = before + sum(model%white**2)
     call add_to_ends(model, lines)
     if (any(drifts)) call add_drifting_lines(model, pack(lines, drifts))
     call add_lines(rows_of_stretches(model), white_lines(model, pack(lines, .not. drifts)), 1.0_dp, model%white, model%place, fall)
     if (with_trend) call subtract_white_trend(model)
-    if (size(model%missing) > 0) call subtract_missing(model)
-    if (any(drifts) .or. size(model%missing) > 0 .or. with_trend) fall = -sum(model%white**2)
+    if (gaps) call subtract_missing(model)
+    if (any(drifts) .or. gaps .or. with_trend) fall = -sum(model%white**2)
     fall = fall + before - squares_at_ends(model)
   end subroutine exchange_lines
 
@@ -66,7 +67,7 @@ contains
         end do
       end associate
     end do
-    if (size(model%missing) > 0) call clear_ends(model)
+    call clear_ends(model)
   end subroutine subtract_white_trend
 
   pure subroutine add_drifting_lines(model, lines)
@@ -125,17 +126,17 @@ contains
         end do
       end associate
     end do
-    if (size(model%missing) > 0) call clear_ends(model)
+    call clear_ends(model)
   end subroutine add_to_ends
 
   pure subroutine clear_ends(model)
     !! Set missing samples to 0 there.
     type(model_type), intent(inout) :: model
-    integer :: b, i
-    do b = 0, ubound(model%stretches, 2)
-      do i = 1, size(model%missing)
-        associate (n => model%missing(i) - model%stretches(2, b) + model%noise%lost)
-          if (n > 0 .and. n <= model%noise%lost) model%last_values(n, :, b) = 0
+    integer :: b, c
+    do c = 1, size(model%missing)
+      do b = 0, ubound(model%stretches, 2)
+        associate (n => model%missing(c)%place - model%stretches(2, b) + model%noise%lost)
+          model%last_values(pack(n, n > 0 .and. n <= model%noise%lost), c, b) = 0
         end associate
       end do
     end do

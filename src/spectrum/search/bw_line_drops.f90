@@ -10,7 +10,7 @@ module bw_line_drops
   use bw_order, only: ascending
   use bw_refit, only: all_steps, near, negligible_gain, refit, refit_all, refit_type, trial_steps
   use bw_renewal, only: highest_order, renew
-  use bw_samples, only: samples_type
+  use bw_samples, only: samples_type, validity
   implicit none (type, external)
   private
   public :: clear_if_growing, drop_lines, drop_weakest, energy_of, keep_or_clear
@@ -83,12 +83,11 @@ contains
     first = model%stretches(1, 1)
     length = (samples%count - first + 1)/parts
     if (length < fewest .or. size(model%lines) == 0) return
-    valid = .true.
-    if (allocated(samples%valid)) valid = samples%valid
     energy = 0
     share = 0
     do s = 1, size(samples%value, 2)
       call find_misfit(samples, model, [s], residual)
+      valid = validity(samples, s)
       do i = 1, parts
         associate (from => first + (i - 1)*length, to => first + i*length - 1)
           associate (x => samples%value(from:to, s), is_there => valid(from:to))

@@ -43,17 +43,26 @@ contains
     type(line_outcome), intent(out) :: outcome
     class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
     integer, allocatable :: blows(:)
+    real(dp), allocatable :: recorded(:, :)
+    integer :: dropped
     if (allocated(samples%blow)) then
       blows = samples%blow
     else
       call find_blows(samples, false_alarm, blows)
     end if
     call find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
-    if (outcome%driven .and. allocated(samples%valid) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
+    if (outcome%driven .and. allocated(samples%missing) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
       & call find_lines_after(blows(:1), samples, false_alarm, model, outcome, monitor)    ! gaps may look like further blows
     if (.not. (allocated(samples%blow) .or. allocated(samples%place)) .and. blows(1) > 1 &
       & .and. (outcome%driven .or. any(model%lines%steady))) call try_earlier_blow()
-    call allow_for_limits(samples, model)
+    call allow_for_limits(samples, model, recorded, monitor)
+    do while (allocated(recorded))               ! lines of the truncated noise gain nothing now
+      call drop_lines(samples, false_alarm, model, dropped, monitor)
+      if (dropped == 0) exit
+      if (stops(monitor)) exit
+      call allow_for_limits(samples, model, recorded, monitor)
+    end do
+    if (allocated(recorded)) call move_alloc(recorded, samples%value)
 
   contains
 
@@ -301,7 +310,6 @@ contains
     power = 0
     do s = 1, size(samples%value, 2)
       x = samples%value(model%stretches(1, 1):model%stretches(2, 1), s)
-      if (allocated(samples%valid)) x = merge(x, 0.0_dp, samples%valid(model%stretches(1, 1):model%stretches(2, 1)))
       x = x - sum(x)/size(x)
       power = power + abs(sum(wave*x))**2/max(sum(x**2), tiny(1.0_dp))
     end do

@@ -9,11 +9,11 @@ module bw_model
   use bw_line, only: find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
   use bw_noise, only: noise_type, white_amplitude
-  use bw_samples, only: place_of, samples_type
+  use bw_samples, only: gaps_type, place_of, samples_type
   implicit none (type, external)
   private
-  public :: add_lines, at_sensors, clear_invalid, colour_at, find_misfit, find_residual, rows_of_stretches, steps_between, &
-    & subtract_missing, white_lines
+  public :: add_lines, at_sensors, clear_missing, colour_at, find_misfit, find_residual, has_gaps, rows_of_stretches, &
+    & steps_between, subtract_missing, white_lines
 
   real(dp), parameter :: negligible = 40         !! e-folds after which a line is negligible
   integer, parameter, public :: chunk = 2048     !! rows handled at once
@@ -34,7 +34,7 @@ module bw_model
     type(noise_type) :: noise
     real(dp), allocatable :: place(:)            !! times of uneven samples, in steps, (N); their noise is white up to `level`
     real(dp), allocatable :: level(:, :)         !! of uneven samples: power of the noise over its mean, (bins, S)
-    integer, allocatable :: missing(:)           !! invalid samples, ascending
+    type(gaps_type), allocatable :: missing(:)   !! of each component, (S)
     real(dp), allocatable :: white(:, :)         !! prediction errors over their standard deviation; 0 where there is none, (N, S)
     real(dp), allocatable :: last_values(:, :, :)  !! the components' residual at the last samples of each stretch, (lost, S, 0:B)
     type(real_fourier) :: fourier
@@ -181,7 +181,7 @@ contains
       residual(:, s) = samples%value(:samples%count, sensors(s))
     end do
     call add_lines(model%stretches, at_sensors(model%lines, sensors), -1.0_dp, residual, model%place)
-    call clear_invalid(samples, residual)
+    if (allocated(samples%missing)) call clear_missing(samples%missing(sensors), residual)
   end subroutine find_residual
 
   pure subroutine find_misfit(samples, model, sensors, residual)
@@ -203,26 +203,32 @@ contains
     end do
   end subroutine find_misfit
 
-  pure subroutine clear_invalid(samples, values)
-    !! Set invalid samples to 0.
-    type(samples_type), intent(in) :: samples
+  pure subroutine clear_missing(missing, values)
+    !! Set missing samples to 0.
+    type(gaps_type), intent(in) :: missing(:)    !! (columns)
     real(dp), intent(inout) :: values(:, :)
     integer :: s
-    if (.not. allocated(samples%valid)) return
     do s = 1, size(values, 2)
-      where (.not. samples%valid) values(:, s) = 0
+      values(missing(s)%place, s) = 0
     end do
-  end subroutine clear_invalid
+  end subroutine clear_missing
+
+  pure logical function has_gaps(model)
+    !! Whether any samples are missing.
+    type(model_type), intent(in) :: model
+    integer :: s
+    has_gaps = any([(size(model%missing(s)%place) > 0, s=1, size(model%missing))])
+  end function has_gaps
 
   pure subroutine subtract_missing(model)
     !! Subtract from the white rows the part that missing samples explain.
     type(model_type), intent(inout) :: model
     integer :: rows(2, 0:ubound(model%stretches, 2)), b, s
-    if (size(model%missing) == 0) return
     rows = rows_of_stretches(model)
-    do b = 0, ubound(rows, 2)
-      do s = 1, size(model%white, 2)
-        call project_out_missing(missing_among(model%missing, rows(1, b), rows(2, b) - rows(1, b) + 1, &
+    do s = 1, size(model%white, 2)
+      if (size(model%missing(s)%place) == 0) cycle
+      do b = 0, ubound(rows, 2)
+        call project_out_missing(missing_among(model%missing(s)%place, rows(1, b), rows(2, b) - rows(1, b) + 1, &
           & model%noise%filter(:model%noise%order(s), s)), model%white(rows(1, b):rows(2, b), s))
       end do
     end do

@@ -3,7 +3,7 @@ module bw_noise_alone
   use bw_cost, only: akaike
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
-  use bw_samples, only: samples_type
+  use bw_samples, only: samples_type, validity
   use bw_vector_noise, only: vector_noise_cost
   implicit none (type, external)
   private
@@ -23,11 +23,13 @@ contains
     real(dp), parameter :: falls = 10            ! chosen: 150 drawn records of ambient excitation have 5 at most
     integer :: bounds(0:size(blows) + 1)
     real(dp) :: energy(2), half(2)
+    logical :: valid(samples%count)
     integer :: s, b, middle
     bounds = [1, blows, samples%count + 1]
     energy = 0
     do s = 1, size(samples%value, 2)
       half = 0
+      valid = validity(samples, s)
       do b = 0, size(blows)
         middle = (bounds(b) + bounds(b + 1))/2
         half = half + [energy_in(bounds(b), middle - 1), energy_in(middle, bounds(b + 1) - 1)]
@@ -41,11 +43,8 @@ contains
     pure real(dp) function energy_in(first, last) result(squares)
       !! About the mean of valid samples.
       integer, intent(in) :: first, last
-      logical :: valid(first:last)
-      valid = .true.
-      if (allocated(samples%valid)) valid = samples%valid(first:last)
-      associate (x => samples%value(first:last, s))
-        squares = sum((x - sum(x, valid)/max(1, count(valid)))**2, valid)
+      associate (x => samples%value(first:last, s), own => valid(first:last))
+        squares = sum((x - sum(x, own)/max(1, count(own)))**2, own)
       end associate
     end function energy_in
 
@@ -62,7 +61,7 @@ contains
     cost = huge(1.0_dp)
     n = samples%count
     sensors = size(mean)
-    if (allocated(samples%valid) .or. sensors == 1) return
+    if (allocated(samples%missing) .or. sensors == 1) return
     most = min(sensors, max(1, most_numbers/n))
     penalty = akaike
     mean = [(sum(samples%value(:n, s))/n, s=1, sensors)]

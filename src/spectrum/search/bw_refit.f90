@@ -6,7 +6,7 @@ module bw_refit
   use bw_exchange, only: exchange_lines
   use bw_kinds, only: dp
   use bw_line, only: line_type
-  use bw_model, only: model_type, rows_of_stretches, steps_between, white_lines
+  use bw_model, only: has_gaps, model_type, rows_of_stretches, steps_between, white_lines
   use bw_noise, only: amplitude_of
   implicit none (type, external)
   private
@@ -104,17 +104,21 @@ contains
     type(model_type), intent(in) :: model
     real(dp), intent(in) :: rate, other          !! real parts of their poles
     real(dp) :: life(2), both(2)
-    integer :: b, lost
+    integer :: b, s, lost
     is_broken = .false.
-    if (size(model%missing) == 0) return
+    if (.not. has_gaps(model)) return
     lost = 0
     both = 0
     do b = 1, ubound(model%stretches, 2)
       life = 1/max(-[rate, other], 1.0_dp/max(1, model%stretches(2, b) - model%stretches(1, b) + 1))
       both = both + life
-      lost = lost + count(model%missing >= model%stretches(1, b) .and. model%missing - model%stretches(1, b) < minval(life))
+      do s = 1, size(model%missing)
+        associate (since => model%missing(s)%place - model%stretches(1, b))
+          lost = lost + count(since >= 0 .and. since < minval(life))
+        end associate
+      end do
     end do
-    is_broken = lost > broken*sqrt(product(both))
+    is_broken = lost > broken*size(model%missing)*sqrt(product(both))
   end function is_broken
 
   subroutine refit(model, old, start, most_steps, found, window, least)

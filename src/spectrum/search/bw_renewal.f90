@@ -1,15 +1,13 @@
 module bw_renewal
   !! The renewal of a model's residual: its offset and slope, the noise of its sensors or of their principal components, and its
   !! prediction errors.
-  use bw_autoregression, only: autoregression, burg, robust_levels
+  use bw_autoregression, only: autoregression, robust_levels
+  use bw_component_noise, only: estimate_noise, try_mixing, valid_runs
   use bw_kinds, only: dp
-  use bw_lapack, only: dgemm, dsyev
   use bw_line, only: has_trend, line_type
-  use bw_missing_samples, only: missing_among, project_out_missing
-  use bw_model, only: chunk, clear_invalid, find_residual, model_type, subtract_missing
+  use bw_model, only: clear_missing, find_residual, has_gaps, model_type, subtract_missing
   use bw_noise, only: ends_of, whiten
-  use bw_noise_with_gaps, only: fit_with_gaps
-  use bw_samples, only: place_of, samples_type, valid_runs
+  use bw_samples, only: place_of, samples_type, validity
   use bw_uneven_noise, only: find_levels
   implicit none (type, external)
   private
@@ -17,7 +15,6 @@ module bw_renewal
 
   integer, parameter, public :: highest_order = 64       !! tuned: of a noise's autoregression
   integer, parameter :: samples_per_order = 10   !! tuned: fewer do not determine so high an order
-  real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own; a rounded copy has less
 
 contains
 
@@ -35,6 +32,7 @@ contains
     order = highest_order
     if (present(highest)) order = highest
     order = min(order, samples%count/samples_per_order)
+    if (allocated(samples%missing)) order = min(order, order_beside_gaps(samples))
     if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! for noise alone, times may be taken as even
     if (allocated(model%last)) then
       if (is_last(model, robust, order, penalty)) return  ! nothing has changed since
@@ -43,9 +41,15 @@ contains
     if (.not. allocated(model%white)) allocate (model%white(samples%count, size(samples%value, 2)))
     call find_residual(samples, model, [(s, s=1, size(noise))], model%white)
     call subtract_trend(samples, model)
-    call clear_invalid(samples, model%white)
-    model%missing = [integer ::]
-    if (allocated(samples%valid)) model%missing = pack([(c, c=1, samples%count)], .not. samples%valid)
+    if (allocated(samples%missing)) then
+      model%missing = samples%missing
+    else if (.not. allocated(model%missing)) then
+      allocate (model%missing(size(noise)))
+      do s = 1, size(noise)
+        allocate (model%missing(s)%place(0))
+      end do
+    end if
+    call clear_missing(model%missing, model%white)
     allocate (model%last)
     model%last%robust = robust
     model%last%order = order
@@ -57,10 +61,10 @@ contains
     do s = 1, size(noise)
       noise(s) = noise_of(s)
     end do
-    if (.not. robust .and. size(model%missing) > 0) model%start = noise
+    if (.not. robust .and. has_gaps(model)) model%start = noise
     model%noise%cost = sum(noise%cost)
     if (allocated(model%noise%mixing)) deallocate (model%noise%mixing, model%noise%unmixing)
-    if (.not. robust .and. size(noise) > 1) call try_mixing(samples, penalty, order, noise, model)
+    if (.not. robust .and. size(noise) > 1) call try_mixing(samples%count, penalty, order, noise, model)
     model%noise%order = [(ubound(noise(s)%predictor, 1), s=1, size(noise))]
     model%noise%lost = maxval(model%noise%order)
     if (allocated(model%noise%filter)) deallocate (model%noise%filter)
@@ -80,7 +84,7 @@ contains
       model%noise%filter(:model%noise%order(s), s) = noise(s)%predictor*scale
       model%noise%ends(:model%noise%order(s), :model%noise%order(s) - 1, s) = ends_of(noise(s)%predictor*scale)
     end do
-    call subtract_missing(model)
+    if (has_gaps(model)) call subtract_missing(model)
 
   contains
 
@@ -92,15 +96,23 @@ contains
         own%variance = max(sum(model%level(:, s))/size(model%level, 1), tiny(1.0_dp))
         model%level(:, s) = model%level(:, s)/own%variance
       else if (robust) then
-        call robust_levels(model%white(:, s), penalty, model%fourier, own)
+        call robust_levels(model%white(:, s), samples%count - size(model%missing(s)%place), penalty, model%fourier, own)
       else
         if (allocated(model%start)) own = model%start(s)
-        call estimate_noise(samples, model, s, order, penalty, own)
+        call estimate_noise(model, s, valid_runs(model, samples%count, [s]), order, penalty, own)
         if (allocated(model%place)) model%level(:, s) = model%level(:, s)/own%variance
       end if
     end function noise_of
 
   end subroutine renew
+
+  pure integer function order_beside_gaps(samples) result(order)
+    !! The highest order of noise with missing samples that takes a fraction of a second.
+    type(samples_type), intent(in) :: samples
+    real(dp), parameter :: products = 5.0e6_dp   ! of each missing sample with two others
+    integer :: s
+    order = int(sqrt(products/max(1, sum([(size(samples%missing(s)%place), s=1, size(samples%missing))]))))
+  end function order_beside_gaps
 
   pure subroutine keep_ends(model)
     !! Keep the residual of the last samples of each stretch.
@@ -115,21 +127,6 @@ contains
       end associate
     end do
   end subroutine keep_ends
-
-  subroutine estimate_noise(samples, model, s, order, penalty, noise)
-    !! Estimate the noise of one component of the residual.
-    type(samples_type), intent(in) :: samples
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: s
-    integer, intent(in) :: order                 !! the highest
-    real(dp), intent(in) :: penalty
-    type(autoregression), intent(inout) :: noise   !! with the initial predictor, if samples are missing
-    if (size(model%missing) == 0 .or. allocated(model%place)) then
-      call burg(model%white(:, s), all_runs(samples, model), order, penalty, noise)
-    else
-      call fit_with_gaps(model%white(:, s), all_runs(samples, model), model%stretches, order, penalty, noise)
-    end if
-  end subroutine estimate_noise
 
   pure logical function is_last(model, robust, order, penalty)
     !! Whether the noise was last estimated in this way, with these lines and stretches.
@@ -154,54 +151,29 @@ contains
       & .and. all(line%amplitude == other%amplitude)
   end function are_same
 
-  pure function all_runs(samples, model) result(runs)
-    !! The runs of valid samples in all stretches.
-    type(samples_type), intent(in) :: samples
-    type(model_type), intent(in) :: model
-    integer, allocatable :: runs(:, :)
-    integer :: b
-    allocate (runs(2, 0))
-    do b = 0, ubound(model%stretches, 2)
-      if (model%stretches(2, b) < model%stretches(1, b)) cycle
-      call append_runs(valid_runs(samples, model%stretches(1, b), model%stretches(2, b)), runs)
-    end do
-  end function all_runs
-
-  pure subroutine append_runs(own, runs)
-    !! Append runs to others.
-    integer, intent(in) :: own(:, :)
-    integer, allocatable, intent(inout) :: runs(:, :)
-    integer :: more(2, size(runs, 2) + size(own, 2))
-    more(:, :size(runs, 2)) = runs
-    more(:, size(runs, 2) + 1:) = own
-    runs = more
-  end subroutine append_runs
-
   pure subroutine subtract_trend(samples, model)
     !! Subtract offset and slope of each stretch from the residual, by least squares over its valid samples.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(inout) :: model
-    real(dp) :: weight(samples%count), u(samples%count), middle, slope
+    real(dp) :: weight(samples%count), place(samples%count), n, middle, slope, mean
     integer :: s, b, i, other, length(0:ubound(model%stretches, 2))
     length = model%stretches(2, :) - model%stretches(1, :) + 1
-    weight = 1
-    if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid)
-    do b = 0, ubound(model%stretches, 2)
-      associate (first => model%stretches(1, b), last => model%stretches(2, b))
-        if (last < first .or. b /= sharing(b)) cycle
-        associate (w => weight(first:last), n => max(1.0_dp, sum(weight(first:last))))
-          u(first:last) = [(place_of(samples, i) - place_of(samples, first), i=first, last)]
-          middle = sum(w*u(first:last))/n
-          u(first:last) = u(first:last) - middle
-          do s = 1, size(model%white, 2)
-            associate (x => model%white(first:last, s))
-              slope = sum(w*u(first:last)*x)/max(1.0_dp, sum(w*u(first:last)**2))
-              model%trend(:, s, b) = [sum(w*x)/n - slope*middle, slope]
-              x = x - sum(w*x)/n - slope*u(first:last)
-            end associate
-          end do
+    place = [(place_of(samples, i), i=1, samples%count)]
+    do s = 1, size(model%white, 2)
+      if (s == 1 .or. allocated(samples%missing)) weight = merge(1.0_dp, 0.0_dp, validity(samples, s))
+      do b = 0, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, b), last => model%stretches(2, b))
+          if (last < first .or. b /= sharing(b)) cycle
+          associate (w => weight(first:last), u => place(first:last), x => model%white(first:last, s))
+            n = max(1.0_dp, sum(w))
+            middle = sum(w*u)/n
+            slope = sum(w*(u - middle)*x)/max(1.0_dp, sum(w*(u - middle)**2))
+            mean = sum(w*x)/n
+            model%trend(:, s, b) = [mean - slope*(middle - place(first)), slope]
+            x = x - mean - slope*(u - middle)
+          end associate
         end associate
-      end associate
+      end do
     end do
     do b = 0, ubound(model%stretches, 2)
       other = sharing(b)
@@ -236,75 +208,5 @@ contains
     end function has_own
 
   end subroutine subtract_trend
-
-  subroutine try_mixing(samples, penalty, order, noise, model)
-    !! Mix the sensors into the principal components of their prediction errors if these have the lower cost.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: penalty
-    integer, intent(in) :: order
-    type(autoregression), intent(inout) :: noise(:)
-    type(model_type), intent(inout) :: model
-    type(autoregression) :: own(size(noise))
-    real(dp), dimension(size(noise), size(noise)) :: correlation, vectors
-    real(dp) :: values(size(noise)), work(64*size(noise)), cost
-    real(dp), allocatable :: error(:, :)
-    integer, allocatable :: runs(:, :)
-    integer :: s, sensors, info, b, n, valid_count, first, lost
-    sensors = size(noise)
-    runs = all_runs(samples, model)
-    valid_count = sum(runs(2, :) - runs(1, :) + 1) ! number of valid samples
-    lost = maxval([(ubound(noise(s)%predictor, 1), s=1, sensors)])
-    correlation = 0
-    allocate (error(0, 0))
-    do b = 0, ubound(model%stretches, 2)
-      do first = model%stretches(1, b), model%stretches(2, b), chunk
-        n = min(chunk, model%stretches(2, b) - first + 1)
-        error = model%white(first:min(first + n + lost - 1, model%stretches(2, b)), :)
-        do s = 1, sensors
-          call whiten(noise(s)%predictor, error(:, s))
-          call project_out_missing(missing_among(model%missing, first, size(error, 1) - ubound(noise(s)%predictor, 1), &
-            & noise(s)%predictor), &
-            & error(:, s))
-        end do
-        call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, size(error, 1), error, size(error, 1), 1.0_dp, correlation, &
-          & sensors)
-      end do
-    end do
-    values = 1/sqrt([(max(correlation(s, s), tiny(1.0_dp)), s=1, sensors)])
-    correlation = correlation*spread(values, 1, sensors)*spread(values, 2, sensors)
-    vectors = correlation
-    call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
-    cost = 0.5_dp*sensors*(sensors - 1)*penalty
-    if (valid_count*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
-    model%noise%mixing = spread(1/sqrt(noise%variance), 2, sensors)*vectors
-    model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
-    call mix(model%noise%mixing, model%white)
-    do s = 1, sensors
-      own(s)%predictor = noise(s)%predictor
-      call estimate_noise(samples, model, s, order, penalty, own(s))
-      own(s)%variance = max(own(s)%variance, least_share)
-    end do
-    cost = cost + sum(own%cost) + valid_count*sum(log(noise%variance))
-    if (cost < model%noise%cost) then
-      model%noise%cost = cost
-      noise = own
-    else
-      call mix(model%noise%unmixing, model%white)
-      deallocate (model%noise%mixing, model%noise%unmixing)
-    end if
-  end subroutine try_mixing
-
-  subroutine mix(matrix, values)
-    !! Replace rows of values by their products with a matrix.
-    real(dp), intent(in) :: matrix(:, :)
-    real(dp), intent(inout) :: values(:, :)
-    real(dp) :: part(chunk, size(matrix, 1))
-    integer :: first, n
-    do first = 1, size(values, 1), chunk
-      n = min(chunk, size(values, 1) - first + 1)
-      part(:n, :) = values(first:first + n - 1, :)
-      values(first:first + n - 1, :) = matmul(part(:n, :), matrix)
-    end do
-  end subroutine mix
 
 end module bw_renewal
