@@ -113,7 +113,7 @@ contains
       end associate
       is_bound(2:) = is_bound(2:) .and. is_usable(:n - 1)
       if (count(is_usable) < 2) cycle
-      recording = x(:, s) - value_at_rest(x(:, s), valid(:, s))
+      recording = x(:, s) - sum(x(:first, s))/first
       call predict(valid(:, s), is_single, p, x(:, s), noise)
       call find_errors(x(:, s), noise%predictor, error)
       where (is_bound) error = merge(error + recording - x(:, s), 0.0_dp, (error + recording - x(:, s))*recording > 0)
@@ -141,7 +141,7 @@ contains
     real(dp) :: weight(p + 1)
     integer :: n, i, last, m, q, stage
     n = size(x)
-    x = x - value_at_rest(x, valid)              ! a record that begins before the blow begins at rest
+    x = x - sum(x(:first))/first              ! a record that begins before the blow begins at rest
     last = 0
     do i = 1, n                                  ! start with straight lines
       if (.not. valid(i)) cycle
@@ -161,22 +161,6 @@ contains
       if (.not. any(is_single)) return
     end do
   end subroutine predict
-
-  pure real(dp) function value_at_rest(x, valid) result(mean)
-    !! The mean of the first valid samples.
-    real(dp), intent(in) :: x(:)
-    logical, intent(in) :: valid(:)
-    integer :: i, n
-    mean = 0
-    n = 0
-    do i = 1, size(x)
-      if (.not. valid(i)) cycle
-      mean = mean + x(i)
-      n = n + 1
-      if (n == first) exit
-    end do
-    mean = mean/max(1, n)
-  end function value_at_rest
 
   pure subroutine find_errors(x, h, error)
     !! Find the prediction error of each sample from those before it.
