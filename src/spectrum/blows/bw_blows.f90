@@ -141,7 +141,7 @@ contains
     real(dp) :: weight(p + 1)
     integer :: n, i, last, m, q, stage
     n = size(x)
-    x = x - sum(x(:first))/first              ! a record that begins before the blow begins at rest
+    x = x - sum(x(:first))/first                 ! a record that begins before the blow begins at rest
     last = 0
     do i = 1, n                                  ! start with straight lines
       if (.not. valid(i)) cycle
