@@ -147,8 +147,8 @@ contains
     status = merge(outcome%status, status_done, made)
     if (made) then
       call print_result(command, scene, outcome, brief)
-    else if (allocated(outcome%told)) then
-      call print_warnings(scene, outcome%told)
+    else if (allocated(outcome%warnings)) then
+      call print_warnings(scene, outcome%warnings)
     end if
     if (.not. present(error)) return
     call print_error(error)
@@ -169,7 +169,7 @@ contains
     if (.not. command%quiet .and. outcome%status /= status_stopped) seen = seen_together()
     if (seen) return
     if (command%group%processes > 1 .and. .not. command%quiet) call pause(between_streams)
-    if (allocated(outcome%told)) call print_warnings(scene, outcome%told)
+    if (allocated(outcome%warnings)) call print_warnings(scene, outcome%warnings)
     call print_warnings(scene, outcome%notes)
   end subroutine print_result
 

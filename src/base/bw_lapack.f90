@@ -1,12 +1,12 @@
 module bw_lapack
   !! Interfaces of BLAS and LAPACK procedures, all declared here so that the compiler checks every call. Names and
-  !! arguments are those of the libraries' documentation. dgeqrf, dormqr and dgelsy fail only for wrong
+  !! arguments are those of the libraries' documentation. dgeqrt, dgemqrt and dgelsy fail only for wrong
   !! arguments, for which LAPACK itself stops: their info needs no check.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: ddot, dgbsvx, dgemm, dgesv, dgetrf, dgetrs, dtrsm
-  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqrf, dormqr, dgelsy, dlasrt, dsyev, dsygv, dsterf, zgbsv, zgeev, &
+  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqrt, dgemqrt, dgelsy, dlasrt, dsyev, dsygv, dsterf, zgbsv, zgeev, &
     & zgesv, zgesvd
 
   interface
@@ -127,13 +127,13 @@ module bw_lapack
       integer, intent(out) :: iwork(*), info
     end subroutine dgbsvx
 
-    subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
-      !! A = QR by Householder reflections.
+    subroutine dgeqrt(m, n, nb, a, lda, t, ldt, work, info)
+      !! A = QR by Householder reflections in blocks of nb columns.
       import :: dp
-      integer, intent(in) :: m, n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
+      integer, intent(in) :: m, n, nb, lda, ldt
+      real(dp), intent(inout) :: a(lda, *), t(ldt, *), work(*)
       integer, intent(out) :: info
-    end subroutine dgeqrf
+    end subroutine dgeqrt
 
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
       !! Eigenvalues and vectors of A x = w B x, both symmetric, B positive definite.
@@ -145,15 +145,15 @@ module bw_lapack
       integer, intent(out) :: info
     end subroutine dsygv
 
-    subroutine dormqr(side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
-      !! C ← QC, QᵀC, CQ or CQᵀ, Q from dgeqrf.
+    subroutine dgemqrt(side, trans, m, n, k, nb, v, ldv, t, ldt, c, ldc, work, info)
+      !! C ← QC, QᵀC, CQ or CQᵀ, Q from dgeqrt.
       import :: dp
       character, intent(in) :: side, trans
-      integer, intent(in) :: m, n, k, lda, ldc, lwork
-      real(dp), intent(in) :: a(lda, *), tau(*)
+      integer, intent(in) :: m, n, k, nb, ldv, ldt, ldc
+      real(dp), intent(in) :: v(ldv, *), t(ldt, *)
       real(dp), intent(inout) :: c(ldc, *), work(*)
       integer, intent(out) :: info
-    end subroutine dormqr
+    end subroutine dgemqrt
 
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       !! The shortest solution of least squares for a matrix that may lack rank.

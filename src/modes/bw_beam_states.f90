@@ -70,7 +70,7 @@ contains
     !! Return the waves e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, Bψ' = M, M' = −Rψ − N, N' = −mλv.
     type(uniform_piece), intent(in) :: piece
     type(inertia_type), intent(in) :: inertia
-    real(dp), parameter :: apart = 1.0e-7_dp     ! relative difference of the two squares, to keep waves independent
+    real(dp), parameter :: least_separation = 1.0e-7_dp     ! relative difference of the two squares, to keep waves independent
     complex(dp) :: root, b, c
     associate (stiffness => piece%stiffness%hi, mass => piece%mass%hi)
       waves%length = piece%length%hi
@@ -81,7 +81,7 @@ contains
       b = (waves%rotary + waves%compliance*stiffness*waves%inertia)/stiffness
       c = -waves%inertia*(1.0_dp - waves%compliance*waves%rotary)/stiffness
       root = sqrt(0.25_dp*b**2 - c)
-      if (abs(root) < apart*abs(b)) root = apart*abs(b)
+      if (abs(root) < least_separation*abs(b)) root = least_separation*abs(b)
       waves%decay = sqrt([-0.5_dp*b + root, -0.5_dp*b - root])
       waves%force = -waves%inertia/waves%decay
       waves%turn = waves%decay - waves%compliance*waves%force

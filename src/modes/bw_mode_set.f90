@@ -208,9 +208,9 @@ contains
   pure integer function first_struck_mode(modes) result(k)
     !! Return the first mode with motion at the struck place.
     class(mode_set), intent(in) :: modes
-    real(dp), parameter :: at_rest = 1.0e-3_dp
+    real(dp), parameter :: negligible = 1.0e-3_dp
     associate (shape => abs(modes%struck))
-      k = max(1, findloc(shape > at_rest*maxval(shape), .true., dim=1))
+      k = max(1, findloc(shape > negligible*maxval(shape), .true., dim=1))
     end associate
   end function first_struck_mode
 

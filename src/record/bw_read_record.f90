@@ -47,7 +47,7 @@ contains
     class(record_source), allocatable :: source
     integer, allocatable :: columns(:)
     real(dp), allocatable :: times(:), steps(:)
-    logical, allocatable :: told(:)                    ! rows with a time of their own; finally, of the part used
+    logical, allocatable :: timed(:)                    ! rows with a time of their own; finally, of the part used
     integer(i8) :: part(2)                             ! first and last row used
     integer :: time, force
     record%path = record_path(scene, number)
@@ -56,10 +56,10 @@ contains
     if (.not. allocated(error)) call choose_columns(scene, source, time, columns, force, error)
     if (.not. allocated(error)) call check_memory(record%path, source%rows, 3, error)
     if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
-    if (.not. allocated(error)) call take_times(scene, source, time, times, steps, record, told, part, error)
+    if (.not. allocated(error)) call take_times(scene, source, time, times, steps, record, timed, part, error)
     if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
     if (.not. allocated(error) .and. force > 0) call read_force(source, force, part, record, error)
-    if (.not. allocated(error)) call leave_out(told, record, error)
+    if (.not. allocated(error)) call leave_out(timed, record, error)
     if (.not. allocated(error)) call convert(record, error)
     if (.not. allocated(error)) call add_notes(scene, source, time, columns, force, record)
     if (allocated(source)) call source%close()
@@ -103,27 +103,27 @@ contains
               ' numbers each')
   end subroutine check_memory
 
-  subroutine take_times(scene, source, time, times, steps, record, told, part, error)
+  subroutine take_times(scene, source, time, times, steps, record, timed, part, error)
     !! Find the times since the first sample used, and the rows that are used.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     integer, intent(in) :: time                        !! column of the times; 0: times follow from the sampling rate
     real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; consumed
     type(record_type), intent(inout) :: record
-    logical, allocatable, intent(out) :: told(:)       !! rows of that part with a time of their own
+    logical, allocatable, intent(out) :: timed(:)       !! rows of that part with a time of their own
     integer(i8), intent(out) :: part(2)
     type(error_type), allocatable, intent(inout) :: error
     real(dp) :: scale                                  ! s over the file's unit
     integer(i8) :: j
     integer, parameter :: many = 16                    ! last times examined: not all have omitted trailing zeros
     part = [1_i8, 0_i8]
-    allocate (told(record%samples_there), source=.true.)
+    allocate (timed(record%samples_there), source=.true.)
     associate (par => scene%record, first => part(1), last => part(2))
       if (time > 0) then
-        call mark_own_times(times, told)
-        if (.not. all(told)) then
-          times = pack(times, told)
-          steps = pack(steps, told)
+        call mark_own_times(times, timed)
+        if (.not. all(timed)) then
+          times = pack(times, timed)
+          steps = pack(steps, timed)
         end if
         scale = par%time_scale
         if (is_missing(scale)) scale = factor_of(source%columns(time)%unit, 'time')
@@ -131,7 +131,7 @@ contains
           times = scale*times
           steps = scale*steps
         end if
-        call check_times(source, times, told, error)
+        call check_times(source, times, timed, error)
         if (allocated(error)) return
       else
         times = [(real(j, dp)/par%sample_rate, j=0, record%samples_there - 1)]
@@ -157,49 +157,49 @@ contains
         record%times = times(first:last) - times(first)
       end if
     end associate
-    part = [row_of(part(1), told), row_of(part(2), told)]
-    told = told(part(1):part(2))
+    part = [row_of(part(1), timed), row_of(part(2), timed)]
+    timed = timed(part(1):part(2))
   end subroutine take_times
 
-  pure subroutine mark_own_times(times, told)
+  pure subroutine mark_own_times(times, timed)
     !! Mark rows without a time, or with the time of the row before.
     real(dp), intent(in) :: times(:)
-    logical, intent(inout) :: told(:)                  !! false for these
+    logical, intent(inout) :: timed(:)                  !! false for these
     real(dp) :: last
     integer(i8) :: j
     last = missing
     do j = 1, size(times, kind=i8)
-      told(j) = .not. is_missing(times(j)) .and. abs(times(j) - last) > 0
-      if (told(j)) last = times(j)
+      timed(j) = .not. is_missing(times(j)) .and. abs(times(j) - last) > 0
+      if (timed(j)) last = times(j)
     end do
   end subroutine mark_own_times
 
-  pure integer(i8) function row_of(time, told) result(row)
+  pure integer(i8) function row_of(time, timed) result(row)
     !! Return the row of the file that has a time.
     integer(i8), intent(in) :: time                    !! index among the times
-    logical, intent(in) :: told(:)
+    logical, intent(in) :: timed(:)
     integer(i8) :: n
     n = 0
-    do row = 1, size(told, kind=i8)
-      if (told(row)) n = n + 1
+    do row = 1, size(timed, kind=i8)
+      if (timed(row)) n = n + 1
       if (n == time) return
     end do
   end function row_of
 
-  subroutine check_times(source, times, told, error)
+  subroutine check_times(source, times, timed, error)
     !! Check that times increase and are plausible. **Errors**: `status_bad_file`, with the place.
     class(record_source), intent(inout) :: source
     real(dp), intent(in) :: times(:)
-    logical, intent(in) :: told(:)                     !! rows of the file that have these times
+    logical, intent(in) :: timed(:)                     !! rows of the file that have these times
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: row
     row = first_fall(times)
     if (row > 0) then
-      call fail(error, status_bad_file, source%place_of_row(row_of(row, told))//': the time '//text_of(times(row))// &
+      call fail(error, status_bad_file, source%place_of_row(row_of(row, timed))//': the time '//text_of(times(row))// &
                 ' is not later than '//text_of(times(row - 1))//' before it; accepted: increasing times, or sample_rate')
     else if (any(abs(times) > latest)) then
       row = findloc(abs(times) > latest, .true., dim=1, kind=i8)
-      call fail(error, status_bad_file, source%place_of_row(row_of(row, told))//': the time '//text_of(times(row))// &
+      call fail(error, status_bad_file, source%place_of_row(row_of(row, timed))//': the time '//text_of(times(row))// &
                 ' is beyond that of any clock; accepted: up to '//text_of(latest)//' s, or time_scale if the unit is not s')
     end if
   end subroutine check_times
@@ -268,41 +268,45 @@ contains
     if (.not. allocated(error)) call source%read_values(columns, part(1), record%values, error)
   end subroutine read_sensors
 
-  subroutine leave_out(told, record, error)
+  subroutine leave_out(timed, record, error)
     !! Choose sensors, and drop rows that lack a time of their own, or a number of such a sensor. **Errors**: `status_bad_file` if
     !! too few remain.
-    logical, intent(in) :: told(:)                     !! rows that have the times
+    logical, intent(in) :: timed(:)                     !! rows that have the times
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
-    logical :: whole(size(told))
+    logical :: whole(size(timed))
     logical, allocatable :: stays(:)                   ! which of the times are kept
     real(dp), allocatable :: values(:, :)
     integer(i8) :: lacking(size(record%sensors)), j
     integer :: s, first, last
-    call choose_sensors(told, record)
-    whole = told
+    call choose_sensors(timed, record)
+    whole = timed
     do s = 1, size(lacking)
       if (.not. record%sensors(s)%left_out) whole = whole .and. .not. is_missing(record%values(:, s))
       lacking(s) = count(is_missing(record%values(:, s)))
     end do
     record%left_out = count(.not. whole)
+    if (allocated(record%force)) then
+      record%force = pack(record%force, timed)
+      record%force_times = record%times
+    end if
     if (record%left_out == 0) return
     s = maxloc(lacking, dim=1)
     if (count(whole) < least_samples) call fail(error, status_bad_file, record%path//': has '//text_of(count(whole))// &
       ' complete rows, and column '//record%sensors(s)%name//' lacks '//text_of(lacking(s))//' of '// &
-      text_of(size(told))//' values; accepted: '//text_of(least_samples)//' rows or more')
+      text_of(size(timed))//' values; accepted: '//text_of(least_samples)//' rows or more')
     if (allocated(error)) return
     allocate (values(count(whole), size(lacking)))
     do s = 1, size(lacking)
       values(:, s) = pack(record%values(:, s), whole)
     end do
     call move_alloc(values, record%values)
-    if (allocated(record%force)) record%force = pack(record%force, whole)
-    stays = pack(whole, told)
+    stays = pack(whole, timed)
     first = findloc(stays, .true., dim=1)
     last = findloc(stays, .true., dim=1, back=.true.)
     if (.not. all(stays(first:last))) record%interval = 0.0_dp
     record%origin = record%origin + record%times(first)
+    if (allocated(record%force)) record%force_times = record%force_times - record%times(first)
     record%times = pack(record%times, stays) - record%times(first)
     if (record%interval > 0.0_dp) record%times = [(j*record%interval, j=0, size(record%times, kind=i8) - 1)]
   end subroutine leave_out

@@ -38,7 +38,8 @@ module bw_record
     real(dp) :: resolution = 0.0_dp              !! last digit of the late times [s]; 0: all digits are known
     real(dp), allocatable :: times(:)            !! since the first sample [s], increasing; evenly spaced: (j−1)·interval, (samples)
     real(dp), allocatable :: values(:, :)        !! in the sensors' units; `missing` at sensors left out only, (samples, sensors)
-    real(dp), allocatable :: force(:)            !! of the hammer [N]; unallocated: not known, (samples)
+    real(dp), allocatable :: force(:)            !! of the hammer [N], also in rows left out; unallocated: not known
+    real(dp), allocatable :: force_times(:)      !! since the first sample [s]
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
     type(string), allocatable :: notes(:)        !! notes on the record, one line each
   end type record_type

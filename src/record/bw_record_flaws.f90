@@ -47,37 +47,37 @@ contains
   pure type(flaws_type) function find_flaws(values) result(flaws)
     !! Find the flaws of one sensor, whose samples are in the order of time.
     real(dp), intent(in) :: values(:)
-    logical :: told(size(values))
-    call look(values, told, flaws)
+    logical :: sound(size(values))
+    call look(values, sound, flaws)
   end function find_flaws
 
-  pure subroutine mark_flaws(values, told)
+  pure subroutine mark_flaws(values, sound)
     !! Mark flawed samples of one sensor: those where it was stuck or clipped.
     real(dp), intent(in) :: values(:)
-    logical, intent(inout) :: told(:)             !! false for these samples; others are unchanged
+    logical, intent(inout) :: sound(:)             !! false for these samples; others are unchanged
     type(flaws_type) :: flaws
-    call look(values, told, flaws)
+    call look(values, sound, flaws)
   end subroutine mark_flaws
 
-  pure subroutine look(values, told, flaws)
+  pure subroutine look(values, sound, flaws)
     !! Find the flaws of one sensor, and mark the samples.
     real(dp), intent(in) :: values(:)
-    logical, intent(inout) :: told(:)
+    logical, intent(inout) :: sound(:)
     type(flaws_type), intent(out) :: flaws
     real(dp), allocatable :: smooth(:)
     logical, allocatable :: is_spike(:)
     integer(i8) :: i
     call find_spikes(values, is_spike)
     if (.not. allocated(is_spike)) then
-      call look_beside_spikes(values, told, flaws)
+      call look_beside_spikes(values, sound, flaws)
       return
     end if
     smooth = values
     do i = 2, size(values, kind=i8)
       if (is_spike(i)) smooth(i) = smooth(i - 1)
     end do
-    call look_beside_spikes(smooth, told, flaws)
-    where (is_spike) told = .false.
+    call look_beside_spikes(smooth, sound, flaws)
+    where (is_spike) sound = .false.
     flaws%spikes = count(is_spike, kind=i8)
     flaws%spike = maxloc(abs(values), dim=1, mask=is_spike, kind=i8)
   end subroutine look
@@ -86,16 +86,16 @@ contains
     !! Find the spikes of one sensor, the largest ones first, as these hide smaller ones.
     real(dp), intent(in) :: values(:)
     logical, allocatable, intent(out) :: is_spike(:)   !! not allocated: there are none
-    logical, dimension(size(values)) :: far, told !! from the first sample, which is no spike; no spikes
+    logical, dimension(size(values)) :: far, sound !! from the first sample, which is no spike; no spikes
     real(dp) :: low, high, distance
     integer :: n, run, i
     n = size(values)
-    told = .true.
+    sound = .true.
     low = minval(values)
     high = maxval(values)
     distance = high/far_off - low/far_off
     do
-      far = told .and. abs(values/2 - values(1)/2) > distance/2
+      far = sound .and. abs(values/2 - values(1)/2) > distance/2
       if (.not. any(far) .or. any(far(:min(n, ends))) .or. any(far(max(1, n - ends + 1):))) exit
       run = 0
       do i = 1, n
@@ -103,21 +103,21 @@ contains
         if (run > longest_spike) exit
       end do
       if (run > longest_spike) exit
-      low = minval(values, mask=told .and. .not. far)
-      high = maxval(values, mask=told .and. .not. far)
+      low = minval(values, mask=sound .and. .not. far)
+      high = maxval(values, mask=sound .and. .not. far)
       if (.not. high > low) exit
       distance = distance/far_off
       if (any(far .and. max(values/far_off - high/far_off, low/far_off - values/far_off) <= high - low)) cycle
-      told = told .and. .not. far
+      sound = sound .and. .not. far
       distance = high/far_off - low/far_off
     end do
-    if (.not. all(told)) is_spike = .not. told
+    if (.not. all(sound)) is_spike = .not. sound
   end subroutine find_spikes
 
-  pure subroutine look_beside_spikes(values, told, flaws)
+  pure subroutine look_beside_spikes(values, sound, flaws)
     !! Find the other flaws of one sensor, and mark the samples.
     real(dp), intent(in) :: values(:)
-    logical, intent(inout) :: told(:)
+    logical, intent(inout) :: sound(:)
     type(flaws_type), intent(inout) :: flaws
     real(dp) :: step
     integer(i8) :: n, first, last
@@ -138,7 +138,7 @@ contains
       if (any(at_end) .and. has_steep_sides(values, first, last, step)) clips = clips .or. at_end
       if (any(at_end .and. clips)) cycle
       if (.not. is_stuck(values, first, last, step)) cycle
-      told(first:last) = .false.
+      sound(first:last) = .false.
       flaws%stuck_runs = flaws%stuck_runs + 1
       if (last - first <= flaws%stuck_last - flaws%stuck_first .and. flaws%stuck_runs > 1) cycle
       flaws%stuck_first = first
@@ -146,7 +146,7 @@ contains
     end do
     if (clips(1)) flaws%clipped_high = count(values == flaws%highest, kind=i8)
     if (clips(2)) flaws%clipped_low = count(values == flaws%lowest, kind=i8)
-    where ((clips(1) .and. values == flaws%highest) .or. (clips(2) .and. values == flaws%lowest)) told = .false.
+    where ((clips(1) .and. values == flaws%highest) .or. (clips(2) .and. values == flaws%lowest)) sound = .false.
   end subroutine look_beside_spikes
 
   pure logical function piles_up(below, step)

@@ -14,18 +14,18 @@ module bw_sensor_choice
 
 contains
 
-  pure subroutine choose_sensors(told, record)
+  pure subroutine choose_sensors(timed, record)
     !! Leave out sensors with so many missing or flawed samples that the others determine the lines better without them.
-    logical, intent(in) :: told(:)               !! rows that have a time
+    logical, intent(in) :: timed(:)               !! rows that have a time
     type(record_type), intent(inout) :: record   !! `flawed` and `left_out` of its sensors are set
-    logical :: is_there(size(told)), chosen(size(record%sensors)), next(size(record%sensors)), is_constant(size(record%sensors))
+    logical :: is_there(size(timed)), chosen(size(record%sensors)), next(size(record%sensors)), is_constant(size(record%sensors))
     integer(i8) :: lacking(size(record%sensors)), flawed(size(record%sensors)), most
     integer :: s, k
-    is_constant = [(.not. varies(record%values(:, s), told), s=1, size(chosen))]
-    lacking = [(count(told .and. is_missing(record%values(:, s)), kind=i8), s=1, size(chosen))]
-    flawed = [(flaws_in(pack(record%values(:, s), told .and. .not. is_missing(record%values(:, s)))), s=1, size(chosen))]
+    is_constant = [(.not. varies(record%values(:, s), timed), s=1, size(chosen))]
+    lacking = [(count(timed .and. is_missing(record%values(:, s)), kind=i8), s=1, size(chosen))]
+    flawed = [(flaws_in(pack(record%values(:, s), timed .and. .not. is_missing(record%values(:, s)))), s=1, size(chosen))]
     chosen = .true.
-    is_there = told
+    is_there = timed
     next = .false.
     most = 0
     do k = 1, merge(count(.not. is_constant), 0, any(lacking > 0))
@@ -37,10 +37,10 @@ contains
       most = k*count(is_there, kind=i8)
     end do
     chosen = chosen .or. lacking == 0
-    associate (is_sound => flawed < most_flawed*count(told))
+    associate (is_sound => flawed < most_flawed*count(timed))
       if (any(chosen .and. is_sound .and. .not. is_constant)) chosen = chosen .and. (is_sound .or. is_constant)
     end associate
-    record%sensors%flawed = real(lacking + flawed, dp)/max(1_i8, count(told, kind=i8))
+    record%sensors%flawed = real(lacking + flawed, dp)/max(1_i8, count(timed, kind=i8))
     record%sensors%left_out = .not. chosen
   end subroutine choose_sensors
 
@@ -53,12 +53,12 @@ contains
     flawed = count(.not. valid, kind=i8)
   end function flaws_in
 
-  pure logical function varies(values, told)
+  pure logical function varies(values, timed)
     !! Tell whether not all samples of a sensor are equal or missing.
     real(dp), intent(in) :: values(:)
-    logical, intent(in) :: told(:)
+    logical, intent(in) :: timed(:)
     logical :: is_there(size(values))
-    is_there = told .and. .not. is_missing(values)
+    is_there = timed .and. .not. is_missing(values)
     varies = any(is_there)
     if (varies) varies = minval(values, mask=is_there) < maxval(values, mask=is_there)
   end function varies

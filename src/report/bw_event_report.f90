@@ -62,15 +62,15 @@ contains
     hardest = maxloc(abs(result%contact%largest), dim=1, mask=matters)
     i = findloc(result%events%kind, contact_event, dim=1)
     if (.not. matters(i)) i = hardest
-    associate (told => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
+    associate (event => result%events(i), contact => result%contact, impulse => values_of(result, 'event_impulse'), &
                presses => result%events(:size(matters))%kind == contact_event, &
                blow => (1.0_dp + result%contact%restitution)*scene%impact%mass*result%contact%approach)
       text = '  The first contact '
       if (i == hardest .and. count(presses(:i)) > 1) text = '  Contact '//text_of(count(presses(:i)))//', the one with the '// &
         'largest force, '
-      text = text//'lasts '//shortest(1.0e6_dp*(told%end_time - told%time), 5)//' us'// &
-        give_or_take(1.0e6_dp*told%end_error, 'us')//' with a force of up to '//shortest(abs(contact%largest(i)), 6)//' N'// &
-        give_or_take(contact%force_error(i), 'N')//', '//shortest(1.0e6_dp*(contact%largest_time(i) - told%time), 4)// &
+      text = text//'lasts '//shortest(1.0e6_dp*(event%end_time - event%time), 5)//' us'// &
+        give_or_take(1.0e6_dp*event%end_error, 'us')//' with a force of up to '//shortest(abs(contact%largest(i)), 6)//' N'// &
+        give_or_take(contact%force_error(i), 'N')//', '//shortest(1.0e6_dp*(contact%largest_time(i) - event%time), 4)// &
         ' us after it begins; impulse '//shortest(impulse(i), 6)//' N s'
       if (any(result%events%kind == capture_event)) then
         call lines%append_line(text//'; the mass is captured at the largest indentation.')

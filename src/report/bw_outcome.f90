@@ -22,7 +22,7 @@ module bw_outcome
     character(:), allocatable :: file         !! the result
     character(:), allocatable :: report       !! what to print
     character(:), allocatable :: notes        !! lines, also in the result: warnings and remarks
-    character(:), allocatable :: told         !! warnings about this run, lines, not in the result
+    character(:), allocatable :: warnings         !! warnings about this run, lines, not in the result
   contains
     procedure :: tell
     procedure :: set_found
@@ -40,8 +40,8 @@ contains
     !! Add a warning about this run.
     class(outcome_type), intent(inout) :: self
     character(*), intent(in) :: text          !! a line
-    if (.not. allocated(self%told)) self%told = ''
-    self%told = self%told//text//new_line('a')
+    if (.not. allocated(self%warnings)) self%warnings = ''
+    self%warnings = self%warnings//text//new_line('a')
   end subroutine tell
 
   subroutine set_found(self, scene, layout, existing)
@@ -109,10 +109,10 @@ contains
     call report%append(body)
     if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
     call report%append_line('')
-    if (allocated(self%told)) call report%append(notes_report(without_last_end(self%told)))
+    if (allocated(self%warnings)) call report%append(notes_report(without_last_end(self%warnings)))
     if (len(self%notes_text()) > 0) then
       call report%append_line(notes_report(self%notes_text()))
-    else if (allocated(self%told)) then
+    else if (allocated(self%warnings)) then
       call report%append_line('')
     end if
     call report%append(times)

@@ -43,7 +43,7 @@ contains
     end do
     call note_rest(lines, size(pooled%count), most_rows)
     if (allocated(pooled%constant_real)) call report_constants(pooled, sensors, lines)
-    if (allocated(pooled%coherence)) call report_responses(pooled, frequencies, responses)
+    if (allocated(pooled%coherence)) call report_responses(pooled, sensors, frequencies, responses)
     text = lines%text()//details(responses%text())
   end function pooled_table
 
@@ -74,9 +74,10 @@ contains
     end do
   end subroutine report_constants
 
-  subroutine report_responses(pooled, frequencies, lines)
+  subroutine report_responses(pooled, sensors, frequencies, lines)
     !! Print H1, H2 and coherence over the repeats at the lines' frequencies, at the sensor of largest motion.
     type(pooled_lines), intent(in) :: pooled
+    type(sensor_type), intent(in) :: sensors(:)
     real(dp), intent(in) :: frequencies(:)        !! Hz
     type(text_builder), intent(inout) :: lines
     type(text_table) :: table
@@ -84,15 +85,16 @@ contains
     call lines%append_line('')
     call lines%append_line('  Frequency response over the repeats, in the unit of sensors over 1 N, at the frequency '// &
                            'nearest to each line')
-    table = table_of('line|frequency|H1|H2|coherence|sensor', '|Hz', [6, 14, 12, 12, 12, 8])
+    table = table_of('line|frequency|H1|H2|coherence|at', '|Hz', [6, 14, 12, 12, 12, 0])
     call table%put_head(lines)
     do k = 1, min(most_rows, size(pooled%count))
       j = minloc(abs(frequencies - pooled%frequency(k)%value/two_pi), dim=1)
-      s = maxloc(hypot(pooled%h1_real(j, :), pooled%h1_imag(j, :)), dim=1)
-      if (is_missing(pooled%coherence(j, s))) cycle
+      s = maxloc(hypot(pooled%h1_real(j, :), pooled%h1_imag(j, :)), dim=1, mask=.not. is_missing(pooled%coherence(j, :)))
+      if (s == 0) cycle
       call table%put_row(lines, text_of(k)//'|'//shortest(frequencies(j), 6)//'|'// &
         shortest(hypot(pooled%h1_real(j, s), pooled%h1_imag(j, s)), 4)//'|'// &
-        shortest(hypot(pooled%h2_real(j, s), pooled%h2_imag(j, s)), 4)//'|'//shortest(pooled%coherence(j, s), 5)//'|'//text_of(s))
+        shortest(hypot(pooled%h2_real(j, s), pooled%h2_imag(j, s)), 4)//'|'//shortest(pooled%coherence(j, s), 5), &
+        '   '//short_name(sensors(s)%name))
     end do
   end subroutine report_responses
 

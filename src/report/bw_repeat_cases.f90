@@ -82,21 +82,26 @@ contains
 
   subroutine pool_responses(draft, pooled)
     !! Find frequency responses from power and cross spectra averaged over all cases: with the force F and response HF
-    !! of a case H1 = ΣH|F|²/Σ|F|², H2 = Σ|HF|²/Σ(H|F|²)*, coherence H1/H2. `missing` if no case has a force.
+    !! of a case H1 = ΣH|F|²/Σ|F|², H2 = Σ|HF|²/Σ(H|F|²)*, coherence H1/H2. `missing` for a sensor without a response;
+    !! coherence takes two.
     type(result_draft), intent(inout) :: draft
     type(pooled_lines), intent(inout) :: pooled
     real(dp), dimension(draft%layout%frequencies, draft%layout%points) :: part, force, response, power
+    integer, dimension(draft%layout%frequencies, draft%layout%points) :: repeats   ! with a response
     complex(dp), dimension(draft%layout%frequencies, draft%layout%points) :: h, cross
+    logical, dimension(draft%layout%frequencies, draft%layout%points) :: known
     integer(i8) :: c
+    repeats = 0
     force = 0
     response = 0
     cross = 0
     do c = 1, draft%layout%cases
       part = reshape(draft%get('frequency_response_real', c), shape(part))
       power = spread(draft%get('force_spectrum', c), 2, size(power, 2))
-      if (any(is_missing(part))) cycle
-      h = cmplx(part, reshape(draft%get('frequency_response_imag', c), shape(part)), dp)
-      power = power**2
+      known = .not. is_missing(part)
+      h = merge(cmplx(part, reshape(draft%get('frequency_response_imag', c), shape(part)), dp), (0.0_dp, 0.0_dp), known)
+      power = merge(power**2, 0.0_dp, known)
+      repeats = repeats + merge(1, 0, known)
       force = force + power
       cross = cross + h*power
       response = response + abs(h)**2*power
@@ -108,7 +113,7 @@ contains
       pooled%h1_imag = cross%im/force
       pooled%h2_real = response*cross%re/abs(cross)**2
       pooled%h2_imag = response*cross%im/abs(cross)**2
-      pooled%coherence = abs(cross)**2/(force*response)
+      pooled%coherence = merge(abs(cross)**2/(force*response), missing, repeats > 1)
     end where
   end subroutine pool_responses
 

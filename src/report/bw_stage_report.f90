@@ -10,7 +10,7 @@ module bw_stage_report
   public :: stage_report
 
   real(dp), parameter :: short = 1.0_dp           !! s, of a run without a table
-  real(dp), parameter :: told = 0.01_dp           !! least fraction of a run for a stage to be named in the line
+  real(dp), parameter :: least_share = 0.01_dp           !! least fraction of a run for a stage to be named in the line
   real(dp), parameter :: least = 5.0e-4_dp        !! s, printed as 1 ms
 
 contains
@@ -40,7 +40,7 @@ contains
     if (cases > 1) text = text//', '//shortest(real(cases, dp)/max(elapsed, 1.0e-9_dp), 3)//' cases/s'
     comma = ':'
     do i = 1, stage_count
-      if (watch%seconds(i) < max(told*elapsed, least)) cycle
+      if (watch%seconds(i) < max(least_share*elapsed, least)) cycle
       text = text//comma//' '//trim(stage_words(i))//' '//seconds_text(watch%seconds(i))
       comma = ','
     end do

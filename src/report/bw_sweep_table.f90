@@ -19,7 +19,7 @@ module bw_sweep_table
   character(*), parameter :: reasons(*) = [character(24) :: 'first', 'last', 'lowest frequency', 'highest frequency', &
     'smallest displacement', 'largest displacement', 'largest stress', 'largest force', 'first without frequency', &
     'first not trusted']                    !! why cases of a large sweep are shown
-  integer, parameter :: contrary(*) = [1, 2, 4, 3, 6, 5, 7, 8, 9, 10]   !! of two such reasons neither is told of one case
+  integer, parameter :: contrary(*) = [1, 2, 4, 3, 6, 5, 7, 8, 9, 10]   !! of two such reasons neither is given for one case
   character(*), parameter :: outcomes(*) = [character(24) :: 'largest_displacement', 'largest_stress', 'largest_contact_force', &
     'restitution', 'final_mass_velocity']   !! of motions and contacts, as far as a result has them
   integer, parameter :: displacement = 1, stress = 2, force = 3

@@ -18,7 +18,7 @@ module bw_scene_scales
   real(qp), parameter :: unit_reach = 1.0e140_qp    !! limit of the beam's own units in SI, and of their inverse
   real(qp), parameter :: reach = 1.0e60_qp          !! limit of inputs in these units; products of five are in range
   real(qp), parameter :: finest = 1.0e15_qp         !! 1/resolution of a place along the beam in double precision
-  real(qp), parameter :: told_apart = 1.0e30_qp     !! ratio of two pieces that the 32 digits of extended precision still resolve
+  real(qp), parameter :: resolvable = 1.0e30_qp     !! ratio of two pieces that the 32 digits of extended precision still resolve
   real(qp), parameter :: longest_phase = 1.0e18_qp  !! rad; with 32 digits the remainder mod 2π is accurate to 1e-13
 
   type :: own_units
@@ -97,8 +97,8 @@ contains
     call check([own%time], unit_reach, 'the characteristic time sqrt(m l^3/(EI)) in s', line, messages)
     call check([stiffness(1)/own%length], unit_reach, 'EI/l in N m', line, messages)
     call check(pieces%length/own%length, finest, 'the length of a piece over that of the beam', line, messages)
-    call check(mass/(own%mass/own%length), told_apart, 'the mass per length of a piece over that of the beam', line, messages)
-    call check(stiffness/stiffness(1), told_apart, 'the bending stiffness of a piece over that of the first', line, messages)
+    call check(mass/(own%mass/own%length), resolvable, 'the mass per length of a piece over that of the beam', line, messages)
+    call check(stiffness/stiffness(1), resolvable, 'the bending stiffness of a piece over that of the first', line, messages)
     if (scene%beam%is_lumped) return
     call check(second_moment_of(pieces)/area_of(pieces)/own%length**2, reach, 'I/(A l^2)', line, messages)
   end subroutine check_beam
@@ -140,8 +140,8 @@ contains
   elemental logical function is_within(value, limit)
     !! Tell whether a number is zero or within a limit and its inverse.
     real(qp), intent(in) :: value, limit
-    real(qp), parameter :: told = 1.06_qp         ! limits are printed with two digits, and the printed value is accepted
-    is_within = value == 0.0_qp .or. (abs(value) <= told*limit .and. abs(value) >= 1.0_qp/(told*limit))
+    real(qp), parameter :: printed = 1.06_qp         ! limits are printed with two digits, and the printed value is accepted
+    is_within = value == 0.0_qp .or. (abs(value) <= printed*limit .and. abs(value) >= 1.0_qp/(printed*limit))
   end function is_within
 
   pure function two_digits(value) result(text)

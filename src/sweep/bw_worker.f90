@@ -42,7 +42,7 @@ module bw_worker
     class(process_group), pointer :: group => null()
     type(unsaved_cases) :: unsaved
     integer(i8) :: done = 0                          !! cases of this process
-    integer(i8) :: told = 0                          !! of these, reported to the others
+    integer(i8) :: reported = 0                          !! of these, reported to the others
     integer(i8) :: shown = 0                         !! of all processes, reported to the progress
     real(dp) :: looked = 0.0_dp
     logical :: stopped = .false.
@@ -210,8 +210,8 @@ contains
     integer(i8) :: all_done
     logical :: stopped
     self%looked = wall_seconds()
-    call self%group%tell(self%done - self%told, all_done, stopped)
-    self%told = self%done
+    call self%group%tell(self%done - self%reported, all_done, stopped)
+    self%reported = self%done
     self%stopped = self%stopped .or. stopped
     if (all_done > self%shown) call self%progress%cases_done(all_done - self%shown)
     self%shown = max(self%shown, all_done)

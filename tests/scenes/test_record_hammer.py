@@ -39,7 +39,7 @@ def poles(damping):
     return -damping * FREQUENCY + 1j * FREQUENCY * np.sqrt(1 - damping**2)
 
 
-def struck(dice, quantity, damping=0.004, noise=0.01, unit="N", scale=1.0, later=(), gains=(1, 1, 1)):
+def struck(dice, quantity, damping=0.004, noise=0.01, unit="N", scale=1.0, later=(), gains=(1, 1, 1), spoil=None):
     """A text of time, force with an offset, and sensors."""
     time = np.arange(SAMPLES * FINE) / (RATE * FINE)
     start, length, peak = 0.05 + 0.01 * dice.random(), 0.0012 + 0.0006 * dice.random(), 50 * (1 + dice.random())
@@ -57,6 +57,8 @@ def struck(dice, quantity, damping=0.004, noise=0.01, unit="N", scale=1.0, later
         values += np.outer(CONSTANT[:, k], moved)
     values += noise * values.std(axis=1, keepdims=True) * dice.standard_normal(values.shape)
     force = (force[::FINE] + 0.002 * peak * dice.standard_normal(SAMPLES) + 3.0) / scale
+    if spoil:
+        spoil(force, values)
     head = f"time [s],force [{unit}]," + ",".join(f"s{i} [{UNIT[quantity]}]" for i in range(len(POINTS)))
     rows = np.column_stack([time[::FINE], force, values.T * gains])
     return head + "\n" + "\n".join(",".join(f"{x:.10g}" for x in row) for row in rows) + "\n"
@@ -109,18 +111,98 @@ def check_reported_constants(report):
         assert float(mass) == pytest.approx(1 / abs(float(constant)), rel=0.02)
 
 
+def exact_response(result, quantity):
+    """At the modes 2 to 5 of a beam with a damping of 0.02: their places in the result, and the response there."""
+    frequency = 2 * np.pi * result["frequency"]
+    top = [np.abs(frequency - beta).argmin() for beta in FREQUENCY[1:5]]
+    omega = frequency[top, None]
+    return top, (1j * omega) ** DERIVATIVE[quantity] / (FREQUENCY**2 - omega**2 + 2j * 0.02 * FREQUENCY * omega) @ CONSTANT.T
+
+
 def test_the_frequency_response_is_that_of_the_beam_and_coherent(here):
     """Damped so much that all has died within the record: nothing leaks."""
     result, _ = hammered(here, "acceleration", damping=0.02, noise=0.002)
-    frequency = 2 * np.pi * result["frequency"]
-    top = [np.abs(frequency - beta).argmin() for beta in FREQUENCY[1:5]]
-    square = frequency[top, None] ** 2
-    exact = -square / (FREQUENCY**2 - square + 2j * 0.02 * FREQUENCY * np.sqrt(square)) @ CONSTANT.T
+    top, exact = exact_response(result, "acceleration")
     for name in ("h1", "h2"):
         found = result[f"pooled_response_{name}_real"] + 1j * result[f"pooled_response_{name}_imag"]
         np.testing.assert_allclose(found[:, top].T, exact, atol=0.02 * np.abs(exact).max())
     assert (result["pooled_coherence"][:, top] > 0.99).all()
     assert ((result["pooled_coherence"] <= 1 + 1e-12) | results.is_fill(result["pooled_coherence"])).all()
+
+
+def spoil_decay(force, values):
+    """One sensor has a spike, another is stuck."""
+    after = np.flatnonzero(force > force.max() / 10)[-1] + 8
+    values[1, after + 100 : after + 200] = values[1, after + 100]
+    values[0, after + 300] = 1e4 * abs(values[0]).max()
+
+
+def test_flawed_samples_after_the_blow_leave_the_frequency_response_as_it_is(here):
+    result, ended = hammered(here, "velocity", repeats=1, damping=0.02, noise=0.002, spoil=spoil_decay)
+    assert "constant: s1" in ended.stderr and "spike: s0" in ended.stderr
+    top, exact = exact_response(result, "velocity")
+    found = result["frequency_response_real"] + 1j * result["frequency_response_imag"]
+    np.testing.assert_allclose(found[:, top].T, exact, atol=0.02 * np.abs(exact).max())
+
+
+def test_a_sensor_that_is_overloaded_by_the_blow_has_constants_but_no_response(here):
+    def spoil(force, values):
+        hit = np.flatnonzero(force > force.max() / 2)
+        values[1, hit[0] : hit[-1] + 1] = 3 * abs(values[1]).max()
+
+    result, ended = hammered(here, "velocity", repeats=2, spoil=spoil)
+    assert "hammer: s1 [m/s] has missing, clipped or constant samples or spikes during a blow" in ended.stderr
+    known = ~results.is_fill(result["frequency_response_real"][:, :, 1:])
+    assert known[:, [0, 2]].all() and not known[:, 1].any()
+    known = ~results.is_fill(result["pooled_coherence"][:, 1:])
+    assert known[[0, 2]].all() and not known[1].any()
+    count = result["peak_count"][0]
+    mode = np.abs(FREQUENCY - result["measured_angular_frequency"][0, :count, None]).argmin(axis=1)
+    away = result["measured_modal_constant_real"][0, :, :count] - CONSTANT[:, mode]
+    assert count >= 4
+    assert np.all(np.abs(away) < 2 * result["measured_modal_constant_error"][0, :, :count])
+
+
+def test_a_number_that_is_missing_during_the_blow_costs_no_force(here):
+    text = struck(np.random.default_rng(1), "velocity").splitlines()
+    force = np.array([float(row.split(",")[1]) for row in text[1:]])
+    hit = 1 + int(force.argmax())
+    for row in (hit - 1, hit):
+        text[row] = ",".join([*text[row].split(",")[:2], "", *text[row].split(",")[3:]])
+    here.write("one.csv", "\n".join(text) + "\n")
+    record = {"file": "one.csv", "force": "force", "force_point": STRUCK, "points": POINTS}
+    here.scene("hammer", {"beam": BEAM, "record": record, "spectrum": {}})
+    result = here.run("hammer")
+    assert result["peak_count"] >= 4
+    away = result["measured_modal_constant_real"][:, :4] - CONSTANT[:, :4]
+    assert np.all(np.abs(away) < 2 * result["measured_modal_constant_error"][:, :4])
+
+
+@pytest.mark.parametrize("limit", [0.8, 1])
+def test_a_force_is_said_to_be_clipped_if_it_is(here, limit):
+    def spoil(force, values):
+        np.minimum(force, limit * force.max(), out=force)
+
+    _, ended = hammered(here, "velocity", repeats=1, spoil=spoil)
+    words = "samples, so that modal constants and frequency responses are too large"
+    assert (words in " ".join(ended.stderr.split())) == (limit < 1)
+    assert ("clipped" in ended.stderr) == (limit < 1)
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+def test_a_blow_whose_force_is_not_known_may_last(here, quantity):
+    """The hammer touches the beam during 10 to 15 samples: they are left out, and every line is a mode."""
+    here.write("one.csv", struck(np.random.default_rng(5), quantity, noise=0.001))
+    here.scene("blow", {"record": {"file": "one.csv", "columns": ["s0", "s1", "s2"]}, "spectrum": {}})
+    ended = here.beamwave("run", "blow.nml", "--verbose")
+    assert (ended.returncode, "contact: the first " in ended.stdout) == (0, True), ended.stderr
+    result = here.result("blow")
+    count = result["peak_count"]
+    found = result["measured_angular_frequency"][:count]
+    damped = poles(0.004).imag
+    mode = np.abs(damped - found[:, None]).argmin(axis=1)
+    assert count >= 4 and len(set(mode)) == count
+    assert np.all(np.abs(found - damped[mode]) < 2 * result["measured_angular_frequency_error"][:count])
 
 
 def test_masses_come_in_kilograms(here):

@@ -98,6 +98,30 @@ def test_a_blow_is_found_behind_a_quiet_start_and_said(here):
     assert (abs(amplitude - abs(AMPLITUDE)) < 2 * result["measured_amplitude_error"][:, : FREQUENCY.size]).all()
 
 
+@pytest.mark.parametrize("before", ["zeros", "tones"])
+def test_zeros_or_tones_before_a_blow_leave_the_blow_where_it_is(here, before):
+    """A recorder whose noise is below its resolution; or hum and its third multiple, in which the record begins."""
+    time, values = ring_down(9)
+    late = np.roll(values, 200, axis=1)
+    late[:, :200] = 0.0
+    if before == "tones":
+        dice = np.random.default_rng(3)
+        hum = 0.3 * np.cos(2 * np.pi * 50 * time) + 0.2 * np.cos(2 * np.pi * 150 * time + 1)
+        late[:, :200] = 0.02 * dice.standard_normal((2, 200))
+        late += hum
+    here.write("ring.csv", as_text(time, late))
+    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    result = here.run("ring")
+    count = result["peak_count"]
+    assert count == FREQUENCY.size + (2 if before == "tones" else 0)
+    assert abs(result["measured_blow_time"] - 0.2) < 1.5e-3
+    found = result["measured_angular_frequency"][:count] / (2 * np.pi)
+    places = np.abs(found[:, None] - FREQUENCY).argmin(axis=0)
+    assert (np.abs(found[places] - FREQUENCY) < 2 * result["measured_angular_frequency_error"][places] / (2 * np.pi)).all()
+    amplitude = result["measured_amplitude"][:, places]
+    assert (abs(amplitude - abs(AMPLITUDE)) < 2 * result["measured_amplitude_error"][:, places] + 0.01 * abs(AMPLITUDE)).all()
+
+
 def test_clipped_and_missing_samples_are_left_out(here):
     """One of a hundred samples is cut off, and one of a hundred rows is missing: the lines are where they were."""
     time, values = ring_down(10)
@@ -112,14 +136,32 @@ def test_clipped_and_missing_samples_are_left_out(here):
     assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()
 
 
+def test_flawed_samples_at_uneven_times_are_left_out(here):
+    """One sensor is cut off, another is stuck for a while: the lines and amplitudes are where they were."""
+    time = ring_down(10)[0]
+    time += np.random.default_rng(12).uniform(-0.2, 0.2, time.size) / RATE
+    time, values = ring_down(10, times=time - time[0])
+    limit = np.quantile(abs(values[0]), 0.97)
+    values[0] = np.clip(values[0], -limit, limit)
+    values[1, 400:600] = values[1, 400]
+    here.write("ring.csv", as_text(time, values))
+    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    result = here.run("ring")
+    assert result["peak_count"] == FREQUENCY.size
+    away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
+    assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()
+
+
 def test_spikes_are_left_out(here):
-    """A logger's errors: the lines are where they were."""
+    """A logger's errors, and some that are no larger than the motion: the lines are where they were."""
     time, values = ring_down(10)
     values[0, [300, 301, 700]] = 1e38, -1e37, 500 * abs(values).max()
+    values[1, [250, 420, 610]] += 0.5, -1.0, 3.0
     here.write("ring.csv", as_text(time, values))
     here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
     ended = here.beamwave("run", "ring.nml")
     assert (ended.returncode, "far from all other samples; left out: 3 samples" in ended.stderr) == (0, True)
+    assert "spike: tip [m/s2] has 3 samples beside the motion before and after" in ended.stderr
     result = here.result("ring")
     assert result["peak_count"] == FREQUENCY.size
     away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY

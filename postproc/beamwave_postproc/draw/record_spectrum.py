@@ -57,7 +57,7 @@ def _draw_sensor(axes: Axes, case: xr.Dataset, frequency: np.ndarray, sensor: in
         away = np.abs(rejected[:, None] - np.where(np.isfinite(found), found, np.inf)).min(axis=1)
         rejected = rejected[away > 1.5 * (frequency[1] - frequency[0])]
     if rejected.size:
-        axes.plot(rejected, _height(frequency, amplitude, rejected), label="looked at, no line", **REJECTED)
+        axes.plot(rejected, _height(frequency, amplitude, rejected), label="rejected candidate", **REJECTED)
 
 
 def _mark_lines(axes: Axes, case: xr.Dataset, frequency: np.ndarray, amplitude: np.ndarray) -> None:
@@ -88,10 +88,10 @@ def _height(frequency: np.ndarray, amplitude: np.ndarray, places: np.ndarray) ->
 
 
 def _reasons(case: xr.Dataset) -> str:
-    """How many candidates were refused, by reason."""
+    """How many candidates were rejected, by reason."""
     if "candidate_reason" not in case or "candidate_count" not in case or not int(case["candidate_count"]):
         return ""
     words = flag_words(case["candidate_reason"])
     reasons, counts = np.unique(case["candidate_reason"].values[case["candidate_reason"].values > 0], return_counts=True)
     told = [f"{count} {words.get(int(reason), '').replace('_', ' ')}" for reason, count in zip(reasons, counts)]
-    return f"refused candidates: {', '.join(told)}"
+    return f"rejected candidates: {', '.join(told)}"

@@ -64,11 +64,12 @@ def _draw_frequency(axes: Axes, case: xr.Dataset, line: int) -> None:
 
 def _draw_damping(axes: Axes, case: xr.Dataset, line: int) -> None:
     """The damping ratio in per cent."""
-    beta = case["measured_angular_frequency"].values[line]
-    whole, error = (100.0 * case[name].values[line] / beta for name in ("measured_decay_rate", "measured_decay_rate_error"))
-    values, bounds = (
-        100.0 * case[name].values[line] / beta for name in ("window_decay_rate", "window_decay_rate_bound")
+    beta, delta, half = (
+        case[f"measured_{name}"].values[line] for name in ("angular_frequency", "decay_rate", "decay_rate_error")
     )
+    rates, widths = (case[name].values[line] for name in ("window_decay_rate", "window_decay_rate_bound"))
+    whole, values = (100.0 * rate / np.hypot(beta, rate) for rate in (delta, rates))
+    error, bounds = (100.0 * beta**2 * width / np.hypot(beta, rate) ** 3 for rate, width in ((delta, half), (rates, widths)))
     axes.axhspan(whole - error, whole + error, color=GREY, alpha=0.25, linewidth=0.0)
     axes.axhline(whole, color=GREY, linewidth=0.8)
     _draw_parts(axes, case, values, bounds)

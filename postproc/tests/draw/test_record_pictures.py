@@ -142,7 +142,7 @@ def test_a_spectrum_marks_lines_by_what_they_are_and_rejected_places(record):
     np.testing.assert_allclose(by_label["line"].get_xdata(), [10.0])
     np.testing.assert_allclose(by_label["harmonic, drifting"].get_xdata(), [60.0])
     np.testing.assert_allclose(by_label["line"].get_ydata(), [0.501])
-    np.testing.assert_allclose(by_label["looked at, no line"].get_xdata(), [100.0])
+    np.testing.assert_allclose(by_label["rejected candidate"].get_xdata(), [100.0])
     assert "1 too broad" in words_of(fig)
     with pytest.raises(NothingToDraw, match="record_spectrum"):
         spectrum(record)
@@ -217,7 +217,7 @@ def test_a_shape_that_is_largest_between_the_sensors_stays_on_its_own_line(recor
 def test_a_place_rejected_at_a_line_is_not_marked(record):
     record["candidate_angular_frequency"].values[:] = 2 * np.pi * (HERTZ + 0.2)
     labels = [line.get_label() for line in record_spectrum(record).axes[0].lines]
-    assert "looked at, no line" not in labels and "line" in labels
+    assert "rejected candidate" not in labels and "line" in labels
 
 
 def test_of_a_sweep_the_first_case_with_lines_is_drawn(record):

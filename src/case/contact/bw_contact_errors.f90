@@ -107,7 +107,7 @@ contains
     type(run_type), intent(in) :: run, half
     real(dp), allocatable :: growth(:)               !! ≥ 1, (contacts)
     integer, allocatable :: these(:), partner(:)
-    real(dp) :: apart, first
+    real(dp) :: difference, first
     integer :: i
     these = contacts_of(run)
     partner = partners_of(run, half)
@@ -116,9 +116,9 @@ contains
       first = 2.0_dp*lacks                           ! both runs have step errors
       do i = 1, size(these)
         if (partner(i) == 0) exit
-        apart = maxval(abs(force(:, these(i)) - half%result%force(:, partner(i))))
-        if (i == 1) first = max(first, apart)
-        if (first > 0.0_dp) growth(i:) = max(growth(i), apart/first)
+        difference = maxval(abs(force(:, these(i)) - half%result%force(:, partner(i))))
+        if (i == 1) first = max(first, difference)
+        if (first > 0.0_dp) growth(i:) = max(growth(i), difference/first)
       end do
     end associate
   end function growth_of_steps

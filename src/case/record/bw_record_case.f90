@@ -3,7 +3,7 @@ module bw_record_case
   use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_estimated_lines, only: estimate_lines, estimated_line
   use bw_found_lines, only: found_lines
-  use bw_hammer, only: find_constants, hammer_of, hammer_response, hammer_type
+  use bw_hammer, only: find_constants, hammer_of, hammer_type
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
@@ -11,13 +11,15 @@ module bw_record_case
   use bw_order, only: quantile_of
   use bw_read_record, only: read_record
   use bw_record, only: clock_text, extent_of, record_type
+  use bw_record_flaws, only: find_flaws, flaws_type
   use bw_record_lines, only: lines_in_si
-  use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_spectra
+  use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_response, view_spectra
   use bw_record_waves, only: find_record_waves
   use bw_result_layout, only: result_layout
-  use bw_samples, only: gaps_of, samples_type, validity
+  use bw_samples, only: gaps_of, gaps_type, samples_type, validity
   use bw_scene, only: scene_type
   use bw_sensor_unit, only: si_unit
+  use bw_spikes, only: leave_out_spikes
   use bw_stopwatch, only: stage_response, stage_spectrum, stopwatch
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
@@ -65,13 +67,17 @@ contains
     if (monitor%stop_requested()) return
 
     samples = samples_of(record)
-    call take_force(record, samples, layout, hammer, result)
+    call take_force(record, samples, hammer, result%notes)
     call take_values(record, samples)
+    call note_spikes(scene, record, samples, result%notes)
     call monitor%enter('spectrum')
     call estimate_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, estimated, monitor)
     if (monitor%stop_requested()) return
     result%record%lines = lines_in_si(samples, found, estimated, scene%spectrum%confidence, scene%spectrum%max_peaks)
-    if (allocated(hammer)) call find_constants_of_lines(hammer, samples, result%record)
+    if (allocated(hammer)) then
+      call find_constants_of_lines(hammer, samples, result%record)
+      call view_response(samples, layout, hammer, found, result%record)
+    end if
     call view_spectra(samples, layout, scene%spectrum%window, found, result%amplitude, result%record%noise)
     call view_fit(record, samples, layout, found, result%record)
     if (monitor%stop_requested()) return
@@ -124,48 +130,66 @@ contains
     call move_alloc(values, to%values)
   end subroutine move_record
 
-  subroutine take_force(record, samples, layout, hammer, result)
-    !! Find the hammer's impacts, during which samples show no free decay, and the frequency response functions of the record.
-    type(record_type), intent(inout) :: record         !! its force is moved
+  pure subroutine take_force(record, samples, hammer, notes)
+    !! Find the hammer's impacts, during which samples show no free decay.
+    type(record_type), intent(in) :: record
     type(samples_type), intent(inout) :: samples
-    type(result_layout), intent(in) :: layout
     type(hammer_type), allocatable, intent(out) :: hammer
-    type(case_result), intent(inout) :: result
-    complex(dp), allocatable :: response(:, :)
-    real(dp), allocatable :: impulse(:), force(:)
-    integer :: s
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), allocatable :: force(:)
+    type(flaws_type) :: flaws
+    integer, allocatable :: row(:), known(:)
+    integer(i8) :: clipped
+    integer :: s, j
     if (.not. allocated(record%force)) return
     if (allocated(samples%place)) then
-      call append(result%notes, 'hammer: the force is ignored, since it needs evenly spaced samples')
+      call append(notes, 'hammer: the force is ignored, since it needs evenly spaced samples')
       return
     end if
-    force = record%force
-    if (allocated(samples%row)) then                   ! no force in missing rows
-      force = spread(quantile_of(record%force, 0.5_dp), 1, samples%count)
-      force(samples%row) = record%force
-    end if
+    force = spread(quantile_of(record%force, 0.5_dp), 1, samples%count)
+    row = nint(record%force_times/samples%step) + 1
+    known = pack([(j, j=1, size(row))], row >= 1 .and. row <= samples%count)
+    force(row(known)) = record%force(known)
     hammer = hammer_of(force)
     if (size(hammer%after) == 0) then
-      call append(result%notes, 'hammer: the force shows no blow, and is ignored')
+      call append(notes, 'hammer: the force shows no blow, and is ignored')
       deallocate (hammer)
       return
     end if
+    flaws = find_flaws(force)
+    clipped = merge(flaws%clipped_high, flaws%clipped_low, sum(hammer%force) > 0)
+    if (clipped > 0) call append(notes, 'hammer: the force is clipped in '//text_of(clipped)//' samples, so that modal '// &
+      'constants and frequency responses are too large')
+    do s = 1, size(record%values, 2)
+      if (record%sensors(s)%left_out .or. all(validity(samples, s) .or. .not. hammer%acts)) cycle
+      hammer%unseen = [hammer%unseen, s]
+      call append(notes, 'hammer: '//record%sensors(s)%name//' has missing, clipped or constant samples or spikes during a '// &
+        'blow; its frequency response is not determined')
+    end do
     samples%missing = [(gaps_of(validity(samples, s) .and. .not. hammer%acts), s=1, size(record%values, 2))]
     samples%blow = hammer%after
     if (all([(count(samples%missing(s)%place < samples%blow(1)) == samples%blow(1) - 1, s=1, size(samples%missing))])) &
       samples%blow(1) = 1                              ! none is valid before it
-    if (layout%frequencies == 0 .or. allocated(samples%row)) return
-    allocate (response(layout%frequencies, layout%points), impulse(layout%frequencies))
-    call hammer_response(hammer, samples%step, record%values, layout%record%frequencies, response, impulse)
-    result%record%response_real = response%re
-    result%record%response_imag = response%im
-    do s = 1, layout%points
-      if (.not. record%sensors(s)%left_out) cycle
-      result%record%response_real(:, s) = missing
-      result%record%response_imag(:, s) = missing
-    end do
-    result%record%impulse = reshape(impulse, [size(impulse), 1])
   end subroutine take_force
+
+  subroutine note_spikes(scene, record, samples, notes)
+    !! Leave out samples that do not follow from those around them, and note how many.
+    type(scene_type), intent(in) :: scene
+    type(record_type), intent(in) :: record            !! without values
+    type(samples_type), intent(inout) :: samples
+    type(string), allocatable, intent(inout) :: notes(:)
+    type(gaps_type) :: spikes(size(record%sensors))
+    integer :: s, n, first
+    call leave_out_spikes(samples, scene%spectrum%false_alarm, spikes)
+    do s = 1, size(spikes)
+      n = size(spikes(s)%place)
+      if (n == 0) cycle
+      first = spikes(s)%place(1)
+      call append(notes, 'spike: '//record%sensors(s)%name//' has '//text_of(n)//trim(merge(' sample ', ' samples', n == 1))// &
+        ' beside the motion before and after; left out, the first at '// &
+        clock_text(record%origin + (first - 1)*samples%step, record%times(size(record%times)))//' s')
+    end do
+  end subroutine note_spikes
 
   subroutine find_constants_of_lines(hammer, samples, record)
     !! Find the modal constants of all lines at motion sensors with known units.
@@ -208,6 +232,8 @@ contains
     character(:), allocatable :: text
     integer :: b
     if (size(record%lines%angular_frequency) == 0) return
+    if (record%lines%contact > 0) call remark(notes, 'contact: the first '//shortest(record%lines%contact, 3)//' s after each '// &
+      'blow are no free decay and are left out')
     if (size(record%lines%blow) == 1 .and. .not. record%lines%blow(1) > 0) return
     text = ''
     do b = 1, size(record%lines%blow)

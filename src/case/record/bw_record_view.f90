@@ -4,6 +4,7 @@ module bw_record_view
   use bw_case_result, only: record_result
   use bw_found_lines, only: found_lines
   use bw_fourier, only: real_fourier
+  use bw_hammer, only: hammer_type
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_order, only: quantile_of
@@ -15,7 +16,7 @@ module bw_record_view
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: samples_of, step_of, take_values, view_fit, view_histories, view_spectra
+  public :: samples_of, step_of, take_values, view_fit, view_histories, view_response, view_spectra
 
 contains
 
@@ -34,7 +35,7 @@ contains
     !! even record become invalid samples.
     type(record_type), intent(in) :: record
     type(samples_type) :: samples
-    logical :: told(size(record%times))
+    logical :: sound(size(record%times))
     logical, allocatable :: valid(:)
     integer, allocatable :: row(:)
     integer :: s, n
@@ -43,15 +44,14 @@ contains
     if (.not. record%interval > 0) call find_rows(record%times, record%resolution, samples)
     if (.not. allocated(record%values)) return
     if (any(record%sensors%left_out)) samples%left_out = record%sensors%left_out
-    if (allocated(samples%place)) return
     row = [(n, n=1, samples%count)]
     if (allocated(samples%row)) row = samples%row
     allocate (samples%missing(size(record%values, 2)), valid(samples%count))
     do s = 1, size(samples%missing)
-      told = .true.
-      if (.not. record%sensors(s)%left_out) call mark_flaws(record%values(:, s), told)
+      sound = .true.
+      if (.not. record%sensors(s)%left_out) call mark_flaws(record%values(:, s), sound)
       valid = .false.
-      valid(row) = told .or. 2*count(told) < size(told)          ! so many are no flaws
+      valid(row) = sound .or. 2*count(sound) < size(sound)          ! so many are no flaws
       samples%missing(s) = gaps_of(valid)
     end do
     if (all([(size(samples%missing(s)%place) == 0, s=1, size(samples%missing))])) deallocate (samples%missing)
@@ -160,6 +160,43 @@ contains
       end associate
     end do
   end subroutine view_spectra
+
+  subroutine view_response(samples, layout, hammer, found, result)
+    !! Find the transforms of sensors over that of the force, at the bins nearest to the frequencies of the result; 0 where the
+    !! force has none. Where samples of a decay are invalid, the motion is that of its lines.
+    type(samples_type), intent(in) :: samples        !! in which the lines were found
+    type(result_layout), intent(in) :: layout
+    type(hammer_type), intent(in) :: hammer
+    type(found_lines), intent(in) :: found
+    type(record_result), intent(inout) :: result     !! response and impulse are set
+    type(real_fourier) :: fourier
+    complex(dp) :: force(layout%frequencies), response(layout%frequencies)
+    real(dp) :: own(samples%count)
+    integer :: bin(layout%frequencies), s
+    if (layout%frequencies == 0) return
+    associate (n => samples%count, distinct => found%distinct)
+      bin = min(n/2, nint(layout%record%frequencies*n*samples%step))
+      call fourier%prepare(n)
+      fourier%samples = hammer%force
+      call fourier%transform()
+      force = fourier%spectrum(bin)
+      result%impulse = reshape(samples%step*abs(force), [size(force), 1])
+      allocate (result%response_real(size(force), layout%points), source=missing)
+      result%response_imag = result%response_real
+      do s = 1, layout%points
+        if (distinct%place(s) == 0 .or. any(hammer%unseen == s)) cycle
+        own = fitted_history(samples, found, s)
+        where (validity(samples, distinct%place(s)) .or. hammer%acts) &
+          own = distinct%factor(s)*samples%value(:n, distinct%place(s))
+        fourier%samples = own - sum(own)/n
+        call fourier%transform()
+        response = 0
+        where (abs(force) > 0) response = fourier%spectrum(bin)/force
+        result%response_real(:, s) = response%re
+        result%response_imag(:, s) = response%im
+      end do
+    end associate
+  end subroutine view_response
 
   pure function weight_from_blow(samples, window, found) result(weight)
     !! Return a window that rises soon after the first impact, to keep the start of decays, and falls to the end of the

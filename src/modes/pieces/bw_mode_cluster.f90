@@ -25,11 +25,11 @@ module bw_mode_cluster
 
 contains
 
-  subroutine find_clustered_modes(system, x, apart, probe, lambda)
+  subroutine find_clustered_modes(system, x, separation, probe, lambda)
     !! Find modes that counts cannot separate, all at one frequency.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: x                      !! near them
-    real(dp), intent(in) :: apart                  !! see `refine_cluster`
+    real(dp), intent(in) :: separation                  !! see `refine_cluster`
     type(mode_probe), intent(out) :: probe(:)
     type(dd), intent(out) :: lambda(:)
     integer, parameter :: most_rounds = 40
@@ -43,7 +43,7 @@ contains
     do round = 1, most_rounds
       before = lambda
       call take_apart(system, x, probe, lambda)
-      if (maxval(abs(gap(lambda, before))) < apart) exit
+      if (maxval(abs(gap(lambda, before))) < separation) exit
     end do
   end subroutine find_clustered_modes
 
@@ -79,10 +79,10 @@ contains
     end do
   end subroutine take_apart
 
-  subroutine refine_cluster(system, apart, probe, lambda)
+  subroutine refine_cluster(system, separation, probe, lambda)
     !! Repeat this with each neighbour at its own frequency, and make them mutually orthogonal.
     type(piece_system), intent(in) :: system
-    real(dp), intent(in) :: apart
+    real(dp), intent(in) :: separation
       !! distance in λ above which modes have frequencies of their own; one frequency serves all closer ones
     type(mode_probe), intent(inout) :: probe(:)
     type(dd), intent(inout) :: lambda(:)
@@ -93,7 +93,7 @@ contains
       do while (last < size(probe))
         first = last + 1
         do last = first, size(probe) - 1
-          if (gap(lambda(last + 1), lambda(last)) > apart) exit
+          if (gap(lambda(last + 1), lambda(last)) > separation) exit
         end do
         call take_apart(system, lambda(first) + (-2.0_dp*gap(lambda(last), lambda(first))), probe(first:last), lambda(first:last))
         call purify(system, lambda, first, last, probe)

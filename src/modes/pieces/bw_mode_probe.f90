@@ -145,16 +145,16 @@ contains
     type(piece_beam), intent(in) :: beam
     type(mode_probe), intent(in) :: probe
     real(dp) :: lack(4, 0:size(probe%ends))
-    real(dp), dimension(2) :: before, after, apart    ! `apart`: between attachments and the piece with which they move
+    real(dp), dimension(2) :: before, after, relative    ! `relative`: between attachments and the piece with which they move
     integer :: i
     do i = 0, size(probe%ends)
       associate (d => probe%drive(:, :, i), jump => probe%jump(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
         before = d(1, :)*jump(:, 1)
         after = d(3, :)*jump(:, 2)
         lack(1:2, i) = before + after
-        apart = merge(before, -after, load%inside)
-        lack(3, i) = unit(3)*d(2, 2) + load%turning*apart(2)
-        lack(4, i) = unit(4)*d(2, 1) + load%deflection*apart(1)
+        relative = merge(before, -after, load%inside)
+        lack(3, i) = unit(3)*d(2, 2) + load%turning*relative(2)
+        lack(4, i) = unit(4)*d(2, 1) + load%deflection*relative(1)
       end associate
     end do
     call mask_ends(beam, lack)

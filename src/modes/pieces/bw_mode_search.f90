@@ -204,12 +204,12 @@ contains
     logical, intent(out) :: found
     type(mode_cluster) :: group
     type(dd), allocatable :: lambda(:)
-    real(dp) :: apart
+    real(dp) :: separation
     logical :: alone
     integer :: j, last
     group%first = beyond_gap(search, k, guess, -merged*mode_distance(k, guess)) + 1
     group%last = beyond_gap(search, k, guess, merged*mode_distance(k, guess))
-    apart = together*mode_distance(k, guess)
+    separation = together*mode_distance(k, guess)
     found = group%first > 0 .and. group%first <= k .and. k <= group%last
     if (.not. found) return
     allocate (group%mode(group%first:group%last), lambda(group%first:group%last))
@@ -225,12 +225,13 @@ contains
           last = high%below
           found = low%below == j - 1 .and. last <= group%last
           if (.not. found) return
-          call find_clustered_modes(search%system, low%lambda + (-width(search%bracket)), apart, group%mode(j:last), lambda(j:last))
+          call find_clustered_modes(search%system, low%lambda + (-width(search%bracket)), separation, group%mode(j:last), &
+            & lambda(j:last))
         end associate
       end if
       j = last + 1
     end do
-    call refine_cluster(search%system, apart, group%mode, lambda)
+    call refine_cluster(search%system, separation, group%mode, lambda)
     search%cluster = group
   end subroutine find_group
 

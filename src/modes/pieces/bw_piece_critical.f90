@@ -29,29 +29,29 @@ contains
 
   type(dd) function speed_in_plane(beam) result(omega)
     type(piece_beam), intent(in) :: beam
-    type(piece_beam) :: still
+    type(piece_beam) :: bare
     type(mode_search) :: search
     type(dd) :: lambda
     logical :: found
     omega = dd()
-    still = without_inertia(beam)
-    if (modes_at_rest(still) > 0) return
-    search = search_in(still)
+    bare = without_inertia(beam)
+    if (modes_at_rest(bare) > 0) return
+    search = search_in(bare)
     call find_mode(search, 1, lambda, found)
     if (.not. found) return
     call refine(search%system, search%probe, lambda)
     omega = sqrt(lambda)
   end function speed_in_plane
 
-  pure type(piece_beam) function without_inertia(beam) result(still)
+  pure type(piece_beam) function without_inertia(beam) result(bare)
     !! Return the beam without angular velocity and rotary inertia.
     type(piece_beam), intent(in) :: beam
     integer :: i
-    still = beam
-    still%spin_squared = dd()
-    do i = 1, size(still%piece)
-      still%piece(i)%rotary = dd()
-      still%joint(i)%inertia = dd()
+    bare = beam
+    bare%spin_squared = dd()
+    do i = 1, size(bare%piece)
+      bare%piece(i)%rotary = dd()
+      bare%joint(i)%inertia = dd()
     end do
   end function without_inertia
 

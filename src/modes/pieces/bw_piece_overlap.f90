@@ -18,7 +18,7 @@ module bw_piece_overlap
   real(dp), parameter :: alike = 1.0e-2_dp
     !! product of modes of mass 1 below which it is integrated: small values at the body have lost digits
 
-  real(dp), parameter :: apart = sqrt(epsilon(1.0_dp))
+  real(dp), parameter :: least_gap = sqrt(epsilon(1.0_dp))
     !! relative difference of β² below which its digits do not suffice
 
   integer, parameter :: asked_every = 64         !! motions between two calls of the monitor
@@ -175,7 +175,7 @@ contains
       end associate
     end do
     products = abs(gap)*sqrt(onto%mass*from%mass(i))
-    near = abs(gap) <= apart*abs(onto%square%hi) .or. abs(numerator) >= alike*products &
+    near = abs(gap) <= least_gap*abs(onto%square%hi) .or. abs(numerator) >= alike*products &
       .or. blurred*sqrt(onto%mass*from%mass(i)) > least_digits*products
     if (any(near)) gap = merge(1.0_dp, gap, near)
     products = numerator/gap

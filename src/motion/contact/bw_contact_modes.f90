@@ -39,7 +39,7 @@ contains
     type(contact_motion), intent(in) :: motion !! of that beam and the mass
     type(contact_set), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor   !! the modes are invalid if it requests a stop
-    real(dp), parameter :: at_rest = 1.0e-27_dp    ! of the lowest squared frequencies: least stiffness for rigid modes
+    real(dp), parameter :: least_stiffness = 1.0e-27_dp    ! of the lowest squared frequencies: least stiffness for rigid modes
     real(dp), dimension(free%count) :: pole, weight, inertia, mixed, stiffness
     type(dd) :: square, spin
     real(dp) :: gamma, value
@@ -56,7 +56,7 @@ contains
       square = free%beta_squared(k) + spin
       pole(k) = square%hi
     end do
-    pole = 1.0_dp/max(pole, at_rest*maxval(pole(:min(n, 3))))
+    pole = 1.0_dp/max(pole, least_stiffness*maxval(pole(:min(n, 3))))
     do k = 2, n
       pole(k) = min(pole(k), pole(k - 1)*(1.0_dp - 4.0_dp*epsilon(pole)))      ! separates equal frequencies by rounding
     end do

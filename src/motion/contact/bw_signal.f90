@@ -185,14 +185,14 @@ contains
     real(dp), intent(in) :: longest                !! limit of the step
     real(dp), dimension(0:size(u)) :: slope, curvature   ! of terms without amplitude, and the first with one
     real(dp), dimension(size(u)) :: bend, swing
-    logical :: swings(size(u))
+    logical :: oscillates(size(u))
     real(dp) :: above
     integer :: k, low
-    swings = self%beta_squared%hi > 0.0_dp
+    oscillates = self%beta_squared%hi > 0.0_dp
     bend = self%bound(u, u_dot, 2)
-    swing = merge(abs(u) + self%bound(u, u_dot, 0), 0.0_dp, swings)
-    slope = [drift + sum(u_dot, mask=.not. swings), merge(u_dot, 0.0_dp, swings)]
-    curvature = [lift + sum(bend, mask=.not. swings), merge(bend, 0.0_dp, swings)]
+    swing = merge(abs(u) + self%bound(u, u_dot, 0), 0.0_dp, oscillates)
+    slope = [drift + sum(u_dot, mask=.not. oscillates), merge(u_dot, 0.0_dp, oscillates)]
+    curvature = [lift + sum(bend, mask=.not. oscillates), merge(bend, 0.0_dp, oscillates)]
     do k = 1, size(u)
       slope(k) = slope(k) + slope(k - 1)
       curvature(k) = curvature(k) + curvature(k - 1)

@@ -59,7 +59,7 @@ contains
     real(dp), intent(in) :: moved(4)               !! free flow, as in a step
     complex(dp) :: state(2)
     complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
-    complex(dp) :: s(2), e(2), apart, steady
+    complex(dp) :: s(2), e(2), difference, steady
     real(dp) :: turn, beta_turn
     turn = frequency*h
     beta_turn = sqrt(abs(beta_squared))*h
@@ -67,9 +67,9 @@ contains
       state = tone_series(beta_squared*h**2, c*h, turn)*[h**2, h]
       return
     end if
-    apart = cmplx(beta_squared - frequency**2, c*frequency, dp)
-    if (abs(apart)*h**2 >= 0.5_dp*max(1.0_dp, beta_turn + turn)) then
-      steady = 1.0_dp/apart
+    difference = cmplx(beta_squared - frequency**2, c*frequency, dp)
+    if (abs(difference)*h**2 >= 0.5_dp*max(1.0_dp, beta_turn + turn)) then
+      steady = 1.0_dp/difference
       state(1) = steady*(exp(i*turn) - moved(1) - moved(2)*i*frequency)
       state(2) = steady*(i*frequency*exp(i*turn) - moved(3) - moved(4)*i*frequency)
     else                                           ! an oscillating mode with little damping

@@ -7,7 +7,7 @@ module bw_blow_gains
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: gains_before, gains_from, is_sudden
+  public :: gain_of_jump, gains_before, gains_from, is_sudden
 
   integer, parameter :: renewed = 100            !! G is renewed when its samples have grown by 1/renewed
   integer, parameter :: most_cells = 4           !! on either side of a sample
@@ -91,7 +91,7 @@ contains
     end do
   end function gains_before
 
-  logical function is_sudden(poles, values, n, need)
+  pure logical function is_sudden(poles, values, n, need)
     !! Whether the amplitudes change at sample n rather than gradually. In some window around it, amplitudes of their own
     !! before and from n on then gain more than `need`, and others in parts of both sides hardly more. What lines do not
     !! describe (two modes in one, a stiffness that depends on the amplitude, a phase that wanders) changes them within a side, too.
@@ -117,39 +117,67 @@ contains
     end do
   end function is_sudden
 
-  function gains_of_change(poles, values, before, cells) result(gain)
+  pure real(dp) function gain_of_jump(poles, values, before) result(gain)
+    !! What lines gain by amplitudes that change after so many samples; with none before, by amplitudes other than 0.
+    complex(dp), intent(in) :: poles(:)          !! per step
+    real(dp), intent(in) :: values(:, :)         !! white, (N, S)
+    integer, intent(in) :: before
+    complex(dp) :: wave(size(poles))
+    real(dp), dimension(2*size(poles), 2*size(poles), 2) :: gram
+    real(dp), dimension(2*size(poles), size(values, 2), 2) :: products
+    wave = 1
+    call multiply(exp(poles), values(:before, :), wave, gram(:, :, 1), products(:, :, 1))
+    call multiply(exp(poles), values(before + 1:, :), wave, gram(:, :, 2), products(:, :, 2))
+    gain = explained(gram(:, :, 2), products(:, :, 2))
+    if (before > 0) gain = gain + explained(gram(:, :, 1), products(:, :, 1)) - explained(sum(gram, dim=3), sum(products, dim=3))
+  end function gain_of_jump
+
+  pure subroutine multiply(step, values, wave, gram, products)
+    !! Find the scalar products of exponentials with each other and with consecutive samples.
+    complex(dp), intent(in) :: step(:)           !! their factors from one sample to the next
+    real(dp), intent(in) :: values(:, :)         !! white, (rows, S)
+    complex(dp), intent(inout) :: wave(:)        !! their values at the first sample; on return those after the last
+    real(dp), intent(out) :: gram(:, :), products(:, :)
+    integer, parameter :: chunk = 1024           ! rows that fit a processor's cache
+    real(dp) :: x(2*size(step), chunk)
+    integer :: first, row, rows
+    gram = 0
+    products = 0
+    do first = 1, size(values, 1), chunk
+      rows = min(chunk, size(values, 1) - first + 1)
+      do row = 1, rows
+        x(:, row) = [wave%re, -wave%im]
+        wave = wave*step
+      end do
+      gram = gram + matmul(x(:, :rows), transpose(x(:, :rows)))
+      products = products + matmul(x(:, :rows), values(first:first + rows - 1, :))
+    end do
+  end subroutine multiply
+
+  pure function gains_of_change(poles, values, before, cells) result(gain)
     !! What lines gain by amplitudes that change after so many samples, and more by others in each cell than by chance.
     complex(dp), intent(in) :: poles(:)
     real(dp), intent(in) :: values(:, :)
     integer, intent(in) :: before
     integer, intent(in) :: cells(2)              !! on either side
     real(dp) :: gain(2)
-    real(dp), allocatable :: x(:, :)
-    complex(dp) :: wave(size(poles)), step(size(poles))
+    complex(dp) :: wave(size(poles))
     real(dp), dimension(2*size(poles), 2*size(poles)) :: gram_all, gram_side, gram
     real(dp), dimension(2*size(poles), size(values, 2)) :: products_all, products_side, products
-    integer :: edges(0:sum(cells)), side, cell, row, i
+    integer :: edges(0:sum(cells)), side, cell, i
     edges = [(before*i/cells(1), i=0, cells(1)), (before + (size(values, 1) - before)*i/cells(2), i=1, cells(2))]
     gain = 0
     gram_all = 0
     products_all = 0
     wave = 1
-    step = exp(poles)
     do side = 1, 2
       gram_side = 0
       products_side = 0
       do cell = merge(1, cells(1) + 1, side == 1), sum(cells(:side))
-        allocate (x(edges(cell - 1) + 1:edges(cell), size(gram, 1)))
-        do row = lbound(x, 1), ubound(x, 1)
-          x(row, :) = [wave%re, -wave%im]
-          wave = wave*step
-        end do
-        gram = matmul(transpose(x), x)
-        products = matmul(transpose(x), values(lbound(x, 1):ubound(x, 1), :))
+        call multiply(exp(poles), values(edges(cell - 1) + 1:edges(cell), :), wave, gram, products)
         gain(2) = gain(2) + explained(gram, products) - size(products)
         gram_side = gram_side + gram
         products_side = products_side + products
-        deallocate (x)
       end do
       gain = gain + [1, -1]*(explained(gram_side, products_side) - size(products))
       gram_all = gram_all + gram_side

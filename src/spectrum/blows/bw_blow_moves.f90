@@ -1,6 +1,6 @@
 module bw_blow_moves
   !! Blows are moved to where the lines place them, dropped if they gain less than their penalty, and added where they are missing.
-  use bw_blow_gains, only: gains_before, gains_from, is_sudden
+  use bw_blow_gains, only: gain_of_jump, gains_before, gains_from, is_sudden
   use bw_kinds, only: dp
   use bw_line, only: course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
@@ -58,23 +58,26 @@ contains
     integer, intent(in) :: early                 !! samples by which the next blow may come earlier
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
-    real(dp), allocatable :: residual(:, :), white(:, :), gain(:)
+    real(dp), allocatable :: residual(:, :), white(:, :)
     integer, allocatable :: chosen(:)
-    integer :: b, n
+    integer :: b, n, last, before
     dropped = 0
     if (all(model%lines%steady) .or. ubound(model%stretches, 2) == 1 .or. allocated(samples%place)) return
     chosen = locating_components(samples, model)
-    allocate (residual(samples%count, size(chosen)), white(0, 0), gain(0))
+    allocate (residual(samples%count, size(chosen)), white(0, 0))
     call find_residual(samples, model, chosen, residual)
     b = 1
     do while (b <= ubound(model%stretches, 2) .and. ubound(model%stretches, 2) > 1)
-      white = white_values(model, chosen, residual, b, model%stretches(1, b))
-      call add_where_told(added_motion(model, chosen, b, 0, size(white, 1)), white)
-      n = size(white, 1)
-      if (b < ubound(model%stretches, 2)) white = white(:max((n + 1)/2, n - early), :)
-      gain = gains_from(strongest(model, b), white)
+      before = 0                                 ! samples within the motion before
+      if (b > 1) before = model%stretches(2, b - 1) - model%stretches(1, b - 1) + 1
+      white = white_values(model, chosen, residual, b, model%stretches(1, b) - before)
+      n = size(white, 1) - before
+      call add_where_told(added_motion(model, chosen, b, 0, n), white(before + 1:, :))   ! as if the motion before continued
+      last = before + n
+      if (b < ubound(model%stretches, 2)) last = before + max((n + 1)/2, n - early)
       b = b + 1
-      if (.not. gain(1) < penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
+      if (gain_of_jump(strongest(model, b - 1), white(:last, :), before) >= &
+        & penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
       b = b - 1
       call drop_blow(model, b)
       call find_residual(samples, model, chosen, residual)

@@ -31,65 +31,76 @@ contains
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(out) :: blows(:)
     real(dp), allocatable :: x(:, :)
-    logical, allocatable :: valid(:, :), recorded(:)
-    integer :: s, n, scale, sensors, stride
+    logical, allocatable :: valid(:, :), is_limited(:, :)
+    integer :: s, n, scale, sensors, stride, first_valid
     n = ceiling(span_of(samples))
     stride = max(1, ceiling(real(n, dp)*size(samples%value, 2)/enough))
     sensors = (size(samples%value, 2) - 1)/stride + 1
-    allocate (x(n, sensors), valid(n, sensors), recorded(n))
+    allocate (x(n, sensors), valid(n, sensors), is_limited(n, sensors))
     do s = 1, sensors
-      x(:, s) = even_values(samples, n, 1 + (s - 1)*stride)
-      valid(:, s) = allocated(samples%place)
-      if (.not. allocated(samples%place)) valid(:, s) = validity(samples, 1 + (s - 1)*stride)
+      call find_even_values(samples, 1 + (s - 1)*stride, x(:, s), valid(:, s), is_limited(:, s))
     end do
-    recorded = .not. allocated(samples%row)
-    if (allocated(samples%row)) recorded(samples%row) = .true.
+    first_valid = max(1, findloc(any(valid, dim=2), .true., dim=1))
     allocate (blows(0))
     scale = 1
     do
-      call add_bursts(x, valid, recorded, scale, false_alarm, blows)
+      call add_bursts(x, valid, is_limited, scale, false_alarm, blows)
       n = size(x, 1)/2
       if (n < fewest) exit
       x = x(1:2*n:2, :) + x(2:2*n:2, :)
       valid = valid(1:2*n:2, :) .and. valid(2:2*n:2, :)
-      recorded = recorded(1:2*n:2) .and. recorded(2:2*n:2)
+      is_limited = is_limited(1:2*n:2, :) .or. is_limited(2:2*n:2, :)
       scale = 2*scale
     end do
     blows = blows(ascending(real(blows, dp)))
-    if (size(blows) == 0) blows = [1]
+    if (size(blows) == 0) blows = [first_valid]
+    blows = [max(first_valid, blows(1)), pack(blows(2:), blows(2:) > first_valid)]
     if (.not. allocated(samples%place)) return
     if (blows(1) <= order) blows(1) = 1          ! so close to the first sample there is no prediction
     blows = [1 + count(samples%place < blows(1) - 1)]
   end subroutine find_blows
 
-  pure function even_values(samples, count, s) result(x)
-    !! The samples of a sensor, one per step; uneven ones are interpolated.
+  pure subroutine find_even_values(samples, s, x, valid, is_limited)
+    !! Find the values of a sensor, one per step, and those beyond its range; uneven ones are interpolated.
     type(samples_type), intent(in) :: samples
-    integer, intent(in) :: count, s
-    real(dp) :: x(count)
+    integer, intent(in) :: s
+    real(dp), intent(out) :: x(:)
+    logical, intent(out) :: valid(:), is_limited(:)
+    logical, dimension(samples%count) :: is_valid, beyond
+    real(dp), allocatable :: place(:), value(:)
     integer :: n, k
-    if (.not. allocated(samples%place)) then
-      x = samples%value(:count, s)
-      return
-    end if
+    associate (own => samples%value(:samples%count, s))
+      is_valid = validity(samples, s)
+      beyond = .not. is_valid .and. (own < minval(own, is_valid) .or. own > maxval(own, is_valid))
+      if (.not. allocated(samples%place)) then
+        x = own
+        valid = is_valid
+        is_limited = beyond
+        return
+      end if
+      place = pack(samples%place, is_valid .or. beyond)
+      value = pack(own, is_valid .or. beyond)
+    end associate
+    valid = .true.
+    is_limited = .false.
     k = 1
-    do n = 1, count
-      do while (k < samples%count - 1 .and. samples%place(k + 1) < n - 1)
+    do n = 1, size(x)
+      do while (k < size(place) - 1 .and. place(k + 1) < n - 1)
         k = k + 1
       end do
-      associate (t => samples%place(k:k + 1), y => samples%value(k:k + 1, s))
-        x(n) = y(1) + (y(2) - y(1))*min(1.0_dp, (n - 1 - t(1))/(t(2) - t(1)))
+      associate (t => place(k:k + 1), y => value(k:k + 1))
+        x(n) = y(1) + (y(2) - y(1))*max(0.0_dp, min(1.0_dp, (n - 1 - t(1))/(t(2) - t(1))))
       end associate
     end do
-  end function even_values
+  end subroutine find_even_values
 
-  subroutine add_bursts(x, valid, recorded, scale, false_alarm, blows)
+  subroutine add_bursts(x, valid, is_limited, scale, false_alarm, blows)
     !! Add new bursts in sums over `scale` samples. One missing sample is interpolated to within the noise. Several adjacent ones,
     !! or clipped crests, are not: errors are invalid until they are past. But the first sample of a crest was no smaller than the
     !! recorded one.
     real(dp), intent(inout) :: x(:, :)           !! invalid ones are interpolated
     logical, intent(inout) :: valid(:, :)        !! single missing samples become valid
-    logical, intent(in) :: recorded(:)
+    logical, intent(in) :: is_limited(:, :)      !! beyond the range of a sensor
     integer, intent(in) :: scale
     real(dp), intent(in) :: false_alarm
     integer, allocatable, intent(inout) :: blows(:)
@@ -104,12 +115,12 @@ contains
     do s = 1, size(x, 2)
       associate (own => valid(:, s))
         is_usable = own
-        is_single = .not. (own .or. recorded) .and. eoshift(own, -1, .true.) .and. eoshift(own, 1, .true.)
+        is_single = .not. (own .or. is_limited(:, s)) .and. eoshift(own, -1, .true.) .and. eoshift(own, 1, .true.)
         do i = 1, n
           if (own(i)) cycle
-          if (recorded(i) .or. any(.not. own(max(1, i - 1):i - 1))) is_usable(i:min(n, i + p)) = .false.
+          if (is_limited(i, s) .or. any(.not. own(max(1, i - 1):i - 1))) is_usable(i:min(n, i + p)) = .false.
         end do
-        is_bound = recorded .and. .not. own .and. scale == 1   ! sums contain interpolated ones
+        is_bound = is_limited(:, s) .and. scale == 1   ! sums contain interpolated ones
       end associate
       is_bound(2:) = is_bound(2:) .and. is_usable(:n - 1)
       if (count(is_usable) < 2) cycle

@@ -1,7 +1,8 @@
 module bw_band_fit
   !! Least-squares fit of the lines in a band to all sensors and stretches at once. Stretches share only the exponents, so that the
   !! slopes of their projections are stacked.
-  use bw_band, only: band_type, enough_for, holds, line_columns, trend_columns
+  use bw_band, only: enough_for, holds
+  use bw_band_columns, only: band_type, line_columns, trend_columns
   use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_line, only: has_trend, highest, line_type, pole_at, psi

@@ -1,13 +1,14 @@
 module bw_triangle
   !! Triangles R of QR factorisations of columns scaled to length 1, for solutions of least-squares problems and their covariances.
   use bw_kinds, only: dp
-  use bw_lapack, only: dgeqrf, dormqr
+  use bw_lapack, only: dgemqrt, dgeqrt
   implicit none (type, external)
   private
   public :: dependent, eliminate, length_of, scaled, solved, triangle_of, triangulate
 
   real(dp), parameter :: dependent = 1.0e-12_dp  !! columns this close to the others are left out of a solution
   integer, parameter :: stretch = 512            !! rows at a time, as fit a processor's cache
+  integer, parameter :: block = 16               !! columns of Householder reflections at a time
 
 contains
 
@@ -53,15 +54,15 @@ contains
     real(dp), intent(in) :: matrix(:, :)
     real(dp), allocatable, intent(out) :: triangle(:, :)
     real(dp), allocatable, intent(out) :: length(:)  !! of the columns
-    real(dp), allocatable :: factors(:, :), tau(:), work(:)
+    real(dp), allocatable :: factors(:, :), t(:, :), work(:)
     integer :: info, n
     n = size(matrix, 2)
     factors = matrix
     length = scaled(factors)
     allocate (triangle(n, n), source=0.0_dp)
     if (size(matrix, 1) < n .or. n == 0) return
-    allocate (tau(n), work(64*n))
-    call dgeqrf(size(matrix, 1), n, factors, size(matrix, 1), tau, work, size(work), info)
+    allocate (t(block, n), work(block*n))
+    call dgeqrt(size(matrix, 1), n, min(block, n), factors, size(matrix, 1), t, block, work, info)
     triangle = factors(:n, :)
   end subroutine triangle_of
 
@@ -71,12 +72,12 @@ contains
     real(dp), intent(in) :: matrix(:, :), right(:, :)
     real(dp), allocatable, intent(out) :: triangle(:, :), turned(:, :)
     real(dp), allocatable, intent(out) :: beyond(:)  !! (right-hand sides)
-    real(dp), allocatable :: part(:, :), side(:, :), tau(:), work(:)
-    integer :: n, s, rows, most, held, first, last, k, info
+    real(dp), allocatable :: part(:, :), side(:, :), t(:, :), work(:)
+    integer :: n, s, rows, most, held, first, last, k, columns, info
     n = size(matrix, 2)
     s = size(right, 2)
     most = min(size(matrix, 1), n + stretch)
-    allocate (part(most, n), side(most, s), tau(n), work(64*max(n, s, 1)), beyond(s))
+    allocate (part(most, n), side(most, s), t(block, n), work(block*max(n, s)), beyond(s))
     beyond = 0
     held = 0
     last = 0
@@ -88,8 +89,9 @@ contains
       side(held + 1:rows, :) = right(first:last, :)
       held = min(n, rows)
       if (n > 0) then
-        call dgeqrf(rows, n, part, most, tau, work, size(work), info)
-        call dormqr('L', 'T', rows, s, held, part, most, tau, side, most, work, size(work), info)
+        columns = min(block, held)
+        call dgeqrt(rows, n, columns, part, most, t, block, work, info)
+        call dgemqrt('L', 'T', rows, s, held, columns, part, most, t, block, side, most, work, info)
       end if
       beyond = beyond + sum(side(held + 1:rows, :)**2, dim=1)
       if (last == size(matrix, 1)) exit

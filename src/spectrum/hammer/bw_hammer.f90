@@ -2,12 +2,11 @@ module bw_hammer
   !! A blow whose force is measured. After it the beam moves as Σ Re A e^(zt), with A = C F/(iβ), times z for each derivative that
   !! a sensor measures. Here z = −δ + iβ, F = ∫f e^(−zt)dt, and C = φ_sφ_f/M is the modal constant, in 1/kg. This holds for any
   !! shape of the blow and any number of hits.
-  use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_order, only: quantile_of
   implicit none (type, external)
   private
-  public :: find_constants, hammer_of, hammer_response
+  public :: find_constants, hammer_of
 
   real(dp), parameter :: clear = 0.1_dp          !! of the largest force, above which there is a blow
   real(dp), parameter :: seen = 4                !! standard deviations of the force at rest, above which a blow continues
@@ -18,6 +17,7 @@ module bw_hammer
     real(dp), allocatable :: force(:)            !! N, 0 where the hammer does not touch the beam, (samples)
     logical, allocatable :: acts(:)              !! during a blow, (samples)
     integer, allocatable :: after(:)             !! the first sample after each blow, (blows)
+    integer, allocatable :: unseen(:)            !! sensors with invalid samples during a blow
     real(dp) :: deviation = 0                    !! standard deviation of the force at rest, N
   end type hammer_type
 
@@ -41,6 +41,7 @@ contains
       hammer%acts(j) = hammer%acts(j) .or. (hammer%acts(j + 1) .and. above(j) > seen*hammer%deviation)
     end do
     hammer%force = merge(force - quantile_of(force, 0.5_dp), 0.0_dp, hammer%acts)
+    allocate (hammer%unseen(0))
     last = n
     do j = 1, n
       if (.not. hammer%acts(j)) cycle
@@ -67,31 +68,5 @@ contains
     constant = amplitude*cmplx(0, pole%im, dp)/impulse/pole**derivative
     share = step*hammer%deviation*norm2(abs(pack(turn, hammer%acts(:size(turn)))))/abs(impulse)
   end subroutine find_constants
-
-  subroutine hammer_response(hammer, step, values, frequency, response, spectrum)
-    !! Find the transforms of sensors over that of the force, at the bins nearest to given frequencies; 0 where the force has none.
-    type(hammer_type), intent(in) :: hammer
-    real(dp), intent(in) :: step                 !! s
-    real(dp), intent(in) :: values(:, :)         !! (samples, sensors)
-    real(dp), intent(in) :: frequency(:)         !! Hz
-    complex(dp), intent(out) :: response(:, :)   !! (frequencies, sensors)
-    real(dp), intent(out) :: spectrum(:)         !! |F|, N s, (frequencies)
-    type(real_fourier) :: fourier
-    complex(dp) :: force(size(frequency))
-    integer :: bin(size(frequency)), s, n
-    n = size(values, 1)
-    bin = min(n/2, nint(frequency*n*step))
-    call fourier%prepare(n)
-    fourier%samples = hammer%force
-    call fourier%transform()
-    force = fourier%spectrum(bin)
-    spectrum = step*abs(force)
-    response = 0
-    do s = 1, size(values, 2)
-      fourier%samples = values(:, s) - sum(values(:, s))/n
-      call fourier%transform()
-      where (abs(force) > 0) response(:, s) = fourier%spectrum(bin)/force
-    end do
-  end subroutine hammer_response
 
 end module bw_hammer

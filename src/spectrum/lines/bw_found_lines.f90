@@ -8,10 +8,11 @@ module bw_found_lines
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
   use bw_line, only: line_type
-  use bw_line_search, only: find_lines, line_outcome
+  use bw_line_drops, only: line_outcome
   use bw_model, only: find_misfit, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_pure_record, only: find_lines_if_pure, safety
+  use bw_record_search, only: find_lines
   use bw_renewal, only: renew
   use bw_samples, only: samples_type, validity
   use bw_tapered_line, only: taper_costs

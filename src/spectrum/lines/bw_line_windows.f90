@@ -1,6 +1,7 @@
 module bw_line_windows
   !! Lines in halves and quarters of the longest interval after a blow: frequencies and decay rates from each window alone.
-  use bw_band, only: band_around, band_type, fill_rows, add_to_band
+  use bw_band, only: add_to_band, band_around, fill_rows
+  use bw_band_columns, only: band_type
   use bw_band_fit, only: fit_band, reduced_type
   use bw_constants, only: pi
   use bw_kinds, only: dp

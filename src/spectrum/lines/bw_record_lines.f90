@@ -58,6 +58,7 @@ module bw_record_lines
       !! standard deviation of each sensor's residual; `missing` if it was left out: its amplitudes are not known, (sensors)
     real(dp) :: quantile = 1                      !! of a standard normal number, used for the errors
     real(dp), allocatable :: blow(:)              !! times of the blows since the first sample, s, (blows)
+    real(dp) :: contact = 0                       !! s after each blow that are left out
     logical :: driven = .false.                   !! the motion is no free decay, and has no lines
     integer :: left_out = 0                       !! number of weaker lines that are not among these
     logical :: converged = .true.                 !! .false.: the search was ended before it converged
@@ -83,6 +84,7 @@ contains
     lines%left_out = size(estimated) - size(chosen)
     lines%converged = found%outcome%converged
     lines%driven = found%outcome%driven
+    lines%contact = samples%step*found%outcome%contact
     lines%blow = samples%step*[(place_of(samples, found%model%stretches(1, i)), i=1, ubound(found%model%stretches, 2))]
     lines%angular_frequency = turn*estimated(chosen)%frequency
     lines%angular_frequency_error = in_unit(estimated(chosen)%frequency_error, turn)
@@ -128,10 +130,10 @@ contains
     if (deviation < undetermined/100) in_unit = unit*deviation
   end function in_unit
 
-  pure function candidates_in_si(found, apart, rate) result(candidates)
+  pure function candidates_in_si(found, resolution, rate) result(candidates)
     !! The rejected candidates by descending gain, each frequency once.
     type(found_lines), intent(in) :: found
-    real(dp), intent(in) :: apart                 !! rad per step; closer candidates are one
+    real(dp), intent(in) :: resolution                 !! rad per step; closer candidates are one
     real(dp), intent(in) :: rate                  !! steps per second
     type(rejected_candidate), allocatable :: candidates(:)
     logical :: excluded(size(found%outcome%poles))
@@ -139,8 +141,8 @@ contains
     integer :: i, best
     omega = found%outcome%poles%im
     associate (gain => found%outcome%gains)
-      excluded = [(any(abs(omega(i + 1:) - omega(i)) < apart) .or. any(abs(found%model%lines%pole%im - omega(i)) < apart) &
-        & .or. .not. omega(i) > apart .or. .not. gain(i) > 1, i=1, size(omega))]
+      excluded = [(any(abs([omega(i + 1:), found%model%lines%pole%im] - omega(i)) < resolution) &
+        & .or. .not. omega(i) > resolution .or. .not. gain(i) > 1, i=1, size(omega))]
       allocate (candidates(0))
       do i = 1, count(.not. excluded)
         best = maxloc(gain, dim=1, mask=.not. excluded)

@@ -15,7 +15,7 @@ module bw_tapered_search
 
   integer, parameter :: max_rounds = 16
   integer, parameter :: most_lines = 200
-  real(dp), parameter :: apart = 10            !! bins, at which sidelobes are below 1e-6
+  real(dp), parameter :: separation = 10            !! bins, at which sidelobes are below 1e-6
   integer, parameter :: beside = 3             !! bins; within the main lobe
   real(dp), parameter :: line_work = 0.045_dp  !! of subtracting a line, relative to two tapered transforms; measured
 
@@ -79,7 +79,7 @@ contains
     !! The number of positions that share bins with a group at this bin.
     integer, intent(in) :: bin
     real(dp), intent(in) :: position(:)
-    near = count(abs(position - bin) < 2*apart)
+    near = count(abs(position - bin) < 2*separation)
   end function near
 
   subroutine fit_groups(residual, peak, lines, closed, monitor)
@@ -108,7 +108,7 @@ contains
   end subroutine fit_groups
 
   pure function line_groups(lines, peak, count) result(group)
-    !! The groups of lines and peaks by ascending position, divided at gaps of more than `apart` bins.
+    !! The groups of lines and peaks by ascending position, divided at gaps of more than `separation` bins.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: peak(:)
     integer, intent(in) :: count               !! samples
@@ -118,10 +118,10 @@ contains
     position = [position_of(lines, count), real(peak, dp)]
     order = ascending(position)
     allocate (group(0))
-    before = -2*apart
+    before = -2*separation
     do i = 1, size(order)
       j = order(i)
-      if (position(j) - before > apart) group = [group, group_type()]
+      if (position(j) - before > separation) group = [group, group_type()]
       before = position(j)
       associate (last => group(size(group)))
         if (.not. allocated(last%lines)) allocate (last%lines(0), last%peaks(0))

@@ -8,6 +8,7 @@ module bw_decay_bank
   use bw_kinds, only: dp
   use bw_model, only: model_type, rows_of_stretches, steps_between
   use bw_order, only: local_maxima
+  use bw_samples, only: gaps_type
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
@@ -114,7 +115,7 @@ contains
       first = min(most + 1, 1 + ceiling(edge*length/k))  ! in so short a stretch it would be offset and slope
       last = min(most, int(mirrored*max(decay, 1.0_dp/k)*length/(2*pi)) + 1)
       do s = 1, size(model%white, 2)
-        energy = energy_at(s, rows(1, b), k)
+        energy = valid_energy(fall(:k), rows(1, b), model%missing(s))
         valid_part = energy/whole
         if (valid_part < least_part) cycle
         model%fourier%samples(:k) = fall(:k)*model%white(rows(1, b):rows(1, b) + k - 1, s)
@@ -132,19 +133,6 @@ contains
 
   contains
 
-    pure real(dp) function energy_at(s, first, count) result(energy)
-      !! Σ e^(−2δm) over the valid ones of the samples of a sensor.
-      integer, intent(in) :: s, first, count
-      real(dp), allocatable :: own(:)
-      energy = whole
-      if (size(model%missing(s)%place) == 0) return
-      own = fall(:count)
-      associate (m => model%missing(s)%place - first + 1)
-        own(pack(m, m >= 1 .and. m <= count)) = 0
-      end associate
-      energy = sum(own**2)
-    end function energy_at
-
     subroutine add_mirrored(from, to, count)
       !! Add the effect of the mirror image on the gain in `count` samples: with E and P, both over E² − |P|², instead of 1/E.
       integer, intent(in) :: from, to, count
@@ -161,6 +149,19 @@ contains
 
   end subroutine find_gains
 
+  pure real(dp) function valid_energy(fall, first, missing) result(energy)
+    !! The energy of a decay over the valid samples of a sensor.
+    real(dp), intent(in) :: fall(:)              !! e^(−δm) at consecutive samples
+    integer, intent(in) :: first                 !! number of the first one
+    type(gaps_type), intent(in) :: missing
+    real(dp) :: own(size(fall))
+    own = fall
+    associate (m => missing%place - first + 1)
+      own(pack(m, m >= 1 .and. m <= size(own))) = 0
+    end associate
+    energy = sum(own**2)
+  end function valid_energy
+
   subroutine find_uneven_gains(model, decay, gain)
     !! The same at uneven times, after the first blow, relative to the local power of the noise.
     type(model_type), intent(inout) :: model
@@ -168,6 +169,7 @@ contains
     real(dp), allocatable, intent(out) :: gain(:)
     real(dp), allocatable :: fall(:), place(:)
     complex(dp), allocatable :: spectrum(:)
+    real(dp) :: energy
     integer :: length, s, k, low, bins
     associate (first => model%stretches(1, 1), last => model%stretches(2, 1))
       place = model%place(first:last) - model%place(first)
@@ -178,12 +180,15 @@ contains
       allocate (gain(length/2 + 1), source=0.0_dp)
       allocate (spectrum(0:length/2))
       do s = 1, size(model%white, 2)
+        energy = valid_energy(fall, first, model%missing(s))
+        if (energy < least_part*sum(fall**2)) cycle
         call uneven_transform(place, fall*model%white(first:last, s), length, model%fourier, spectrum)
         do k = low, length/2
-          gain(k + 1) = gain(k + 1) + 2*abs(spectrum(k))**2/model%level(max(1, min(bins, nint(real(k, dp)*2*bins/length))), s)
+          associate (level => model%level(max(1, min(bins, nint(real(k, dp)*2*bins/length))), s))
+            gain(k + 1) = gain(k + 1) + 2*abs(spectrum(k))**2/(energy*level)
+          end associate
         end do
       end do
-      gain = gain/sum(fall**2)
     end associate
   end subroutine find_uneven_gains
 

@@ -18,7 +18,7 @@ module bw_limited_range
   public :: allow_for_limits
 
   integer, parameter :: most_rounds = 50
-  real(dp), parameter :: settled = 0.01_dp       !! change in a round, in variances: the rest moves lines by less than half a deviation
+  real(dp), parameter :: least_change = 0.01_dp  !! in a round, in variances: smaller ones move lines by less than half a deviation
   real(dp), parameter :: far = sqrt(huge(1.0_dp))
   real(dp), parameter :: reach = 6               !! standard deviations from a limit within which it truncates noise
 
@@ -43,7 +43,7 @@ contains
     do round = 1, most_rounds
       call find_misfit(samples, model, [(s, s=1, size(residual, 2))], residual)
       call correct(limits, recorded, residual, samples, change)
-      if (change < settled) exit
+      if (change < least_change) exit
       if (stops(monitor)) return
       if (allocated(model%last)) deallocate (model%last)
       call renew(samples, order_price(samples), .false., model)

@@ -21,6 +21,7 @@ module bw_line_drops
     !! How a search ended.
     logical :: converged = .true.                !! no move lowers J any more
     logical :: driven = .false.                  !! noise alone explains the motion better than all lines found
+    integer :: contact = 0                       !! samples left out after each blow
     complex(dp), allocatable :: poles(:)         !! of lines that noise alone explains
     real(dp), allocatable :: gains(:)            !! their decreases of the squares, over the noise's variance
   end type line_outcome

@@ -194,12 +194,12 @@ contains
     logical :: done(size(model%lines)), own(size(model%lines))
     type(line_type), allocatable :: start(:)
     type(refit_type) :: found
-    real(dp) :: gain, apart
+    real(dp) :: gain, resolution
     integer :: k, host
     added = 0
-    apart = 2*pi/span_of_model(model)
+    resolution = 2*pi/span_of_model(model)
     done = [(model%lines(k)%steady .or. size(model%lines(k)%courses) > 0 &
-      & .or. count(abs(model%lines%pole%im - model%lines(k)%pole%im) < apart) > 1, k=1, size(done))]
+      & .or. count(abs(model%lines%pole%im - model%lines(k)%pole%im) < resolution) > 1, k=1, size(done))]
     do while (.not. all(done))
       if (stops(monitor)) return
       k = findloc(done, .false., dim=1)

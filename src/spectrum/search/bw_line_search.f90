@@ -7,14 +7,11 @@ module bw_line_search
   use bw_band, only: enough_for
   use bw_band_fit, only: converged
   use bw_blow_trials, only: try_missing_blows, try_moved_blows
-  use bw_blows, only: find_blows
   use bw_cost, only: akaike, cost_beside_noise, cost_of_all, order_price
   use bw_kinds, only: dp
-  use bw_limited_range, only: allow_for_limits
   use bw_line, only: find_wave, line_type
   use bw_line_drops, only: clear_if_growing, drop_lines, drop_weakest, keep_or_clear, line_outcome
-  use bw_line_moves, only: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, &
-    & most_additions, most_lines
+  use bw_line_moves, only: add_drifts, add_round, judge_steady, may_be_tone, merge_lines, most_additions, most_lines
   use bw_model, only: model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise_alone, only: cost_of_shared_motion, dies, most_colour, most_orders
@@ -25,64 +22,15 @@ module bw_line_search
   use bw_stretches, only: drop_blow
   implicit none (type, external)
   private
-  public :: find_lines, line_outcome
+  public :: find_lines_after, improve_lines
 
-  integer, parameter :: many_lines = 24           !! tuned: as many may represent a driven motion
+  integer, parameter, public :: many_lines = 24   !! tuned: as many may represent a driven motion, or one that no lines describe
   integer, parameter :: most_rounds = 4
   integer, parameter :: most_in_vain = 1          !! tuned: rounds in which J does not fall
   real(dp), parameter :: first_lines = 0.6_dp     !! fraction of the time
   real(dp), parameter :: least_share = 0.3_dp     !! of the usual gain; chosen: driven beams have 0.25, free decays 0.5 and more
 
 contains
-
-  subroutine find_lines(samples, false_alarm, model, outcome, monitor)
-    !! Find the lines of a record.
-    type(samples_type), intent(inout) :: samples   !! unchanged on return
-    real(dp), intent(in) :: false_alarm
-    type(model_type), intent(out) :: model
-    type(line_outcome), intent(out) :: outcome
-    class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
-    integer, allocatable :: blows(:)
-    real(dp), allocatable :: recorded(:, :)
-    integer :: dropped
-    if (allocated(samples%blow)) then
-      blows = samples%blow
-    else
-      call find_blows(samples, false_alarm, blows)
-    end if
-    call find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
-    if (outcome%driven .and. allocated(samples%missing) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
-      & call find_lines_after(blows(:1), samples, false_alarm, model, outcome, monitor)    ! gaps may look like further blows
-    if (.not. (allocated(samples%blow) .or. allocated(samples%place)) .and. blows(1) > 1 &
-      & .and. (outcome%driven .or. any(model%lines%steady))) call try_earlier_blow()
-    call allow_for_limits(samples, model, recorded, monitor)
-    do while (allocated(recorded))               ! lines of the truncated noise gain nothing now
-      call drop_lines(samples, false_alarm, model, dropped, monitor)
-      if (dropped == 0) exit
-      if (stops(monitor)) exit
-      call allow_for_limits(samples, model, recorded, monitor)
-    end do
-    if (allocated(recorded)) call move_alloc(recorded, samples%value)
-
-  contains
-
-    subroutine try_earlier_blow()
-      !! Try whether the record begins within a decay. Its lines replace tones: these are no more, and J is lower.
-      type(state_type) :: before
-      type(line_outcome) :: within_tones
-      logical :: is_better
-      before = state_of(samples, false_alarm, model)
-      within_tones = outcome
-      call find_lines_after([1, blows], samples, false_alarm, model, outcome, monitor)
-      if (stops(monitor)) return
-      is_better = within_tones%driven .or. &
-        & (size(model%lines) <= size(before%lines) .and. cost_of_all(samples, false_alarm, model) < before%cost)
-      if (is_better .and. size(model%lines) > 0) return
-      call go_back(samples, before, model)
-      outcome = within_tones
-    end subroutine try_earlier_blow
-
-  end subroutine find_lines
 
   subroutine find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
     !! Find the lines of a record with given first estimates of its blows.
@@ -94,8 +42,6 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: alone                            !! J of noise alone; huge if the motion dies, as stationary noise does not
     type(state_type) :: best
-    integer :: round, changed, dropped, moved
-    logical :: is_worse                          !! J has risen
     call start_model(samples, blows, model)
     alone = huge(1.0_dp)
     if (.not. dies(samples, blows)) then
@@ -104,7 +50,22 @@ contains
       alone = min(alone, model%noise%cost)
     end if
     call add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
-    if (outcome%driven) return
+    outcome%converged = size(model%lines) < most_lines   ! so many are not improved, as they describe no motion of few modes
+    if (outcome%converged .and. .not. outcome%driven) &
+      & call improve_lines(samples, false_alarm, alone, best, model, outcome, monitor)
+  end subroutine find_lines_after
+
+  subroutine improve_lines(samples, false_alarm, alone, best, model, outcome, monitor)
+    !! Add, merge and drop lines and blows in rounds until J does not fall.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    real(dp), intent(in) :: alone                !! J of noise alone
+    type(state_type), intent(inout) :: best
+    type(model_type), intent(inout) :: model
+    type(line_outcome), intent(inout) :: outcome
+    class(monitor_type), intent(inout), optional :: monitor
+    integer :: round, changed, dropped, moved
+    logical :: is_worse                          !! J has risen
     do round = 1, most_rounds
       if (stops(monitor)) return
       if (present(monitor)) call monitor%advance(first_lines + (1 - first_lines)*round/(most_rounds + 2))
@@ -170,7 +131,7 @@ contains
       if (is_worse) call go_back(samples, best, model)
     end subroutine judge_moves
 
-  end subroutine find_lines_after
+  end subroutine improve_lines
 
   pure subroutine start_model(samples, blows, model)
     !! Start a model with the stretches between blows, and no lines.
@@ -270,26 +231,33 @@ contains
 
   subroutine try_tones(samples, false_alarm, model, changed)
     !! Turn lines that hardly decay into tones that were there before the first blow, if that lowers J. A record that begins within
-    !! such a tone seems to begin with a blow, which is dropped with the strongest of them.
+    !! such tones seems to begin with a blow, which is dropped with the strongest of them.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! number of lines
     type(state_type) :: before
     logical :: open(size(model%lines)), is_cut
-    integer :: k
+    real(dp) :: power(size(model%lines))
+    integer :: k, tones
     changed = 0
     if (count(.not. model%lines%steady) < 2) return  ! at least one line must be struck
     open = [(may_be_tone(model, model%lines(k)), k=1, size(open))]
     is_cut = model%stretches(2, 0) < model%stretches(1, 0) .and. ubound(model%stretches, 2) > 1 .and. .not. allocated(samples%blow)
-    if (is_cut .and. any(open) .and. model%stretches(2, 1) - model%stretches(1, 1) + 1 >= enough_for(1)) then
-      k = maxloc([(tone_power(samples, model, model%lines(k)%pole%im), k=1, size(open))], dim=1, mask=open)
+    if (is_cut .and. model%stretches(2, 1) - model%stretches(1, 1) + 1 >= enough_for(1)) then
       before = state_of(samples, false_alarm, model)
-      model%lines(k)%pole = cmplx(0, model%lines(k)%pole%im, dp)
-      model%lines(k)%steady = .true.
-      call drop_blow(model, 1)
-      changed = 1
-      call keep_if_cheaper(samples, false_alarm, before, model, changed)
+      power = merge([(tone_power(samples, model, model%lines(k)%pole%im), k=1, size(open))], 0.0_dp, open)
+      do tones = 1, min(count(open), count(.not. model%lines%steady) - 1)
+        do k = 1, size(open)
+          if (.not. open(k) .or. count(power > power(k)) >= tones) cycle
+          model%lines(k)%pole%re = 0
+          model%lines(k)%steady = .true.
+        end do
+        call drop_blow(model, 1)
+        changed = tones
+        call keep_if_cheaper(samples, false_alarm, before, model, changed)
+        if (changed > 0) exit
+      end do
     end if
     call judge_steady(samples, false_alarm, model, k)
     changed = changed + k

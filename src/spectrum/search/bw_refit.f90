@@ -1,6 +1,7 @@
 module bw_refit
   !! Refits of some lines of a model, with the others fixed; a refit is accepted if it lowers the cost of the whole record.
-  use bw_band, only: add_to_band, band_around, band_type, fill_rows
+  use bw_band, only: add_to_band, band_around, fill_rows
+  use bw_band_columns, only: band_type
   use bw_band_fit, only: amplitudes_of, converged, fit_band, reduced_type, squares_left
   use bw_constants, only: pi
   use bw_exchange, only: exchange_lines

@@ -57,7 +57,7 @@ contains
     allocate (model%last%lines, source=model%lines)
     allocate (model%last%stretches, source=model%stretches)
     if (allocated(samples%place) .and. .not. allocated(model%place)) model%place = samples%place
-    if (allocated(samples%place)) call find_levels(samples%place, model%white, model%fourier, model%level)
+    if (allocated(samples%place)) call find_levels(samples, model%white, model%fourier, model%level)
     do s = 1, size(noise)
       noise(s) = noise_of(s)
     end do

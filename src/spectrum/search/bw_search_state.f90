@@ -1,5 +1,6 @@
 module bw_search_state
   !! States of a model, to which the search returns if moves have not lowered J.
+  use bw_autoregression, only: autoregression
   use bw_cost, only: cost_beside_noise, cost_of_all, order_price
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -16,6 +17,7 @@ module bw_search_state
     type(line_type), allocatable :: lines(:)
     integer, allocatable :: stretches(:, :)      !! (2, 0:B)
     real(dp), allocatable :: trend(:, :, :)      !! (2, S, 0:B)
+    type(autoregression), allocatable :: start(:)  !! noise of each sensor, if samples are missing: its estimate has several minima
     real(dp) :: cost = huge(1.0_dp)              !! J
     real(dp) :: beside_noise = huge(1.0_dp)      !! J as it is compared with that of noise alone
   end type state_type
@@ -31,6 +33,7 @@ contains
     call renew(samples, order_price(samples), .false., model)
     state%cost = cost_of_all(samples, false_alarm, model)
     state%beside_noise = cost_beside_noise(samples, false_alarm, model)
+    if (allocated(model%start)) state%start = model%start
     allocate (state%lines, source=model%lines)
     allocate (state%stretches(2, 0:ubound(model%stretches, 2)), source=model%stretches)
     allocate (state%trend(2, size(model%trend, 2), 0:ubound(model%stretches, 2)), source=model%trend)
@@ -73,6 +76,7 @@ contains
     type(samples_type), intent(in) :: samples
     type(state_type), intent(in) :: before
     type(model_type), intent(inout) :: model
+    if (allocated(before%start)) model%start = before%start
     deallocate (model%lines, model%stretches, model%trend)
     allocate (model%lines, source=before%lines)
     allocate (model%stretches(2, 0:ubound(before%stretches, 2)), source=before%stretches)

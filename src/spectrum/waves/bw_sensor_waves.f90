@@ -236,7 +236,7 @@ contains
     type(measured_lines), intent(in) :: lines
     logical, intent(in) :: doubtful            !! the ends are not confirmed: few sensors, shapes that do not fit, or 'model'
     type(sensor_waves), intent(inout) :: waves
-    real(dp) :: apart(size(waves%wavenumber))
+    real(dp) :: difference(size(waves%wavenumber))
     character(:), allocatable :: words
     if (is_missing(waves%stiffness_root) .or. .not. facts%stiffness_root > 0) return
     if (abs(waves%stiffness_root - facts%stiffness_root) <= waves%stiffness_root_error*unlikely/ &
@@ -247,13 +247,13 @@ contains
     if (doubtful) words = words//'; intervals are widened to hold both'
     call append(waves%notes, words)
     if (.not. doubtful) return
-    apart = abs(sqrt(sqrt(square_of(lines) + facts%angular_velocity**2)/facts%stiffness_root)/waves%wavenumber - 1)
+    difference = abs(sqrt(sqrt(square_of(lines) + facts%angular_velocity**2)/facts%stiffness_root)/waves%wavenumber - 1)
     where (.not. is_missing(waves%wavenumber))
-      waves%wavenumber_error = waves%wavenumber_error + apart*waves%wavenumber
-      waves%phase_velocity_error = waves%phase_velocity_error + apart*waves%phase_velocity
+      waves%wavenumber_error = waves%wavenumber_error + difference*waves%wavenumber
+      waves%phase_velocity_error = waves%phase_velocity_error + difference*waves%phase_velocity
     end where
     where (.not. is_missing(waves%group_velocity)) &
-      & waves%group_velocity_error = waves%group_velocity_error + apart*waves%group_velocity
+      & waves%group_velocity_error = waves%group_velocity_error + difference*waves%group_velocity
     waves%stiffness_root_error = waves%stiffness_root_error + abs(waves%stiffness_root - facts%stiffness_root)
   end subroutine compare_with_beam
 

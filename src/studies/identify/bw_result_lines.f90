@@ -34,7 +34,7 @@ contains
     real(dp), allocatable, dimension(:, :, :) :: amplitude, amplitude_bound, phase, place, quantity
     real(dp), allocatable, dimension(:, :, :) :: constant_real, constant_imag, constant_error
     logical :: placed
-    integer, allocatable :: told(:)
+    integer, allocatable :: known(:)
     integer :: file, problem, c, k, n, s
     call open_netcdf(path, file, problem)
     call read_block(file, 'measured_angular_frequency', frequency, problem)
@@ -73,23 +73,23 @@ contains
         one%lines%decay_deviation = [(max(least_decay_error*frequency(k, c, 1), decay_error(k, c, 1)/quantile), k=1, n)]
         if (allocated(amplitude)) one%lines%strength = [(norm2(amplitude(k, :, c)), k=1, n)]
         if (allocated(constant_error) .and. allocated(place) .and. n > 0) then
-          told = pack([(s, s=1, size(place))], .not. any(is_missing(constant_error(:n, :, c)), dim=1))
-          one%lines%over_blow = size(told) > 0 .and. .not. any(is_missing(place))
+          known = pack([(s, s=1, size(place))], .not. any(is_missing(constant_error(:n, :, c)), dim=1))
+          one%lines%over_blow = size(known) > 0 .and. .not. any(is_missing(place))
           if (one%lines%over_blow) then
-            one%lines%points = place(told, 1, 1)
-            one%lines%sensor = told
-            one%lines%amplitude = transpose(cmplx(constant_real(:n, told, c), constant_imag(:n, told, c), dp))
-            one%lines%amplitude_deviation = transpose(constant_error(:n, told, c))/quantile
+            one%lines%points = place(known, 1, 1)
+            one%lines%sensor = known
+            one%lines%amplitude = transpose(cmplx(constant_real(:n, known, c), constant_imag(:n, known, c), dp))
+            one%lines%amplitude_deviation = transpose(constant_error(:n, known, c))/quantile
             cycle
           end if
         end if
         if (.not. placed .or. n == 0) cycle
-        told = pack([(s, s=1, size(place))], .not. any(is_missing(amplitude_bound(:n, :, c)), dim=1))  ! without constant sensors
-        if (size(told) < 2) cycle
-        one%lines%points = place(told, 1, 1)
+        known = pack([(s, s=1, size(place))], .not. any(is_missing(amplitude_bound(:n, :, c)), dim=1))  ! without constant sensors
+        if (size(known) < 2) cycle
+        one%lines%points = place(known, 1, 1)
         one%lines%bends = nint(quantity(1, 1, 1)) == findloc(quantities == 'strain', .true., dim=1)
-        one%lines%amplitude = transpose(amplitude(:n, told, c)*exp((0.0_dp, 1.0_dp)*phase(:n, told, c)))
-        one%lines%amplitude_deviation = transpose(amplitude_bound(:n, told, c))
+        one%lines%amplitude = transpose(amplitude(:n, known, c)*exp((0.0_dp, 1.0_dp)*phase(:n, known, c)))
+        one%lines%amplitude_deviation = transpose(amplitude_bound(:n, known, c))
       end associate
     end do
   end subroutine read_result_lines
