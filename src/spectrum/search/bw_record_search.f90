@@ -62,6 +62,7 @@ contains
         moved = 1
         call keep_if_cheaper(samples, false_alarm, before, model, moved)
         if (moved == 0) exit
+        if (stops(monitor)) exit
       end do
     end subroutine move_uneven_blow
 
