@@ -42,20 +42,24 @@ module bw_change_of_bodies
     real(dp) :: level = 0.0_dp              !! energy of the shape
   end type beam_state
 
+  type, public :: change_type
+    !! A change of the bodies that the beam carries.
+    integer :: from = 1, onto = 1           !! configurations before and after
+    logical, allocatable :: was(:), is(:)   !! bodies that are there before and after, (bodies)
+    integer :: count = 0                    !! modes after the change that take part
+  end type change_type
+
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
   real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! relative error of integrals of two shapes
 
 contains
 
-  subroutine change_bodies(configuration, from, state, was, onto, count, is, bodies, spin_squared, later, event, monitor, beyond, &
-                       unsummed)
+  subroutine change_bodies(configuration, change, state, bodies, spin_squared, later, event, monitor, beyond, unsummed)
     !! Project the state at a change of bodies, and find the event's energies and momenta. Its kind and time are left to
     !! the caller.
     type(configuration_type), intent(in) :: configuration(:)   !! modes found in the same way, for the same pieces
-    integer, intent(in) :: from, onto               !! configurations before and after
+    type(change_type), intent(in) :: change
     type(beam_state), intent(in) :: state
-    logical, intent(in) :: was(:), is(:)            !! bodies before and after, (bodies)
-    integer, intent(in) :: count                    !! modes after the change that take part
     type(body_type), intent(inout) :: bodies(:)     !! `unstressed` is set for arriving bodies
     real(dp), intent(in) :: spin_squared            !! ω² in the plane of motion, else 0
     type(beam_state), intent(out) :: later
@@ -72,8 +76,8 @@ contains
     real(dp), allocatable :: bent(:), rest(:)
     type(energy_type) :: coming(2), leaving(2), left, potential
     integer :: b
-    motion(1) = shape_term(from, was, state%rate(:state%count))
-    whole = [state%shape, shape_term(from, was, state%q(:state%count))]
+    motion(1) = shape_term(change%from, change%was, state%rate(:state%count))
+    whole = [state%shape, shape_term(change%from, change%was, state%q(:state%count))]
     moved = motions_at(bodies, configuration, whole)
     moving = motions_at(bodies, configuration, motion)
     stretch = motions_at(bodies, configuration, whole, while_there=.true.)
@@ -81,27 +85,27 @@ contains
       moved = moved + beyond(:, :, 1)
       moving = moving + beyond(:, :, 2)
     end if
-    push = relative_momenta(bodies, is .and. .not. was, moving)
-    associate (before => configuration(from)%set, after => configuration(onto)%set)
+    push = relative_momenta(bodies, change%is .and. .not. change%was, moving)
+    associate (before => configuration(change%from)%set, after => configuration(change%onto)%set)
       bent = state%q(:state%count)                  ! all of the displacement in these modes
       if (size(state%shape) > 0 .and. any(bodies%pull > 0.0_dp)) &
-        bent = overlaps_with(before, was, bodies, configuration, whole, monitor)/before%modal_mass
-      coming = energy_of_bodies(before, bent, bodies, is .and. .not. was, moved, moving, spin_squared)
-      leaving = energy_of_bodies(before, bent, bodies, was .and. .not. is, moved, moving, spin_squared, stretch)
+        bent = overlaps_with(before, change%was, bodies, configuration, whole, monitor)/before%modal_mass
+      coming = energy_of_bodies(before, bent, bodies, change%is .and. .not. change%was, moved, moving, spin_squared)
+      leaving = energy_of_bodies(before, bent, bodies, change%was .and. .not. change%is, moved, moving, spin_squared, stretch)
       potential = part_of_energy(before, state, .false.)
       potential%value = potential%value + state%level + coming(2)%value - leaving(2)%value
       event%energy_before = known_energy(energy_of(before, state) + coming(1) + coming(2))
       do b = 1, size(bodies)
-        if (is(b) .and. .not. was(b)) bodies(b)%unstressed = moved(b, :)
+        if (change%is(b) .and. .not. change%was(b)) bodies(b)%unstressed = moved(b, :)
       end do
 
-      later%count = count
-      later%q = overlaps_with(after, is, bodies, configuration, whole, monitor)
+      later%count = change%count
+      later%q = overlaps_with(after, change%is, bodies, configuration, whole, monitor)
       if (stops(monitor)) return
-      later%rate = overlaps_with(after, is, bodies, configuration, motion, monitor) + modal_loads(after, bodies, push)
+      later%rate = overlaps_with(after, change%is, bodies, configuration, motion, monitor) + modal_loads(after, bodies, push)
       if (stops(monitor)) return
       if (present(beyond)) then
-        associate (gain => max(0.0_dp, mass_gains(bodies, was, is)))
+        associate (gain => max(0.0_dp, mass_gains(bodies, change%was, change%is)))
           later%q = later%q + modal_loads(after, bodies, gain*beyond(:, :, 1))
           later%rate = later%rate + modal_loads(after, bodies, gain*beyond(:, :, 2))
         end associate
@@ -112,25 +116,26 @@ contains
       later%q = later%q/after%modal_mass
       later%rate = later%rate/after%modal_mass
       later%shape = state%shape(:0)
-      later%q(count + 1:) = 0.0_dp
-      later%rate(count + 1:) = 0.0_dp
-      if (any(is_strained(bodies) .and. is)) then
-        later%q(:count) = later%q(:count) - equilibrium_of(after, count, bodies, spring_forces(bodies, is))
-        later%shape = [whole, shape_term(onto, is, -later%q(:count))]
+      later%q(change%count + 1:) = 0.0_dp
+      later%rate(change%count + 1:) = 0.0_dp
+      if (any(is_strained(bodies) .and. change%is)) then
+        rest = equilibrium_of(after, change%count, bodies, spring_forces(bodies, change%is))
+        later%q(:change%count) = later%q(:change%count) - rest
+        later%shape = [whole, shape_term(change%onto, change%is, -later%q(:change%count))]
       end if
-      if (any(is .and. bodies%beside /= 0.0_dp)) then
-        rest = equilibrium_of(after, count, bodies, offset_forces(bodies, is, spin_squared))
-        later%q(:count) = later%q(:count) - rest
-        later%shape = [later%shape, shape_term(onto, is, rest)]
-        later%level = -0.5_dp*(sum(after%modal_mass(:count)*after%beta_squared(:count)%hi*rest**2) &
-                               + spin_squared*sum(bodies%mass*bodies%beside**2, mask=is))
+      if (any(change%is .and. bodies%beside /= 0.0_dp)) then
+        rest = equilibrium_of(after, change%count, bodies, offset_forces(bodies, change%is, spin_squared))
+        later%q(:change%count) = later%q(:change%count) - rest
+        later%shape = [later%shape, shape_term(change%onto, change%is, rest)]
+        later%level = -0.5_dp*(sum(after%modal_mass(:change%count)*after%beta_squared(:change%count)%hi*rest**2) &
+                               + spin_squared*sum(bodies%mass*bodies%beside**2, mask=change%is))
       end if
-      if (any(is_strained(bodies) .and. is)) then       ! its shape is included
+      if (any(is_strained(bodies) .and. change%is)) then       ! its shape is included
         left = part_of_energy(after, later, .false.)
         later%level = potential%value - left%value
       end if
       event%energy_after = known_energy(energy_of(after, later) + leaving(1) + leaving(2))
-      call find_momenta(before, state, was, after, is, bodies, moving, push, momenta)
+      call find_momenta(before, state, change%was, after, change%is, bodies, moving, push, momenta)
       event%momentum_before = missing
       event%momentum_after = missing
       associate (k => first_struck_mode(after))

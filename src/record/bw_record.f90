@@ -49,6 +49,7 @@ module bw_record
     character(:), allocatable :: path            !! of the file
     integer(i8) :: samples_there = 0             !! in the file
     integer :: samples = 0                       !! number of samples used
+    integer :: absent = 0                        !! samples missing between them on an even grid
     real(dp) :: origin = 0.0_dp                  !! time of the first sample used, in the file [s]
     real(dp) :: duration = 0.0_dp                !! from the first sample to the last [s]
     real(dp) :: steps(2) = 0.0_dp                !! smallest and largest interval [s]; equal if evenly spaced

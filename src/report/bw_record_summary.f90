@@ -24,7 +24,7 @@ contains
     integer :: s
     call lines%append_line('  record     '//record%path//': '//samples_text(record))
     call lines%append_line('  times      '//times_text(record))
-    call lines%append_line('  spectrum   0 to '//shortest(0.5_dp*(record%samples - 1)/record%duration, digits)// &
+    call lines%append_line('  spectrum   0 to '//shortest(0.5_dp*(record%samples + record%absent - 1)/record%duration, digits)// &
                            ' Hz, resolution 1/duration = '//shortest(1.0_dp/record%duration, 3)//' Hz')
     do s = 1, min(size(record%sensors), most_sensors)
       call lines%append_line('  sensor     '//sensor_text(record%sensors(s))//': '// &
@@ -57,6 +57,7 @@ contains
     end if
     if (is_even(record)) then
       text = text//'even, '//shortest(1.0_dp/record%steps(1), digits)//' Hz'
+      if (record%absent > 0) text = text//', without '//text_of(record%absent)//' samples in between'
     else
       text = text//'uneven, '//shortest((record%samples - 1)/record%duration, digits)//' Hz on average, intervals of '// &
         shortest(record%steps(1), digits)//' to '//shortest(record%steps(2), digits)//' s'

@@ -130,7 +130,11 @@ def test_clipped_and_missing_samples_are_left_out(here):
     kept[[0, -1]] = True
     here.write("ring.csv", as_text(time[kept], np.clip(values, -limit, limit)[:, kept]))
     here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
-    result = here.run("ring")
+    ended = here.beamwave("run", "ring.nml")
+    assert f"even, {RATE:g} Hz, without {time.size - kept.sum()} samples in between" in ended.stdout
+    result = here.result("ring")
+    np.testing.assert_array_equal(results.is_fill(result["recorded"]), abs(values[:, kept]) >= limit)
+    assert not results.is_fill(result["fitted"]).any()
     assert result["peak_count"] == FREQUENCY.size
     away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
     assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()
@@ -163,6 +167,8 @@ def test_spikes_are_left_out(here):
     assert (ended.returncode, "far from all other samples; left out: 3 samples" in ended.stderr) == (0, True)
     assert "spike: tip [m/s2] has 3 samples beside the motion before and after" in ended.stderr
     result = here.result("ring")
+    assert results.is_fill(result["recorded"][0, [300, 301, 700]]).all()
+    assert results.is_fill(result["recorded"][1, [250, 420, 610]]).all()
     assert result["peak_count"] == FREQUENCY.size
     away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
     assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()

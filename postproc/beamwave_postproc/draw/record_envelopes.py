@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ..parts.envelope import is_thinned
+from ..parts.envelope import is_thinned, recorded_part
 from ..parts.sensors import one_record, sensor_label, sensor_name
 from ..parts.sheet import Given, columns_for, sheet_for
 from ..parts.units import with_unit
@@ -23,14 +23,15 @@ def record_envelopes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw the envelope of each of the strongest lines at the sensor that shows it best: A e^(−δt) from the blow on.
 
     Beside it stands what the record itself shows there: shifted by the line's frequency, and averaged over some periods of its
-    distance to the next line. A line that decays as fitted is straight. Of a sweep the first case is drawn.
+    distance to the next line; where samples are left out, the lines take their place. A line that decays as fitted is straight. Of a
+    sweep the first case is drawn.
     """
     case, note = one_record(ds)
     names = ["angular_frequency", "decay_rate", "decay_rate_error", "amplitude", "blow_time"]
-    require(case, "recorded", "time", *(f"measured_{name}" for name in names))
+    require(case, "recorded", "fitted", "time", *(f"measured_{name}" for name in names))
     time, recorded = case["time"].values, case["recorded"].values
-    known = np.isfinite(recorded).any(axis=0)
-    time, recorded = time[known], recorded[:, known]
+    part = recorded_part(recorded)
+    time, recorded = time[part], np.where(np.isfinite(recorded), recorded, case["fitted"].values)[:, part]
     if time.size < 64 or np.ptp(np.diff(time)) > 0.01 * (time[-1] - time[0]) / time.size:
         raise NothingToDraw("the samples are not in the file, or uneven")
     beta, decay, decay_error, size = (case[f"measured_{name}"].values for name in names[:4])

@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from ..parts.envelope import is_dense, is_thinned
+from ..parts.envelope import broken_at_gaps, is_dense, is_thinned, recorded_part
 from ..parts.sensors import one_record, sensor_label, shown_sensors
 from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require
@@ -38,12 +39,15 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     require(case, "recorded", "fitted", "time")
     time = case["time"].values
     recorded, fitted = case["recorded"].values, case["fitted"].values
-    known = np.isfinite(recorded).any(axis=0)
-    if np.count_nonzero(known) < 2:
+    part = recorded_part(recorded)
+    if part.stop < 2:
         raise NothingToDraw("the record is not in the file")
-    time, recorded, fitted = time[known], recorded[:, known], fitted[:, known]
+    time, recorded, fitted = time[part], recorded[:, part], fitted[:, part]
     sensors, left = shown_sensors(case)
     thin = is_thinned(recorded)
+    if not thin:
+        time, recorded, fitted = broken_at_gaps(time, recorded, fitted)
+    out = "gaps: samples that are missing or left out" if np.isnan(recorded).any() else ""
     blow = float(case["measured_blow_time"].fillna(time[0])) if "measured_blow_time" in case else time[0]
     near = None if thin else _near(case, time, blow)
     rows, ratios = (1, [1.0]) if thin else (2, RATIOS)
@@ -61,7 +65,7 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     for axes in sheet.grid[-1]:
         axes.set_xlabel("Time since the first sample (s)")
     words = "bands: least to largest of each stretch of time" if thin else ""
-    return sheet.finish(case, [note, left, words])
+    return sheet.finish(case, [note, left, words, out])
 
 
 def _draw_whole(axes: Axes, time: np.ndarray, recorded: np.ndarray, fitted: np.ndarray, thin: bool) -> None:
@@ -88,6 +92,7 @@ def _draw_near(
     axes.plot(time, recorded, **{**SEEN, **few, "label": None})
     axes.plot(*(_between_samples(case, sensor, time, fitted) or (time, fitted)), **{**FITTED, "label": None})
     axes.set_xlim(time[0], time[-1])
+    axes.xaxis.set_major_locator(MaxNLocator(5))
 
 
 def _between_samples(
@@ -104,7 +109,7 @@ def _between_samples(
     def lines(at: np.ndarray) -> np.ndarray:
         return np.real(np.exp(at[:, None] * (1j * beta[known] - decay[known])) @ factor)
 
-    if np.abs(lines(time) - fitted).max() > SAME * np.abs(fitted).max():
+    if np.nanmax(np.abs(lines(time) - fitted)) > SAME * np.nanmax(np.abs(fitted)):
         return None
     fine = np.linspace(time[0], time[-1], FINE * time.size)
     return fine, lines(fine)
@@ -136,13 +141,14 @@ def _draw_band(axes: Axes, time: np.ndarray, low: np.ndarray, high: np.ndarray, 
 
 
 def _extremes(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Middle, least and largest of some hundred stretches."""
-    edges = np.linspace(0, values.size - 1, 401).round().astype(int)
-    parts = [slice(start, end + 1) for start, end in zip(edges, edges[1:])]
+    """Middle, least and largest of some hundred stretches of time; no values where there are no samples."""
+    edges = np.linspace(time[0], time[-1], 401)
+    places = np.searchsorted(time, edges)
+    parts = [values[start : end + 1] if end > start else [np.nan] for start, end in zip(places, places[1:])]
     return (
-        np.array([time[part].mean() for part in parts]),
-        np.array([np.fmin.reduce(values[part]) for part in parts]),
-        np.array([np.fmax.reduce(values[part]) for part in parts]),
+        0.5 * (edges[1:] + edges[:-1]),
+        np.array([np.fmin.reduce(part) for part in parts]),
+        np.array([np.fmax.reduce(part) for part in parts]),
     )
 
 

@@ -11,17 +11,19 @@ INTERVALS = 600  # about as many as a picture has columns to tell apart
 CROSSED = (
     3.0  # times that a line runs through its own range in an interval, from where on nothing but the range is seen
 )
+GAP = 4.0  # median steps between two samples, from where on some are missing
 SEEN = 0.02  # of the whole range: what moves less in an interval is a thin line anyhow
 
 
 def is_dense(values: np.ndarray) -> bool:
     """Whether a history (time) as a line would fill the area between its extremes."""
-    if values.size < 4 * INTERVALS or not np.isfinite(values).all():
+    if values.size < 4 * INTERVALS:
         return False
-    parts = _parts(values)
-    ways = np.array([np.abs(np.diff(part)).sum() for part in parts])
-    ranges = np.array([np.ptp(part) for part in parts])
-    return bool(ranges.mean() > SEEN * np.ptp(values) and ways.sum() > CROSSED * ranges.sum())
+    parts = [part for part in _parts(values) if np.isfinite(part).any()]
+    ways = np.array([np.nansum(np.abs(np.diff(part))) for part in parts])
+    ranges = np.array([np.nanmax(part) - np.nanmin(part) for part in parts])
+    whole = np.nanmax(values) - np.nanmin(values) if parts else 0.0
+    return bool(parts) and bool(ranges.mean() > SEEN * whole and ways.sum() > CROSSED * ranges.sum())
 
 
 def draw_envelope(axes: Axes, time: np.ndarray, values: np.ndarray, *, colour: str) -> str:
@@ -60,3 +62,18 @@ def is_thinned(recorded: np.ndarray) -> bool:
     if recorded.shape[1] % 2:
         return False
     return not bool((recorded[:, ::2] > recorded[:, 1::2]).any())
+
+
+def recorded_part(recorded: np.ndarray) -> slice:
+    """The times up to the last sample of any sensor: the record of another case may be longer."""
+    known = np.flatnonzero(np.isfinite(recorded).any(axis=0))
+    return slice(0, known[-1] + 1 if known.size else 0)
+
+
+def broken_at_gaps(time: np.ndarray, *histories: np.ndarray) -> list[np.ndarray]:
+    """Times and histories (sensor, time) with a missing sample in the middle of each gap, so that no line is drawn across it."""
+    steps = np.diff(time)
+    gaps = np.flatnonzero(steps > GAP * np.median(steps)) if steps.size else []
+    middle = [0.5 * (time[gap] + time[gap + 1]) for gap in gaps]
+    places = np.asarray(gaps, dtype=int) + 1
+    return [np.insert(time, places, middle), *(np.insert(values, places, np.nan, axis=-1) for values in histories)]

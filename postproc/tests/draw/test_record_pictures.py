@@ -250,6 +250,20 @@ def test_repeats_stand_side_by_side_with_the_bands_of_all_of_them(record):
         record_repeats(both.assign(pooled_count=("pooled", [0, 0, 0])))
 
 
+def test_no_line_is_drawn_across_what_was_not_recorded_or_is_left_out(record):
+    some = record.isel(time=np.flatnonzero((TIME < 0.8) | (TIME > 1.0))).copy(deep=True)
+    some["recorded"].values[1, 60:70] = np.nan
+    fig = record_fit(some)
+    mid, tip, residual = (axes.lines[0] for axes in (fig.axes[0], fig.axes[4], fig.axes[6]))
+    for line in (mid, tip, residual):
+        gap = np.isnan(line.get_ydata()) & (line.get_xdata() > 0.8)
+        assert gap.sum() == 1 and line.get_xdata()[gap] == pytest.approx(0.9, abs=2e-3)
+    out = TIME[60:70]
+    assert np.isnan(tip.get_ydata()[np.isin(tip.get_xdata(), out)]).all()
+    assert np.isfinite(mid.get_ydata()[np.isin(mid.get_xdata(), out)]).all()
+    assert "gaps: samples that are missing or left out" in words_of(fig)
+
+
 def test_the_near_view_of_a_fit_begins_with_the_blow(record):
     late = record.assign(measured_blow_time=((), 0.4))
     near = record_fit(late).axes[1]
@@ -265,6 +279,13 @@ def test_an_envelope_is_straight_and_the_record_lies_on_it(record):
     seen = by_label["record about the line"]
     np.testing.assert_allclose(seen.get_ydata(), np.exp(-seen.get_xdata()), rtol=0.03)
     assert axes.get_yscale() == "log" and axes.get_title(loc="left").startswith("line 1")
+
+
+def test_the_lines_take_the_place_of_samples_that_are_left_out_of_an_envelope(record):
+    clipped = record.assign(measured_blow_time=((), 0.0)).copy(deep=True)
+    clipped["recorded"].values[0, np.abs(clipped["recorded"].values[0]) > 0.5] = np.nan
+    seen = {line.get_label(): line for line in record_envelopes(clipped).axes[0].lines}["record about the line"]
+    np.testing.assert_allclose(seen.get_ydata(), np.exp(-seen.get_xdata()), rtol=0.03)
 
 
 def test_the_models_shape_goes_through_the_dots(record):

@@ -3,7 +3,7 @@ module bw_changing_motion
   !! fraction of the modes may take part, so that several runs show their convergence.
   use bw_case_bodies, only: bodies_of, presence, set_pull
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, energy_at, energy_of, change_bodies, strike_beam
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type, energy_at, energy_of, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
   use bw_first_motion, only: find_first_motion
@@ -189,6 +189,7 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     logical, intent(in), optional :: with_loads    !! the event's energies and momenta include the motion under loads
     type(event_type) :: event
+    type(change_type) :: change
     type(beam_state) :: later, whole
     logical, allocatable :: is(:)
     real(dp) :: speed
@@ -205,16 +206,15 @@ contains
     speed = speed_in_plane(scene%rotation, motion%units)
     if (step%is_capture) now%bodies(size(now%bodies))%velocity = motion%initial%impact%tip_velocity
     associate (configuration => motion%modes%configuration)
-      call change_bodies(configuration, now%configuration, now%state, now%there, next, &
-                     taking_part(configuration(next)%set, eighths), is, now%bodies, speed**2, later, event, monitor)
+      change = change_type(now%configuration, next, now%there, is, taking_part(configuration(next)%set, eighths))
+      call change_bodies(configuration, change, now%state, now%bodies, speed**2, later, event, monitor)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
         now%error = unprojected_errors(configuration(now%configuration)%set, now%state%q(:n), now%state%rate(:n), &
                                     configuration(next)%set, now%bodies, now%there, is)
       end associate
       if (present(with_loads)) then
-        if (with_loads) call change_bodies(configuration, now%configuration, now%total, now%there, next, &
-          taking_part(configuration(next)%set, eighths), is, now%stretched, speed**2, whole, event, monitor)
+        if (with_loads) call change_bodies(configuration, change, now%total, now%stretched, speed**2, whole, event, monitor)
         if (with_loads) now%total = whole
       end if
     end associate

@@ -4,7 +4,7 @@ module bw_contact_projection
   use bw_acting_loads, only: acting_loads
   use bw_case_bodies, only: beam_of, presence
   use bw_case_result, only: case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, change_bodies
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type
   use bw_contact_flexibility, only: flexibility_type
   use bw_contact_steps, only: contact_run
   use bw_double_double, only: dd
@@ -60,7 +60,8 @@ contains
     type(configuration_type), allocatable :: wide(:)   ! with the next octave of modes after the change
     logical, allocatable :: is(:)
     real(dp) :: spin_squared
-    integer :: count, i, l, next
+    type(change_type) :: change
+    integer :: i, l, next
     spin_squared = speed_in_plane(scene%rotation, motion%units)**2
     next = number_of(configurations_of(scene), carried)
     is = presence(scene, carried)
@@ -83,20 +84,19 @@ contains
       end associate
     end if
     associate (configuration => motion%modes%configuration)
-      count = modes_taking_part(motion, next, now%summed)
+      change = change_type(now%configuration, next, now%there, is, modes_taking_part(motion, next, now%summed))
       wide = configuration
-      call wide(next)%source%find(first_numbers(min(2*count, wide(next)%source%highest)), wide(next)%set, monitor=monitor)
+      call wide(next)%source%find(first_numbers(min(2*change%count, wide(next)%source%highest)), wide(next)%set, monitor=monitor)
       if (monitor%stop_requested()) return
       if (force(1) /= 0.0_dp .or. allocated(now%placed)) then
         call project_omitted(beam_of(scene, motion%units, now%carried), configuration(now%configuration), now, force(1), load, &
                              wide(next)%set, monitor, unsummed)
         if (monitor%stop_requested()) return
       end if
-      call project_octave(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor)
+      call project_octave(wide, now, change, spin_squared, unsummed_at, unsummed, monitor)
       if (monitor%stop_requested()) return
       if (allocated(unsummed)) unsummed = unsummed(:configuration(next)%set%count)
-      call change_bodies(configuration, now%configuration, now%state, now%there, next, count, is, now%bodies, spin_squared, later, &
-                     event, monitor, unsummed_at, unsummed)
+      call change_bodies(configuration, change, now%state, now%bodies, spin_squared, later, event, monitor, unsummed_at, unsummed)
       if (monitor%stop_requested()) return
       associate (n => now%state%count)
         now%error = unprojected_errors(configuration(now%configuration)%set, now%state%q(:n) - follows(:, 1), &
@@ -110,25 +110,27 @@ contains
     now%state = later
   end subroutine change_configuration
 
-  subroutine project_octave(wide, now, next, count, is, spin_squared, unsummed_at, unsummed, monitor)
+  subroutine project_octave(wide, now, change, spin_squared, unsummed_at, unsummed, monitor)
     !! Project the motion onto the next octave of modes after a change.
     type(configuration_type), intent(in) :: wide(:)  !! with that octave
     type(contact_progress), intent(inout) :: now     !! its `beyond` is set
-    integer, intent(in) :: next                      !! configuration after the change
-    integer, intent(in) :: count                     !! modes of it that take part
-    logical, intent(in) :: is(:)                     !! bodies that the beam carries then, (bodies)
+    type(change_type), intent(in) :: change
     real(dp), intent(in) :: spin_squared
     real(dp), intent(in) :: unsummed_at(:, :, :)     !! see `beyond` of `change_bodies`
     real(dp), allocatable, intent(in) :: unsummed(:) !! see `change_bodies`
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
+    type(change_type) :: whole                       ! with all of these modes
     type(body_type), allocatable :: bodies(:)
     type(beam_state) :: later
     type(event_type) :: ignored
     bodies = now%bodies
-    call change_bodies(wide, now%configuration, now%state, now%there, next, wide(next)%set%count, is, bodies, spin_squared, later, &
-                   ignored, monitor, unsummed_at, unsummed)
+    whole = change
+    whole%count = wide(change%onto)%set%count
+    call change_bodies(wide, whole, now%state, bodies, spin_squared, later, ignored, monitor, unsummed_at, unsummed)
     if (monitor%stop_requested()) return
-    now%beyond = reshape([later%q(count + 1:), later%rate(count + 1:)], [size(later%q) - count, 2])
+    associate (first => change%count + 1)
+      now%beyond = reshape([later%q(first:), later%rate(first:)], [size(later%q) - change%count, 2])
+    end associate
   end subroutine project_octave
 
   subroutine project_omitted(given, configuration, now, force, load, after, monitor, unsummed)

@@ -10,7 +10,7 @@ module bw_neglected_modes
   use bw_case_histories, only: find_loaded_segments, sum_histories
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_histories, case_motion
-  use bw_change_of_bodies, only: beam_state, body_type, change_bodies
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type
   use bw_double_double, only: operator(-)
   use bw_event, only: event_type
   use bw_first_motion, only: find_first_motion
@@ -249,8 +249,8 @@ contains
     if (carried(number(2))%captured) bodies(size(bodies))%velocity = 0.0_dp
     beyond = beam_state(size(q), q, rate)
     allocate (beyond%shape(0))
-    call change_bodies(configuration, which(1), beyond, presence(scene, carried(number(1))), which(2), &
-                   configuration(which(2))%set%count, presence(scene, carried(number(2))), bodies, 0.0_dp, later, ignored, monitor)
+    call change_bodies(configuration, change_type(which(1), which(2), presence(scene, carried(number(1))), &
+      presence(scene, carried(number(2))), configuration(which(2))%set%count), beyond, bodies, 0.0_dp, later, ignored, monitor)
     q = later%q
     rate = later%rate
   end subroutine project_neglected

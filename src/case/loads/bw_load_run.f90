@@ -5,7 +5,7 @@ module bw_load_run
   use bw_case_bodies, only: beam_of, bodies_of, presence
   use bw_case_result, only: case_modes
   use bw_changing_errors, only: error_of_state
-  use bw_change_of_bodies, only: beam_state, body_type, change_bodies
+  use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: event_type
   use bw_kinds, only: dp
@@ -56,6 +56,7 @@ contains
     type(configuration_type), allocatable :: wide(:)   ! with more modes, for projections
     type(varying_beam) :: given
     type(body_type), allocatable :: bodies(:)
+    type(change_type) :: change
     type(beam_state) :: state
     real(dp), allocatable :: doubt(:, :), flexibility(:)
     real(dp), allocatable :: shown(:), held(:)  ! histories of all modes at the last change, and of the static shape of segments,
@@ -126,8 +127,9 @@ contains
         load = loads_before(loads%course, until%hi)
         shown = held + shown_by(set, view, state%q, load(:, 1))
         if (.not. allocated(wide)) allocate (wide(size(modes%configuration) + 1))
-        call take_change(given, modes%configuration, configuration, presence(scene, configurations(configuration)), next, &
-                         presence(scene, steps(i)%carried), loads, load, since, monitor, bodies, wide, state, doubt)
+        change = change_type(configuration, next, presence(scene, configurations(configuration)), &
+                             presence(scene, steps(i)%carried), modes%configuration(next)%set%count)
+        call take_change(given, modes%configuration, change, loads, load, since, monitor, bodies, wide, state, doubt)
         if (monitor%stop_requested()) return
         since = load
         if (size(state%shape) == 0) then
@@ -224,12 +226,11 @@ contains
     end do
   end function bound_of
 
-  subroutine take_change(given, configuration, from, was, onto, is, loads, load, since, monitor, bodies, wide, state, doubt)
+  subroutine take_change(given, configuration, change, loads, load, since, monitor, bodies, wide, state, doubt)
     !! Project the motion onto the modes after a change of bodies, with the quasi-static motion of omitted modes.
     type(varying_beam), intent(in) :: given          !! before the change
     type(configuration_type), intent(in) :: configuration(:)
-    integer, intent(in) :: from, onto
-    logical, intent(in) :: was(:), is(:)             !! bodies before and after, (bodies)
+    type(change_type), intent(in) :: change
     type(placed_loads), intent(in) :: loads
     real(dp), intent(in) :: load(:, :)               !! loads at the change and their rates, (loads, 2)
     real(dp), intent(in) :: since(:, :)              !! the same when the static shape was set; 0: there is no shape
@@ -240,44 +241,46 @@ contains
     real(dp), allocatable, intent(out) :: doubt(:, :)   !! errors of displacements and velocities, (modes after, 2)
     integer, parameter :: times_as_many = 4          ! modes are projected
     type(beam_state) :: later
+    type(change_type) :: to_aside                    ! onto the set that is kept aside
     type(event_type) :: ignored
     real(dp), allocatable :: drive(:, :), follows(:, :), soft(:), nothing(:, :)
     real(dp) :: beyond(size(bodies), 2, 2), no_points(0)
     integer :: aside, b, n
     aside = size(wide)
-    n = configuration(from)%set%count
-    associate (source => configuration(from)%source)
-      call source%find(first_numbers(min(source%highest, times_as_many*n)), wide(from)%set, monitor=monitor)
+    n = configuration(change%from)%set%count
+    associate (source => configuration(change%from)%source)
+      call source%find(first_numbers(min(source%highest, times_as_many*n)), wide(change%from)%set, monitor=monitor)
     end associate
     if (monitor%stop_requested()) return
     if (allocated(wide(aside)%set)) deallocate (wide(aside)%set)
-    allocate (wide(aside)%set, source=configuration(onto)%set)   ! fewer than later projections use
-    associate (before => wide(from)%set, after => configuration(onto)%set)
+    allocate (wide(aside)%set, source=configuration(change%onto)%set)   ! fewer than later projections use
+    associate (before => wide(change%from)%set, after => configuration(change%onto)%set)
       allocate (nothing(before%count, 0))
       call find_drive(given, before, loads%place, loads%accelerated, monitor, drive, no_points, nothing)
       if (monitor%stop_requested()) return
       beyond = 0.0_dp
       do b = 1, size(bodies)
-        if (was(b) .or. .not. is(b)) cycle
+        if (change%was(b) .or. .not. change%is(b)) cycle
         beyond(b, :, :) = matmul(residual_at(given, before, before%count, loads, drive, bodies(b)%position), load)
       end do
       soft = 0.0_dp*before%modal_mass
       where (before%beta_squared%hi > 1.0_dp) soft = 1.0_dp/(before%modal_mass*before%beta_squared%hi)
       follows = spread(soft, 2, 2)*matmul(drive(:, loads%kind), load)
-      doubt = unprojected_errors(configuration(from)%set, state%q - follows(:n, 1), state%rate - follows(:n, 2), after, bodies, &
-        was, &
-                              is)
+      doubt = unprojected_errors(configuration(change%from)%set, state%q - follows(:n, 1), state%rate - follows(:n, 2), after, &
+                                 bodies, change%was, change%is)
       follows(:, 1) = soft*matmul(drive(:, loads%kind), load(:, 1) - since(:, 1))
       state%count = before%count
       state%q = [state%q, follows(n + 1:, 1)]
       state%rate = [state%rate, follows(n + 1:, 2)]
-      call change_bodies(wide, from, state, was, aside, after%count, is, bodies, 0.0_dp, later, ignored, monitor, beyond)
+      to_aside = change
+      to_aside%onto = aside
+      call change_bodies(wide, to_aside, state, bodies, 0.0_dp, later, ignored, monitor, beyond)
       if (monitor%stop_requested()) return
       later%q = later%q(:after%count)
       later%rate = later%rate(:after%count)
     end associate
     state = later
-    where (state%shape%configuration == aside) state%shape%configuration = onto
+    where (state%shape%configuration == aside) state%shape%configuration = change%onto
   end subroutine take_change
 
   pure real(dp) function largest_of(run, quantity) result(peak)

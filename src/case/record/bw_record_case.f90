@@ -16,7 +16,7 @@ module bw_record_case
   use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_response, view_spectra
   use bw_record_waves, only: find_record_waves
   use bw_result_layout, only: result_layout
-  use bw_samples, only: gaps_of, gaps_type, samples_type, validity
+  use bw_samples, only: first_valid, gaps_of, gaps_type, samples_type, validity
   use bw_scene, only: scene_type
   use bw_sensor_unit, only: si_unit
   use bw_spikes, only: leave_out_spikes
@@ -63,13 +63,16 @@ contains
     allocate (result%record)
     result%record%extent = extent_of(record)
     call add_notes(result%notes, record%notes)
-    call view_histories(record, layout, result%record%recorded)
-    if (monitor%stop_requested()) return
-
     samples = samples_of(record)
+    associate (extent => result%record%extent)
+      if (.not. allocated(samples%place)) extent%steps = samples%step
+      extent%absent = samples%count - extent%samples
+    end associate
     call take_force(record, samples, hammer, result%notes)
     call take_values(record, samples)
     call note_spikes(scene, record, samples, result%notes)
+    call view_histories(record%times, samples, layout, result%record%recorded)
+    if (monitor%stop_requested()) return
     call monitor%enter('spectrum')
     call estimate_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, estimated, monitor)
     if (monitor%stop_requested()) return
@@ -168,8 +171,7 @@ contains
     end do
     samples%missing = [(gaps_of(validity(samples, s) .and. .not. hammer%acts), s=1, size(record%values, 2))]
     samples%blow = hammer%after
-    if (all([(count(samples%missing(s)%place < samples%blow(1)) == samples%blow(1) - 1, s=1, size(samples%missing))])) &
-      samples%blow(1) = 1                              ! none is valid before it
+    if (first_valid(samples) >= samples%blow(1)) samples%blow(1) = 1
   end subroutine take_force
 
   subroutine note_spikes(scene, record, samples, notes)

@@ -12,7 +12,7 @@ module bw_record_view
   use bw_record_flaws, only: find_spikes, mark_flaws
   use bw_record_lines, only: fitted_history, noise_level
   use bw_result_layout, only: record_layout, result_layout
-  use bw_samples, only: gaps_of, place_of, samples_type, span_of, validity
+  use bw_samples, only: gaps_of, gaps_type, place_of, samples_type, set_missing, span_of, validity
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
@@ -35,6 +35,7 @@ contains
     !! even record become invalid samples.
     type(record_type), intent(in) :: record
     type(samples_type) :: samples
+    type(gaps_type), allocatable :: missing(:)
     logical :: sound(size(record%times))
     logical, allocatable :: valid(:)
     integer, allocatable :: row(:)
@@ -46,15 +47,15 @@ contains
     if (any(record%sensors%left_out)) samples%left_out = record%sensors%left_out
     row = [(n, n=1, samples%count)]
     if (allocated(samples%row)) row = samples%row
-    allocate (samples%missing(size(record%values, 2)), valid(samples%count))
-    do s = 1, size(samples%missing)
+    allocate (missing(size(record%values, 2)), valid(samples%count))
+    do s = 1, size(missing)
       sound = .true.
       if (.not. record%sensors(s)%left_out) call mark_flaws(record%values(:, s), sound)
       valid = .false.
       valid(row) = sound .or. 2*count(sound) < size(sound)          ! so many are no flaws
-      samples%missing(s) = gaps_of(valid)
+      missing(s) = gaps_of(valid)
     end do
-    if (all([(size(samples%missing(s)%place) == 0, s=1, size(samples%missing))])) deallocate (samples%missing)
+    call set_missing(missing, samples)
     if (.not. allocated(samples%missing) .and. allocated(samples%row)) deallocate (samples%row)
   end function samples_of
 
@@ -111,7 +112,7 @@ contains
 
   subroutine view_spectra(samples, layout, window, found, amplitude, noise)
     !! Find the amplitude spectrum of each sensor from the first impact on: the largest amplitude around each frequency
-    !! of the result, and the rms amplitude of the noise.
+    !! of the result, and the rms amplitude of the noise. Where samples are invalid, the motion is that of the lines.
     type(samples_type), intent(in) :: samples        !! in which the lines were found
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: window               !! of `&spectrum`
@@ -120,10 +121,10 @@ contains
     type(real_fourier) :: fourier
     complex(dp), allocatable :: spectrum(:)
     real(dp), allocatable :: own(:)
-    real(dp) :: from_blow(samples%count), weight(samples%count), factor, mean
+    real(dp) :: weight(samples%count), factor, mean
     integer :: length, s, j
     if (layout%frequencies == 0) return
-    from_blow = weight_from_blow(samples, window, found)
+    weight = weight_from_blow(samples, window, found)
     length = 2*ceiling(span_of(samples)/2)
     if (.not. allocated(samples%place)) length = samples%count
     allocate (amplitude(layout%frequencies, layout%points), noise(layout%frequencies, layout%points), source=missing)
@@ -133,10 +134,10 @@ contains
         mean = distinct%constant(s)
         if (is_missing(mean)) cycle
         spectrum = 0
-        weight = from_blow
         if (distinct%place(s) > 0) then
-          weight = merge(from_blow, 0.0_dp, validity(samples, distinct%place(s)))
-          own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
+          own = fitted_history(samples, found, s)
+          where (validity(samples, distinct%place(s))) &
+            own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
           mean = sum(own*weight)/sum(weight)
           own = (own - mean)*weight
           if (allocated(samples%place)) then
@@ -236,16 +237,23 @@ contains
     end do
   end function on_axis
 
-  pure subroutine view_histories(record, layout, shown)
-    !! Return the samples at the times of the result.
-    type(record_type), intent(in) :: record
+  pure subroutine view_histories(times, samples, layout, shown)
+    !! Return the samples at the times of the result; `missing` where they are left out.
+    real(dp), intent(in) :: times(:)                 !! of the recorded samples, since the first [s]
+    type(samples_type), intent(in) :: samples
     type(result_layout), intent(in) :: layout
     real(dp), allocatable, intent(out) :: shown(:, :)        !! (times, sensors)
     integer :: s
     if (layout%samples == 0) return
     allocate (shown(layout%samples, layout%points))
     do s = 1, layout%points
-      shown(:, s) = at_times(record%times, record%values(:, s), layout%record)
+      associate (used => merge(samples%value(:samples%count, s), missing, validity(samples, s)))
+        if (allocated(samples%row)) then
+          shown(:, s) = at_times(times, used(samples%row), layout%record)
+        else
+          shown(:, s) = at_times(times, used, layout%record)
+        end if
+      end associate
     end do
   end subroutine view_histories
 

@@ -7,11 +7,12 @@ module bw_blow_contact
   use bw_model, only: model_type
   use bw_monitor, only: monitor_type, stops
   use bw_penalty, only: chi_squared
-  use bw_samples, only: gaps_of, gaps_type, samples_type, validity
+  use bw_samples, only: gaps_of, gaps_type, samples_type, set_missing
   use bw_search_state, only: go_back, refit_in_new_noise, state_of, state_type
+  use bw_stretches, only: shift_blow
   implicit none (type, external)
   private
-  public :: beginnings, forget_missing, leave_out_contact, may_last, most_left_out, shorten_contact
+  public :: beginnings, leave_out_contact, may_last, most_left_out, shorten_contact
 
   integer, parameter :: longest = 64             !! samples of a contact
   integer, parameter :: fewest = 16              !! times as many in the shortest stretch
@@ -61,8 +62,7 @@ contains
   end function most_left_out
 
   subroutine shorten_contact(missing, samples, false_alarm, length, model, cost, monitor)
-    !! Leave out fewer samples after each blow as long as J falls. No line describes a contact of which all samples are left out, so
-    !! that J is least at its length.
+    !! Leave out as many samples after each blow, or none, as make J least.
     type(gaps_type), intent(in) :: missing(:)    !! missing samples without the contact
     type(samples_type), intent(inout) :: samples !! without `length` samples after each blow
     real(dp), intent(in) :: false_alarm
@@ -72,23 +72,29 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(state_type) :: best
     real(dp) :: now
-    integer :: tried
+    integer :: side, tried, shorter, b
     best = state_of(samples, false_alarm, model)
     cost = cost_beside_contact(samples, false_alarm, model, length)
-    tried = length
-    do while (tried > 1)
-      if (stops(monitor)) return
-      tried = min(tried - 1, nint(tried/shrinkage))
-      call leave_out_contact(missing, model%stretches(1, 1:), tried, samples, model)
-      call refit_in_new_noise(samples, model)
-      now = cost_beside_contact(samples, false_alarm, model, tried)
-      if (now > cost) exit
-      cost = now
-      length = tried
-      best = state_of(samples, false_alarm, model)
+    do side = 1, 2                               ! from its end, then from its beginning
+      tried = length
+      do while (tried > side - 1)
+        if (stops(monitor)) return
+        shorter = min(tried - 1, nint(tried/shrinkage))
+        do b = 1, merge(ubound(model%stretches, 2), 0, side == 2)
+          call shift_blow(model, b, model%stretches(1, b) + tried - shorter)
+        end do
+        tried = shorter
+        call leave_out_contact(missing, model%stretches(1, 1:), tried, samples, model)
+        call refit_in_new_noise(samples, model)
+        now = cost_beside_contact(samples, false_alarm, model, tried)
+        if (now >= cost) cycle
+        cost = now
+        length = tried
+        best = state_of(samples, false_alarm, model)
+      end do
+      call leave_out_contact(missing, best%stretches(1, 1:), length, samples, model)
+      call go_back(samples, best, model)
     end do
-    call leave_out_contact(missing, model%stretches(1, 1:), length, samples, model)
-    call go_back(samples, best, model)
   end subroutine shorten_contact
 
   pure subroutine leave_out_contact(missing, blows, length, samples, model)
@@ -109,7 +115,7 @@ contains
       end do
       marked(s) = gaps_of(valid)
     end do
-    samples%missing = marked
+    call set_missing(marked, samples)
     call forget_missing(model)
   end subroutine leave_out_contact
 

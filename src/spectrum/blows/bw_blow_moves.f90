@@ -1,13 +1,15 @@
 module bw_blow_moves
   !! Blows are moved to where the lines place them, dropped if they gain less than their penalty, and added where they are missing.
   use bw_blow_gains, only: gain_of_jump, gains_before, gains_from, is_sudden
+  use bw_blow_shift, only: best_shift, fewest, near
+  use bw_cost, only: penalty_of_place
   use bw_kinds, only: dp
   use bw_line, only: course_type, find_wave, life_of, line_type
   use bw_missing_samples, only: missing_among, project_out_missing
   use bw_model, only: add_lines, at_sensors, clear_missing, model_type
-  use bw_noise, only: mix, mixed_amplitude, white_amplitude, whiten
+  use bw_noise, only: mix, mixed_amplitude, noise_type, white_amplitude, whiten
   use bw_penalty, only: chi_squared
-  use bw_samples, only: samples_type
+  use bw_samples, only: first_valid, samples_type
   use bw_stretches, only: add_blow, continued, drop_blow, shift_blow
   implicit none (type, external)
   private
@@ -16,21 +18,19 @@ module bw_blow_moves
   integer, parameter :: most_lines = 8           !! the strongest, which locate a blow
   integer, parameter :: enough = 2**21           !! tuned: numbers that are enough to locate a blow of known poles
   integer, parameter :: most_blows = 32
-  integer, parameter :: fewest = 16              !! fewest samples between blows
-  integer, parameter, public :: near = 64        !! samples by which a blow may be wrong if found from prediction errors
   real(dp), parameter :: comparable = 0.5_dp     !! of the strongest missing blow's gain: such blows are added together
-  real(dp), parameter :: worth = 1               !! fall of −2 ln L for which a blow is moved
 
 contains
 
-  subroutine move_blows(samples, model, changed)
+  subroutine move_blows(samples, false_alarm, model, changed)
     !! Move blows; afterwards the model has to be renewed and refitted.
     type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! number of moves
     real(dp), allocatable :: residual(:, :), white(:, :)
     integer, allocatable :: chosen(:)
-    integer :: b, best, first
+    integer :: b, best, first, start
     changed = 0
     if (all(model%lines%steady) .or. allocated(samples%place)) return  ! uneven samples do not predict each other
     chosen = locating_components(samples, model)
@@ -40,8 +40,10 @@ contains
       first = model%stretches(1, b - 1)
       if (model%stretches(2, b - 1) < first) first = model%stretches(1, b)
       white = white_values(model, chosen, residual, b, first)
-      best = best_shift(white, added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1)), &
-        & model%stretches(1, b) - first + 1)
+      start = 1
+      if (b == 1) start = first_valid(samples) - first + 1
+      best = best_shift(model, penalty_of_place(samples, false_alarm), start, chosen, first, white, &
+        & added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1)), model%stretches(1, b) - first + 1)
       if (best == 0) cycle
       call shift_blow(model, b, model%stretches(1, b) + best)
       changed = changed + 1
@@ -51,11 +53,12 @@ contains
     end do
   end subroutine move_blows
 
-  subroutine drop_blows(samples, false_alarm, early, model, dropped)
-    !! Drop blows that add no significant motion with the poles found; one is kept.
+  subroutine drop_blows(samples, false_alarm, early, penalties, model, dropped)
+    !! Drop blows that gain less than so many penalties with the poles found; one is kept.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: early                 !! samples by which the next blow may come earlier
+    real(dp), intent(in) :: penalties
     type(model_type), intent(inout) :: model
     integer, intent(out) :: dropped
     real(dp), allocatable :: residual(:, :), white(:, :)
@@ -72,12 +75,12 @@ contains
       if (b > 1) before = model%stretches(2, b - 1) - model%stretches(1, b - 1) + 1
       white = white_values(model, chosen, residual, b, model%stretches(1, b) - before)
       n = size(white, 1) - before
-      call add_where_told(added_motion(model, chosen, b, 0, n), white(before + 1:, :))   ! as if the motion before continued
+      call continue_motion(model%noise, chosen, before + 1, added_motion(model, chosen, b, -before, size(white, 1)), white)
       last = before + n
       if (b < ubound(model%stretches, 2)) last = before + max((n + 1)/2, n - early)
       b = b + 1
       if (gain_of_jump(strongest(model, b - 1), white(:last, :), before) >= &
-        & penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
+        & penalties*penalty_of_blow(samples, false_alarm, model, size(chosen))) cycle
       b = b - 1
       call drop_blow(model, b)
       call find_residual(samples, model, chosen, residual)
@@ -148,8 +151,8 @@ contains
       white = white_values(model, chosen, residual, b, first)
       motion = added_motion(model, chosen, b, first - model%stretches(1, b), size(white, 1))
       n = model%stretches(1, b) - first + 1      ! the blow's sample among these
-      shift = best_shift(white, motion, n)
-      call add_where_told(motion(n:, :), white(n:, :))   ! as if the motion before continued
+      shift = best_shift(model, penalty_of_place(samples, false_alarm), 1, chosen, first, white, motion, n)
+      call continue_motion(model%noise, chosen, n, motion, white)
       if (is_sudden(strongest(model, b), white, n + shift, penalty_of_blow(samples, false_alarm, model, size(chosen)))) then
         if (shift /= 0) call shift_blow(model, b, model%stretches(1, b) + shift)
       else
@@ -220,12 +223,22 @@ contains
     end do
   end function white_values
 
-  pure subroutine add_where_told(motion, white)
-    !! Add motion to prediction errors, except where there is none.
-    real(dp), intent(in) :: motion(:, :)
+  pure subroutine continue_motion(noise, chosen, at, motion, white)
+    !! Change prediction errors as if the motion before a blow continued, except where a sample is missing.
+    type(noise_type), intent(in) :: noise
+    integer, intent(in) :: chosen(:)             !! components
+    integer, intent(in) :: at                    !! the blow's sample
+    real(dp), intent(in) :: motion(:, :)         !! that the blow adds
     real(dp), intent(inout) :: white(:, :)
-    where (abs(white) > 0) white = white + motion
-  end subroutine add_where_told
+    real(dp) :: added(size(motion, 1))
+    integer :: s
+    do s = 1, size(white, 2)
+      added = motion(:, s)
+      added(:at - 1) = 0
+      call whiten(noise%filter(:noise%order(chosen(s)), chosen(s)), added)
+      where (abs(white(:, s)) > 0) white(:, s) = white(:, s) + added
+    end do
+  end subroutine continue_motion
 
   pure subroutine detrend(weight, values)
     !! Subtract an offset and a slope.
@@ -240,7 +253,7 @@ contains
   end subroutine detrend
 
   pure function added_motion(model, chosen, b, from, count) result(motion)
-    !! The white motion that blow b adds, `from`, `from` + 1, … samples after it: new motion minus the continued earlier one.
+    !! The motion that blow b adds, `from`, `from` + 1, … samples after it: new motion minus the continued earlier one.
     type(model_type), intent(in) :: model
     integer, intent(in) :: chosen(:)             !! components
     integer, intent(in) :: b, from, count
@@ -254,7 +267,7 @@ contains
       line = model%lines(k)
       if (line%steady) cycle
       line%amplitude(:, b + 1) = line%amplitude(:, b + 1) - continued(model, line, b)
-      line%amplitude = white_amplitude(model%noise, line)
+      line%amplitude = mixed_amplitude(model%noise, line%amplitude)
       call find_wave(line, real(max(from, 0), dp), wave=wave(later:))
       line%courses = [course_type ::]
       call find_wave(line, real(from, dp), wave=wave(:later - 1))
@@ -265,36 +278,6 @@ contains
       end do
     end do
   end function added_motion
-
-  pure integer function best_shift(white, motion, at) result(shift)
-    !! By how many samples a blow is best moved, with the motion that it adds unchanged. It is not delayed past rows without
-    !! information at any sensor, which may be clipped crests, nor past motion that exists in another phase, as that of a beat does: if none
-    !! exists, the squares fall by those of the motion alone.
-    real(dp), intent(in) :: white(:, :)          !! residual with this motion from sample `at` on
-    real(dp), intent(in) :: motion(:, :)
-    integer, intent(in) :: at
-    real(dp) :: gain, best, taken
-    integer :: n
-    shift = 0
-    best = worth
-    gain = 0
-    do n = at - 1, 1, -1
-      gain = gain + sum(white(n, :)**2 - (white(n, :) - motion(n, :))**2, abs(white(n, :)) > 0)
-      if (gain <= best) cycle
-      best = gain
-      shift = n - at
-    end do
-    gain = 0
-    taken = 0
-    do n = at, size(white, 1) - fewest
-      if (all(abs(white(n, :)) <= 0)) exit
-      gain = gain + sum(white(n, :)**2 - (white(n, :) + motion(n, :))**2, abs(white(n, :)) > 0)
-      taken = taken + sum(motion(n, :)**2, abs(white(n, :)) > 0)
-      if (gain <= best .or. (n - at >= near .and. abs(gain - taken) > taken/2)) cycle
-      best = gain
-      shift = n + 1 - at
-    end do
-  end function best_shift
 
   pure function strongest(model, b) result(poles)
     !! The poles of the lines with most energy in a stretch.

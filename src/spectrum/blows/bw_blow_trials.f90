@@ -1,6 +1,7 @@
 module bw_blow_trials
   !! Blows are added, moved and dropped for a trial, and stay so if J falls after a refit of the lines.
-  use bw_blow_moves, only: add_missing_blows, drop_blows, drop_gradual_blows, move_blows, near
+  use bw_blow_moves, only: add_missing_blows, drop_blows, drop_gradual_blows, move_blows
+  use bw_blow_shift, only: near
   use bw_cost, only: order_price
   use bw_kinds, only: dp
   use bw_line_drops, only: energy_of
@@ -17,13 +18,14 @@ module bw_blow_trials
 
 contains
 
-  subroutine try_missing_blows(samples, false_alarm, from, model, added)
+  subroutine try_missing_blows(samples, false_alarm, from, robust, model, added)
     !! Add missing blows. The poles have adapted to a motion without these, so that the lines are fitted again before a blow is
     !! moved, or dropped because the motion does not change suddenly. The strongest lines are fitted together in white noise first:
     !! in a short stretch all lines overlap, and coloured noise has no rows there.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     integer, intent(in) :: from                  !! first stretch to search; 0 is before any blow
+    logical, intent(in) :: robust                !! the noise is not to absorb the motion after such blows
     type(model_type), intent(inout) :: model
     integer, intent(out) :: added
     integer, allocatable :: blows(:)
@@ -36,6 +38,7 @@ contains
     if (allocated(samples%blow)) return
     before = state_of(samples, false_alarm, model)
     blows = model%stretches(1, 1:)
+    call renew(samples, order_price(samples), robust, model)
     call add_missing_blows(samples, false_alarm, from, model, added)
     if (added == 0) return
     do i = 1, most_moves
@@ -45,8 +48,8 @@ contains
       call refit(model, strong, pack(model%lines, strong), trial_steps, found)
       model%lines = [pack(model%lines, .not. strong), found%lines]
       call renew(samples, order_price(samples), .false., model, 0)
-      call drop_blows(samples, false_alarm, 0, model, dropped)
-      call move_blows(samples, model, moved)
+      call drop_blows(samples, false_alarm, 0, 1.0_dp, model, dropped)
+      call move_blows(samples, false_alarm, model, moved)
       if (dropped + moved == 0) exit
     end do
     call refit_in_new_noise(samples, model)
@@ -56,23 +59,28 @@ contains
   end subroutine try_missing_blows
 
   subroutine try_moved_blows(samples, false_alarm, robust, model, changed)
-    !! Drop blows that add no significant motion, and move others.
+    !! Drop blows that add no significant motion, and move others. Errors of poles, which are larger with more blows, may pass for
+    !! motion, so that blows that gain several penalties are tried, too.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     logical, intent(in) :: robust                !! the noise is not to absorb lines that are still missing
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! number of blows
     type(state_type) :: before
-    integer :: moved
+    real(dp), parameter :: penalties(2) = [1, 16]  !! tuned
+    integer :: i, moved
     changed = 0
     if (allocated(samples%blow)) return
     before = state_of(samples, false_alarm, model)
-    call renew(samples, order_price(samples), robust, model)
-    call drop_blows(samples, false_alarm, near, model, changed)
-    if (changed > 0) call keep_if_cheaper(samples, false_alarm, before, model, changed)
+    do i = 1, size(penalties)
+      call renew(samples, order_price(samples), robust, model)
+      call drop_blows(samples, false_alarm, near, penalties(i), model, changed)
+      if (changed > 0) call keep_if_cheaper(samples, false_alarm, before, model, changed)
+      if (changed > 0) exit
+    end do
     if (changed > 0) before = state_of(samples, false_alarm, model)
     call renew(samples, order_price(samples), robust, model)
-    call move_blows(samples, model, moved)
+    call move_blows(samples, false_alarm, model, moved)
     if (moved > 0) call keep_if_cheaper(samples, false_alarm, before, model, moved)
     changed = changed + moved
   end subroutine try_moved_blows

@@ -153,14 +153,15 @@ contains
     real(dp), intent(in), optional :: place(:)   !! uneven times, from which `from` is subtracted
     complex(dp), intent(out) :: wave(0:)
     complex(dp) :: fine(0:table - 1), coarse
-    integer :: n, last
+    integer :: n, first, last
     if (present(place)) then
       do n = 0, size(wave) - 1
         wave(n) = limited(line%pole*(place(n + 1) - from) + bend_of(line, place(n + 1) - from))
       end do
     else if (size(line%courses) > 0) then
-      do n = 0, size(wave) - 1
-        wave(n) = limited(line%pole*(from + n) + bend_of(line, from + n))
+      do first = 0, size(wave) - 1, table
+        last = min(size(wave), first + table) - 1
+        call fill_drifting(line, from + first, wave(first:last))
       end do
     else
       fine(0) = 1
@@ -176,6 +177,37 @@ contains
       end do
     end if
   end subroutine find_wave
+
+  pure subroutine fill_drifting(line, from, wave)
+    !! Compute the exponential of a line that drifts, at a few samples. Slow drifts are stepped through: the second differences of ψ
+    !! are geometric.
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: from
+    complex(dp), intent(out) :: wave(0:)
+    real(dp), parameter :: slow = 1.0e-4_dp      !! second difference of the exponent, the fourth power of which is rounding
+    complex(dp) :: bends(size(line%courses)), ends(2), ratio
+    real(dp) :: falls(size(line%courses))
+    integer :: c, n
+    ends = line%pole*[from, from + table] + [bend_of(line, from), bend_of(line, from + table)]
+    bends = line%courses%bend*exp(-line%courses%rate*from)
+    if (any(abs(ends%re) >= highest) .or. any(.not. abs(bends)*psi(line%courses%rate, 2.0_dp) < slow)) then
+      do n = 0, size(wave) - 1
+        wave(n) = limited(line%pole*(from + n) + bend_of(line, from + n))
+      end do
+      return
+    end if
+    ratio = exp(pole_at(line, from) + sum(bends*psi(line%courses%rate, 1.0_dp)))
+    bends = bends*(psi(line%courses%rate, 2.0_dp) - 2*psi(line%courses%rate, 1.0_dp))
+    falls = exp(-line%courses%rate)
+    wave(0) = exp(ends(1))
+    do n = 1, size(wave) - 1
+      wave(n) = wave(n - 1)*ratio
+      do c = 1, size(bends)
+        ratio = ratio*(1 + bends(c)*(1 + bends(c)/2*(1 + bends(c)/3)))
+        bends(c) = bends(c)*falls(c)
+      end do
+    end do
+  end subroutine fill_drifting
 
   elemental complex(dp) function limited(exponent)
     !! e^x, with the real part of x limited to ±`highest`.

@@ -3,7 +3,7 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: gaps_of, keep_sensors, place_of, runs_of, span_of, validity
+  public :: first_valid, gaps_of, keep_sensors, place_of, runs_of, set_missing, span_of, validity
 
   type, public :: gaps_type
     integer, allocatable :: place(:)         !! invalid samples of a sensor, ascending
@@ -61,12 +61,40 @@ contains
     if (allocated(samples%missing)) valid(samples%missing(s)%place) = .false.
   end function validity
 
+  pure integer function first_valid(samples) result(first)
+    !! The first sample that is valid at any sensor.
+    type(samples_type), intent(in) :: samples
+    integer :: s, n
+    first = 1
+    if (.not. allocated(samples%missing)) return
+    first = samples%count
+    do s = 1, size(samples%missing)
+      associate (place => samples%missing(s)%place)
+        n = 1
+        do while (n <= size(place))
+          if (place(n) > n) exit
+          n = n + 1
+        end do
+      end associate
+      first = min(first, n)
+    end do
+  end function first_valid
+
   pure type(gaps_type) function gaps_of(valid) result(gaps)
     !! The invalid samples of a sensor.
     logical, intent(in) :: valid(:)
     integer :: n
     gaps%place = pack([(n, n=1, size(valid))], .not. valid)
   end function gaps_of
+
+  pure subroutine set_missing(gaps, samples)
+    !! Take the invalid samples of each sensor.
+    type(gaps_type), intent(in) :: gaps(:)   !! (S)
+    type(samples_type), intent(inout) :: samples
+    integer :: s
+    if (allocated(samples%missing)) deallocate (samples%missing)
+    if (any([(size(gaps(s)%place) > 0, s=1, size(gaps))])) samples%missing = gaps
+  end subroutine set_missing
 
   pure function runs_of(valid, first, last) result(runs)
     !! First and last sample of each run of valid samples between two samples, (2, runs).

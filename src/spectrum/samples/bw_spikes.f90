@@ -92,7 +92,7 @@ contains
       gain = gains_of(error, noise%predictor)
       level = quantile_of(error**2, 0.5_dp)/chi_median
       if (.not. level > 0) exit                  ! a coarse resolution
-      need = level*chi_squared(chance, 2)
+      need = level*colour_of(noise%predictor)*chi_squared(chance, 2)
       bound = maxval(gain, valid)
       found = .false.
       tried = 0
@@ -120,20 +120,21 @@ contains
     real(dp), allocatable :: columns(:, :), triangle(:, :), turned(:, :), squares(:), own(:, :), gain(:)
     integer, allocatable :: set(:)
     real(dp) :: largest, mean                    ! squared error of the rows beside
-    integer :: p, n, first, last, end, i, k
+    integer :: p, n, first, last, start, end, i, k
     p = ubound(h, 1)
     n = size(error)
     set = [m]
     do
-      first = minval(set) - p
+      first = max(1, minval(set) - p)
       last = min(n, maxval(set))
-      if (first - p <= 1) return                 ! a motion may begin here
+      if (first == 1 .and. last < rows_per_spike*(size(set) + 1)) return   ! a motion may begin here
+      start = max(1, first - p - 1)
       end = min(n, last + p + 1)
-      largest = max(level, maxval(error(first - p - 1:first - 1)**2), maxval(error(last + 1:end)**2))
-      mean = max(level, (sum(error(first - p - 1:first - 1)**2) + sum(error(last + 1:end)**2))/(p + 1 + end - last))
+      largest = max(level, maxval(error(start:first - 1)**2), maxval(error(last + 1:end)**2))
+      mean = max(level, (sum(error(start:first - 1)**2) + sum(error(last + 1:end)**2))/(first - start + end - last))
       allocate (columns(first:last, size(set)), source=0.0_dp)
       do i = 1, size(set)
-        do k = set(i) - p, min(last, set(i))
+        do k = max(first, set(i) - p), min(last, set(i))
           columns(k, i) = h(set(i) - k)
         end do
       end do
@@ -164,6 +165,13 @@ contains
       error = error + h(i)*x(1 + i:size(error) + i)
     end do
   end function errors_of
+
+  pure real(dp) function colour_of(h)
+    !! The variance of c over that in white errors, if the errors are those of white noise, as beside a motion that is predicted.
+    real(dp), intent(in) :: h(0:)
+    integer :: k
+    colour_of = 1 + 2*sum([(dot_product(h(:ubound(h, 1) - k), h(k:))**2, k=1, ubound(h, 1))])/dot_product(h, h)**2
+  end function colour_of
 
   pure function gains_of(error, h) result(gain)
     !! By how much the squares fall without each sample, (rows + p).

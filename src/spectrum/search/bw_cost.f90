@@ -4,10 +4,11 @@ module bw_cost
   use bw_kinds, only: dp
   use bw_model, only: model_type
   use bw_penalty, only: chi_squared, line_penalty
-  use bw_samples, only: samples_type
+  use bw_samples, only: first_valid, samples_type
   implicit none (type, external)
   private
-  public :: akaike, cost_beside_noise, cost_of_all, order_price, penalty_of_course, penalty_of_line, penalty_of_tone
+  public :: akaike, cost_beside_noise, cost_of_all, order_price, penalty_of_course, penalty_of_line, penalty_of_place, &
+    & penalty_of_tone
 
   real(dp), parameter :: akaike = 2              !! the penalty of a coefficient of the noise if lines and noise alone are compared
 
@@ -34,7 +35,7 @@ contains
     cost = model%noise%cost + size(model%lines)*penalty_of_line(samples, false_alarm, model) &
       & + sum([(size(model%lines(k)%courses), k=1, size(model%lines))])*penalty_of_course(false_alarm) &
       & + count(model%lines%steady)*penalty_of_tone(samples, false_alarm) &
-      & + (ubound(model%stretches, 2) - 1)*chi_squared(false_alarm/samples%count, 2)  ! the places of further blows
+      & + count(model%stretches(1, 1:) > first_valid(samples))*penalty_of_place(samples, false_alarm)
   end function cost_of_all
 
   pure real(dp) function order_price(samples)
@@ -50,6 +51,13 @@ contains
     type(model_type), intent(in) :: model
     penalty_of_line = line_penalty(false_alarm, samples%count, 2*size(samples%value, 2)*ubound(model%stretches, 2))
   end function penalty_of_line
+
+  pure real(dp) function penalty_of_place(samples, false_alarm)
+    !! The penalty of the place of a blow, but for one at the first valid sample: a record may begin within a decay.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    penalty_of_place = chi_squared(false_alarm/samples%count, 2)
+  end function penalty_of_place
 
   pure real(dp) function penalty_of_course(false_alarm)
     !! The penalty of a drift's three unknowns, and of the choice among a few initial rates.

@@ -136,6 +136,7 @@ contains
     gain = -huge(1.0_dp)
     call try(2/span)
     call try(2*abs(model%lines(host)%pole%re) + 1/span)
+    if (.not. allocated(bent)) return            ! fits that overflow
     bent(place)%courses(c)%held = .false.
     call refit(model, own, bent, all_steps, found)
     if (all(decays(found%lines))) best = found
@@ -194,9 +195,10 @@ contains
     logical :: done(size(model%lines)), own(size(model%lines))
     type(line_type), allocatable :: start(:)
     type(refit_type) :: found
-    real(dp) :: gain, resolution
+    real(dp) :: gain, penalty, resolution
     integer :: k, host
     added = 0
+    penalty = chi_squared(false_alarm/max(1, size(done)), 2)   ! any line may drift
     resolution = 2*pi/span_of_model(model)
     done = [(model%lines(k)%steady .or. size(model%lines(k)%courses) > 0 &
       & .or. count(abs(model%lines%pole%im - model%lines(k)%pole%im) < resolution) > 1, k=1, size(done))]
@@ -208,8 +210,9 @@ contains
       host = count(own(:k))
       start = pack(model%lines, own)
       start(host)%courses = [course_type(0.0_dp, (0.0_dp, 0.0_dp), .true.)]
-      call refit(model, own, start, first_steps, found, least=promised*chi_squared(false_alarm, 2))
-      call accept(found, chi_squared(false_alarm, 2), model, gain)
+      call refit(model, own, start, first_steps, found, least=promised*penalty)
+      gain = 0
+      if (found%gain > penalty) call accept(found, penalty, model, gain)
       if (.not. abs(gain) > 0) cycle
       added = added + 1
       done = [pack(done, .not. own), pack(done, own)]  ! indices have changed

@@ -77,7 +77,7 @@ contains
       call judge_moves()
       call add_lines(changed)
       changed = changed + moved
-      call try_missing_blows(samples, false_alarm, 0, model, moved)
+      call try_missing_blows(samples, false_alarm, 0, .false., model, moved)
       changed = changed + moved
       call judge_moves()
       if (size(model%lines) == 0) exit
@@ -215,7 +215,7 @@ contains
       model%lines = before
       more = 0
       do
-        call try_missing_blows(samples, false_alarm, 1, model, blows)
+        call try_missing_blows(samples, false_alarm, 1, .true., model, blows)
         if (blows < 1) exit
         more = more + blows
         if (stops(monitor)) return

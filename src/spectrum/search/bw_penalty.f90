@@ -26,6 +26,8 @@ contains
     integer, intent(in) :: freedom
     real(dp) :: low, high, term, logarithm, total
     integer :: i, k
+    x = 0
+    if (freedom == 0) return
     low = 0
     high = 10*(freedom - log(chance)) + 10
     do i = 1, 60

@@ -1,9 +1,9 @@
 module bw_record_search
   !! The search of a whole record for blows and lines. Where the first search rests on an assumption that may fail, another begins
   !! without it, and the one with the lower J is kept: a record may begin within a decay, and a blow may last.
-  use bw_blow_contact, only: beginnings, forget_missing, leave_out_contact, may_last, most_left_out, shorten_contact
+  use bw_blow_contact, only: beginnings, leave_out_contact, may_last, most_left_out, shorten_contact
   use bw_blows, only: find_blows
-  use bw_cost, only: cost_of_all
+  use bw_cost, only: cost_of_all, penalty_of_line
   use bw_kinds, only: dp
   use bw_limited_range, only: allow_for_limits
   use bw_line_drops, only: drop_lines, line_outcome
@@ -71,7 +71,6 @@ contains
       type(state_type) :: before, best
       type(line_outcome) :: with_contact
       type(gaps_type) :: missing(size(samples%value, 2))
-      logical :: has_gaps
       real(dp) :: cost
       integer, allocatable :: first(:)
       integer :: length, s
@@ -85,7 +84,6 @@ contains
         if (all(model%lines%steady) .or. .not. may_last(false_alarm, model)) return
       end if
       with_contact = outcome
-      has_gaps = allocated(samples%missing)
       do s = 1, size(missing)
         missing(s) = gaps_of(validity(samples, s))
       end do
@@ -103,11 +101,11 @@ contains
         call shorten_contact(missing, samples, false_alarm, length, model, cost, monitor)
         if (stops(monitor)) return
         outcome%contact = length
+        if (size(first) < ubound(before%stretches, 2)) cost = cost - penalty_of_line(samples, false_alarm, model) &
+          & *max(0, size(before%lines) - size(model%lines))   ! half a sine of force is a line, too, between its beginning and end
         if (cost < before%cost .or. with_contact%driven) return
       end if
-      deallocate (samples%missing)
-      if (has_gaps) samples%missing = missing
-      call forget_missing(model)
+      call leave_out_contact(missing, first, 0, samples, model)
       call go_back(samples, before, model)
       outcome = with_contact
     end subroutine try_contact
