@@ -47,7 +47,7 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     thin = is_thinned(recorded)
     if not thin:
         time, recorded, fitted = broken_at_gaps(time, recorded, fitted)
-    out = "gaps: samples that are missing or left out" if np.isnan(recorded).any() else ""
+    out = "gaps: samples that are missing or left out" if np.isnan(recorded[sensors]).any() else ""
     blow = float(case["measured_blow_time"].fillna(time[0])) if "measured_blow_time" in case else time[0]
     near = None if thin else _near(case, time, blow)
     rows, ratios = (1, [1.0]) if thin else (2, RATIOS)

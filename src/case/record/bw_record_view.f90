@@ -135,9 +135,8 @@ contains
         if (is_missing(mean)) cycle
         spectrum = 0
         if (distinct%place(s) > 0) then
-          own = fitted_history(samples, found, s)
-          where (validity(samples, distinct%place(s))) &
-            own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
+          own = distinct%factor(s)*samples%value(:samples%count, distinct%place(s))
+          if (allocated(samples%missing)) own = merge(own, fitted_history(samples, found, s), validity(samples, distinct%place(s)))
           mean = sum(own*weight)/sum(weight)
           own = (own - mean)*weight
           if (allocated(samples%place)) then

@@ -67,7 +67,7 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(out) :: changed              !! number of blows
     type(state_type) :: before
-    real(dp), parameter :: penalties(2) = [1, 16]  !! tuned
+    real(dp), parameter :: penalties(2) = [1, 16]  !! tuned: so many bring J to the decision
     integer :: i, moved
     changed = 0
     if (allocated(samples%blow)) return
