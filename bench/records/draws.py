@@ -131,6 +131,8 @@ class Lines:
         nearest = np.array([self.starts + self.ends, 2 * self.decays]) / 2
         for mode in range(len(self.poles)) if self.drift.any() else ():
             _, since, wave = self.wave(mode, 0)
+            if not wave[0]:  # it was gone before the record began
+                continue
             z = -self.decays[mode] + 2j * np.pi * np.average(
                 [self.starts[mode], self.ends[mode]], weights=[0.3, 0.7]
             )

@@ -110,6 +110,10 @@ contains
       line%decay = -pole%re
       line%decay_bound = deviation(1)
       line%decay_error = reach(1) + quantile*deviation(1) + 2*pi*rounding*line%frequency
+      if (own%steady) then                         ! it is taken as 0
+        line%decay_bound = undetermined
+        line%decay_error = undetermined
+      end if
       if (size(own%courses) > 0) then
         line%status = drifting
         line%drift = (ends(2)%im - ends(1)%im)/(2*pi)

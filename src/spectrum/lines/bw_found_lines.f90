@@ -4,7 +4,6 @@ module bw_found_lines
   !! The lines of a record without noise, as a simulation's, are found from its transform to the last digit; their residual is
   !! rounding, which takes the place of noise.
   use bw_cost, only: penalty_of_line
-  use bw_decay_bank, only: decay_candidate, find_candidates
   use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_kinds, only: dp
   use bw_line, only: line_type
@@ -20,9 +19,6 @@ module bw_found_lines
   implicit none (type, external)
   private
   public :: find_record_lines
-
-  integer, parameter :: most_rejected = 24       !! peaks listed that are no lines
-  real(dp), parameter :: even_odds = 0.5_dp
 
   type, public :: found_lines
     type(model_type) :: model
@@ -52,23 +48,10 @@ contains
       call take_lines(samples, lines, found)
     else
       call find_lines(samples, false_alarm, found%model, found%outcome, monitor)
-      if (.not. found%outcome%driven) call find_rejected(samples, false_alarm, found)
+      if (.not. found%outcome%driven) found%needed = penalty_of_line(samples, false_alarm, found%model)
     end if
     found%deviation = deviations_of(samples, found%model)
   end subroutine find_record_lines
-
-  subroutine find_rejected(samples, false_alarm, found)
-    !! Find the peaks of the spectrum that are no lines: those that the lines leave and that noise alone exceeds in less than half
-    !! of all records.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(found_lines), intent(inout) :: found
-    type(decay_candidate), allocatable :: peaks(:)
-    call find_candidates(found%model, penalty_of_line(samples, even_odds, found%model), most_rejected, peaks)
-    found%outcome%poles = peaks%pole
-    found%outcome%gains = peaks%gain
-    found%needed = penalty_of_line(samples, false_alarm, found%model)
-  end subroutine find_rejected
 
   subroutine take_lines(samples, lines, found)
     !! Fill the model with the lines of a record without noise. A steady line that does not oscillate is an offset and left out.
@@ -92,13 +75,19 @@ contains
     !! The standard deviation of each sensor's residual.
     type(samples_type), intent(in) :: samples
     type(model_type), intent(in) :: model
-    real(dp) :: deviation(size(samples%value, 2)), residual(samples%count, 1)
+    real(dp) :: deviation(size(samples%value, 2))
+    real(dp), allocatable :: residual(:, :)
     logical :: valid(samples%count)
-    integer :: s
-    do s = 1, size(deviation)                      ! one sensor at a time, since a record may fill the memory
-      call find_misfit(samples, model, [s], residual)
-      valid = validity(samples, s)
-      deviation(s) = sqrt(sum(residual(:, 1)**2, mask=valid)/max(1, count(valid)))
+    integer, parameter :: at_once = 4              ! sensors: a record may fill the memory
+    integer :: first, s
+    do first = 1, size(deviation), at_once
+      allocate (residual(samples%count, min(at_once, size(deviation) - first + 1)))
+      call find_misfit(samples, model, [(s, s=first, first + size(residual, 2) - 1)], residual)
+      do s = first, first + size(residual, 2) - 1
+        valid = validity(samples, s)
+        deviation(s) = sqrt(sum(residual(:, s - first + 1)**2, mask=valid)/max(1, count(valid)))
+      end do
+      deallocate (residual)
     end do
   end function deviations_of
 

@@ -3,7 +3,7 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: first_valid, gaps_of, keep_sensors, place_of, runs_of, set_missing, span_of, validity
+  public :: first_valid, gaps_of, keep_sensors, part_of, place_of, runs_of, set_missing, span_of, validity
 
   type, public :: gaps_type
     integer, allocatable :: place(:)         !! invalid samples of a sensor, ascending
@@ -37,6 +37,25 @@ contains
     place_of = n - 1
     if (allocated(samples%place)) place_of = samples%place(n)
   end function place_of
+
+  pure type(samples_type) function part_of(samples, first, last) result(part)
+    !! The samples from one to another.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: first, last
+    integer :: s
+    part%count = last - first + 1
+    part%step = samples%step
+    part%value = samples%value(first:last, :)
+    if (allocated(samples%place)) part%place = samples%place(first:last) - samples%place(first)
+    if (allocated(samples%blow)) part%blow = pack(samples%blow, samples%blow >= first .and. samples%blow <= last) - first + 1
+    if (.not. allocated(samples%missing)) return
+    part%missing = samples%missing
+    do s = 1, size(part%missing)
+      associate (place => samples%missing(s)%place)
+        part%missing(s)%place = pack(place, place >= first .and. place <= last) - first + 1
+      end associate
+    end do
+  end function part_of
 
   pure subroutine keep_sensors(kept, samples)
     !! Keep the samples of some sensors only.

@@ -30,11 +30,10 @@ module bw_decay_bank
 
 contains
 
-  subroutine find_candidates(model, least, most_at_once, candidates)
+  subroutine find_candidates(model, least, candidates)
     !! Find the poles where a line gains more than `least`, by descending gain, without skirts of stronger lines.
     type(model_type), intent(inout) :: model     !! its plans of transforms may change
     real(dp), intent(in) :: least
-    integer, intent(in) :: most_at_once
     type(decay_candidate), allocatable, intent(out) :: candidates(:)
     type(decay_candidate), allocatable :: all_of(:)
     real(dp), allocatable :: gain(:)
@@ -57,7 +56,7 @@ contains
       decay = max(2*decay, 1/span)
       if (decay > highest_decay .or. folds/decay < 8) exit
     end do
-    do while (size(all_of) > 0 .and. size(candidates) < min(most, most_at_once))
+    do while (size(all_of) > 0 .and. size(candidates) < most)
       best = maxloc(all_of%gain, dim=1)
       candidates = [candidates, all_of(best)]
       associate (top => candidates(size(candidates)))
@@ -154,12 +153,13 @@ contains
     real(dp), intent(in) :: fall(:)              !! e^(−δm) at consecutive samples
     integer, intent(in) :: first                 !! number of the first one
     type(gaps_type), intent(in) :: missing
-    real(dp) :: own(size(fall))
-    own = fall
-    associate (m => missing%place - first + 1)
-      own(pack(m, m >= 1 .and. m <= size(own))) = 0
-    end associate
-    energy = sum(own**2)
+    integer :: i
+    energy = sum(fall**2)
+    do i = 1, size(missing%place)
+      associate (m => missing%place(i) - first + 1)
+        if (m >= 1 .and. m <= size(fall)) energy = energy - fall(m)**2
+      end associate
+    end do
   end function valid_energy
 
   subroutine find_uneven_gains(model, decay, gain)

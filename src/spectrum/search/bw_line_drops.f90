@@ -22,7 +22,7 @@ module bw_line_drops
     logical :: converged = .true.                !! no move lowers J any more
     logical :: driven = .false.                  !! noise alone explains the motion better than all lines found
     integer :: contact = 0                       !! samples left out after each blow
-    complex(dp), allocatable :: poles(:)         !! of lines that noise alone explains
+    complex(dp), allocatable :: poles(:)         !! of the last candidates, or of lines that noise alone explains
     real(dp), allocatable :: gains(:)            !! their decreases of the squares, over the noise's variance
   end type line_outcome
 
@@ -45,7 +45,7 @@ contains
     type(model_type), intent(inout) :: model
     type(line_outcome), intent(inout) :: outcome
     real(dp) :: gain
-    if (size(model%lines) == 0) return
+    if (size(model%lines) == 0 .or. .not. alone < huge(alone)) return
     call renew(samples, akaike, .false., model, most_orders(samples, most_colour, 1))
     gain = alone - cost_of_all(samples, false_alarm, model)
     call renew(samples, order_price(samples), .false., model)
@@ -189,6 +189,7 @@ contains
     by_energy = model%lines(ascending(energy))
     least = cost_of_all(samples, false_alarm, model)
     do k = 1, n
+      if (least_rise(model, by_energy(k)) > sure*k*penalty_of_line(samples, false_alarm, model)) exit
       model%lines = by_energy(k + 1:)
       call renew(samples, order_price(samples), .false., model)
       if (model%noise%cost >= least) exit        ! fewer lines do not make the noise cheaper either
@@ -197,6 +198,7 @@ contains
       least = cost
       dropped = k
     end do
+    if (size(model%lines) == n) return           ! no drop was tried
     model%lines = by_energy(dropped + 1:)
     call renew(samples, order_price(samples), .false., model)
     if (dropped > 0) call refit_all(all_steps, negligible_gain, model)

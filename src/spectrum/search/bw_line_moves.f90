@@ -8,7 +8,7 @@ module bw_line_moves
   use bw_decay_bank, only: decay_candidate, edge, find_candidates
   use bw_kinds, only: dp
   use bw_line, only: course_type, line_type, pole_at
-  use bw_line_drops, only: energy_of
+  use bw_line_drops, only: energy_of, line_outcome
   use bw_model, only: colour_at, model_type
   use bw_monitor, only: monitor_type, stops
   use bw_order, only: ascending
@@ -21,6 +21,7 @@ module bw_line_moves
 
   integer, parameter :: most_lines = 60
   integer, parameter :: most_additions = 12       !! rounds in which lines are added; blows may change in between
+  real(dp), parameter :: even_odds = 0.5_dp
   integer, parameter :: first_steps = 8           !! of a new line's fit
   real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of the residual of its drift
   integer, parameter :: first_window = 64         !! a drifting line is fitted first to 1/first_window of the longest stretch
@@ -30,11 +31,12 @@ module bw_line_moves
 
 contains
 
-  subroutine add_round(samples, false_alarm, model, accepted, beside)
+  subroutine add_round(samples, false_alarm, model, outcome, accepted, beside)
     !! Add lines and courses that do not overlap, at candidates from the bank of decays.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(inout) :: model
+    type(line_outcome), intent(inout) :: outcome !! takes all candidates that noise alone exceeds in less than half of all records
     integer, intent(out) :: accepted
     logical, intent(out), optional :: beside     !! the strongest candidate overlaps with a line
     type(decay_candidate), allocatable :: candidates(:)
@@ -45,9 +47,11 @@ contains
     accepted = 0
     moved = [complex(dp) ::]
     need = penalty_of_line(samples, false_alarm, model)
-    call find_candidates(model, need, most_lines, candidates)
-    if (present(beside)) beside = any([(near(model, candidates(i)%pole), i=1, min(1, size(candidates)))])
-    do i = 1, size(candidates)
+    call find_candidates(model, penalty_of_line(samples, even_odds, model), candidates)
+    outcome%poles = candidates%pole
+    outcome%gains = candidates%gain
+    if (present(beside)) beside = any([(near(model, candidates(i)%pole), i=1, min(1, count(candidates%gain > need)))])
+    do i = 1, count(candidates%gain > need)
       if (any(overlaps(moved, candidates(i)%pole, span_of_model(model)))) cycle  ! wait until these have converged
       if (size(model%lines) >= most_lines) return
       call propose(need, penalty_of_course(false_alarm), candidates(i), model, found, penalty)

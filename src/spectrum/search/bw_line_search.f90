@@ -15,7 +15,7 @@ module bw_line_search
   use bw_model, only: model_type
   use bw_monitor, only: monitor_type, stops
   use bw_noise_alone, only: cost_of_shared_motion, dies, most_colour, most_orders
-  use bw_refit, only: all_steps, negligible_gain, refit_all, trial_steps
+  use bw_refit, only: all_steps, follow_lines, negligible_gain, refit_all, slow_in, trial_steps
   use bw_renewal, only: renew
   use bw_samples, only: samples_type
   use bw_search_state, only: go_back, keep_best, keep_if_cheaper, state_of, state_type
@@ -32,7 +32,7 @@ module bw_line_search
 
 contains
 
-  subroutine find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
+  subroutine find_lines_after(blows, samples, false_alarm, model, outcome, monitor, part)
     !! Find the lines of a record with given first estimates of its blows.
     integer, intent(in) :: blows(:)
     type(samples_type), intent(in) :: samples
@@ -40,6 +40,8 @@ contains
     type(model_type), intent(out) :: model
     type(line_outcome), intent(out) :: outcome
     class(monitor_type), intent(inout), optional :: monitor
+    type(model_type), intent(in), optional :: part   !! of the record's first part
+    logical :: complete                          !! all lines of the part could be followed through the record
     real(dp) :: alone                            !! J of noise alone; huge if the motion dies, as stationary noise does not
     type(state_type) :: best
     call start_model(samples, blows, model)
@@ -49,7 +51,10 @@ contains
       call renew(samples, akaike, .false., model, most_orders(samples, most_colour, 1))
       alone = min(alone, model%noise%cost)
     end if
-    call add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
+    complete = .false.
+    if (present(part)) call take_lines(samples, part, model, complete)
+    if (complete) best = state_of(samples, false_alarm, model)
+    if (.not. complete) call add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
     outcome%converged = size(model%lines) < most_lines   ! so many are not improved, as they describe no motion of few modes
     if (outcome%converged .and. .not. outcome%driven) &
       & call improve_lines(samples, false_alarm, alone, best, model, outcome, monitor)
@@ -113,7 +118,7 @@ contains
       integer :: accepted, k
       added = 0
       do k = 1, most_additions
-        call add_round(samples, false_alarm, model, accepted)
+        call add_round(samples, false_alarm, model, outcome, accepted)
         if (accepted == 0) exit
         if (stops(monitor)) exit
         added = added + accepted
@@ -144,6 +149,24 @@ contains
     allocate (model%trend(2, size(samples%value, 2), 0:size(blows)), source=0.0_dp)
     allocate (model%lines(0))
   end subroutine start_model
+
+  subroutine take_lines(samples, part, model, complete)
+    !! Follow the lines of a part through the record, but for those that drift or are slow: a part does not tell how they go on.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: part
+    type(model_type), intent(inout) :: model     !! its first blows are those of the part
+    logical, intent(out) :: complete             !! there was no such line
+    integer :: k
+    model%lines = pack(part%lines, [(size(part%lines(k)%courses) == 0 .and. part%lines(k)%pole%im > slow_in(part), &
+      & k=1, size(part%lines))])
+    complete = size(model%lines) == size(part%lines)
+    do k = 1, size(model%lines)
+      model%lines(k)%amplitude = reshape(model%lines(k)%amplitude, [size(samples%value, 2), size(model%stretches, 2)], &
+        & pad=[(0.0_dp, 0.0_dp)])
+    end do
+    call renew(samples, order_price(samples), .false., model, 0)
+    call follow_lines(maxval(part%stretches), model)
+  end subroutine take_lines
 
   subroutine add_first_lines(samples, false_alarm, alone, model, best, outcome, monitor)
     !! Add lines, with a noise estimate that is robust to lines still missing. If noise alone explains the record better than the
@@ -189,7 +212,7 @@ contains
       cost = cost_beside_noise(samples, false_alarm, model)
       if (cost < alone .or. cost > last - abs(alone - cost)/most_additions) exit  ! or J falls too slowly
       last = cost
-      call add_round(samples, false_alarm, model, added)
+      call add_round(samples, false_alarm, model, outcome, added)
       if (added == 0) exit
       if (stops(monitor)) exit
       call refit_all(trial_steps, negligible_gain, model)
@@ -208,7 +231,7 @@ contains
       integer :: blows, more
       before = model%lines
       call renew(samples, order_price(samples), .true., model)
-      call add_round(samples, false_alarm, model, added, beside)
+      call add_round(samples, false_alarm, model, outcome, added, beside)
       if (added == 0 .or. .not. beside .or. allocated(samples%blow)) return
       call refit_all(trial_steps, negligible_gain, model)
       with_lines = state_of(samples, false_alarm, model)

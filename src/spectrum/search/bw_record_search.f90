@@ -9,13 +9,15 @@ module bw_record_search
   use bw_line_drops, only: drop_lines, line_outcome
   use bw_line_search, only: find_lines_after, improve_lines, many_lines
   use bw_model, only: model_type
-  use bw_monitor, only: monitor_type, stops
-  use bw_samples, only: gaps_of, gaps_type, samples_type, validity
+  use bw_monitor, only: monitor_type, part_monitor, stops
+  use bw_samples, only: gaps_of, gaps_type, part_of, samples_type, validity
   use bw_search_state, only: go_back, keep_if_cheaper, refit_in_new_noise, state_of, state_type
   use bw_stretches, only: add_blow, shift_blow
   implicit none (type, external)
   private
   public :: find_lines
+
+  integer, parameter, public :: searched_first = 2**21    !! tuned: numbers at all sensors of the part that is searched first
 
 contains
 
@@ -25,7 +27,7 @@ contains
     real(dp), intent(in) :: false_alarm
     type(model_type), intent(out) :: model
     type(line_outcome), intent(out) :: outcome
-    class(monitor_type), intent(inout), optional :: monitor  !! results are undefined after a stop request
+    class(monitor_type), intent(inout), optional, target :: monitor  !! results are undefined after a stop request
     integer, allocatable :: blows(:)
     real(dp), allocatable :: recorded(:, :)
     integer :: dropped
@@ -34,7 +36,9 @@ contains
     else
       call find_blows(samples, false_alarm, blows)
     end if
-    call find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
+    call begin_with_part(min(samples%count, blows(1) - 1 + searched_first/size(samples%value, 2)))
+    if (.not. allocated(model%lines)) call find_lines_after(blows, samples, false_alarm, model, outcome, monitor)
+    if (stops(monitor)) return
     if (outcome%driven .and. allocated(samples%missing) .and. size(blows) > 1 .and. .not. allocated(samples%blow)) &
       & call find_lines_after(blows(:1), samples, false_alarm, model, outcome, monitor)    ! gaps may look like further blows
     if (outcome%converged .and. .not. (allocated(samples%blow) .or. allocated(samples%place)) .and. blows(1) > 1 &
@@ -51,6 +55,20 @@ contains
     if (allocated(recorded)) call move_alloc(recorded, samples%value)
 
   contains
+
+    subroutine begin_with_part(last)
+      !! Find lines in the first part of a long record, and follow them through the whole. What the part does not show is added
+      !! there.
+      integer, intent(in) :: last                  !! sample of the part
+      type(part_monitor), allocatable :: begun
+      type(model_type) :: part
+      if (last > samples%count/2) return
+      if (present(monitor)) begun = part_monitor(monitor, share=0.5_dp)
+      call find_lines_after(pack(blows, blows <= last), part_of(samples, 1, last), false_alarm, part, outcome, begun)
+      if (size(part%lines) == 0) return
+      deallocate (part%white)                      ! a record may fill the memory
+      call find_lines_after([part%stretches(1, 1:), pack(blows, blows > last)], samples, false_alarm, model, outcome, monitor, part)
+    end subroutine begin_with_part
 
     subroutine move_uneven_blow()
       !! Move the blow to earlier samples as long as J falls: interpolated at even times it is seen too late.
@@ -113,25 +131,12 @@ contains
     logical function decays_without(first, length)
       !! Whether the longest stretch after a blow is a free decay without its first samples.
       integer, intent(in) :: first(:), length
-      type(samples_type) :: part
       type(model_type) :: own
       type(line_outcome) :: decay
-      integer :: last(size(first)), b, s
-      logical :: valid(samples%count)
+      integer :: last(size(first)), b
       last = [first(2:) - 1, samples%count]
       b = maxloc(last - first, dim=1)
-      associate (from => first(b) + length)
-        part%count = last(b) - from + 1
-        part%step = samples%step
-        part%value = samples%value(from:last(b), :)
-        if (allocated(samples%place)) part%place = samples%place(from:last(b)) - samples%place(from)
-        if (allocated(samples%missing)) allocate (part%missing(size(samples%missing)))
-        do s = 1, merge(size(samples%value, 2), 0, allocated(part%missing))
-          valid = validity(samples, s)
-          part%missing(s) = gaps_of(valid(from:last(b)))
-        end do
-      end associate
-      call find_lines_after([1], part, false_alarm, own, decay, monitor)
+      call find_lines_after([1], part_of(samples, first(b) + length, last(b)), false_alarm, own, decay, monitor)
       decays_without = .not. decay%driven .and. size(own%lines) > 0
     end function decays_without
 

@@ -11,7 +11,8 @@ module bw_refit
   use bw_noise, only: amplitude_of
   implicit none (type, external)
   private
-  public :: accept, all_steps, cluster_of, is_broken, near, negligible_gain, overlaps, refit, refit_all, span_of_model, trial_steps
+  public :: accept, all_steps, cluster_of, follow_lines, is_broken, near, negligible_gain, overlaps, refit, refit_all, &
+    & slow_in, span_of_model, trial_steps
 
   real(dp), parameter :: unlike = 1/37.0_dp      !! tuned: squared scalar product of two lines that are not fitted together
   real(dp), parameter :: broken = 0.05_dp        !! tuned: fraction of two lines' scalar product
@@ -50,6 +51,12 @@ contains
       end associate
     end do
   end function shortest_span
+
+  pure real(dp) function slow_in(model)
+    !! The frequency below which lines are fitted with a trend, rad per step.
+    type(model_type), intent(in) :: model
+    slow_in = 2*pi*low/shortest_span(model)
+  end function slow_in
 
   elemental logical function overlaps(pole, other, span)
     !! Whether two lines are fitted together: if they are equally damped, within 6 times the sum of their decay rates, and within
@@ -145,7 +152,7 @@ contains
     call fill_rows(model%white, band)
     before = sum([(sum(band%part(p)%rows**2), p=1, size(band%part))])
     call add_to_band(white, band)
-    found%with_trend = minval(start%pole%im)*shortest_span(model) < 2*pi*low
+    found%with_trend = minval(start%pole%im) < slow_in(model)
     call fit_band(band, found%with_trend, most_steps, found%lines, found%reduced, least=least)
     found%gain = before - squares_left(found%reduced)
     do k = 1, size(start)
@@ -212,6 +219,35 @@ contains
       if (.not. any(due > rest)) exit
     end do
   end subroutine refit_all
+
+  subroutine follow_lines(window, model)
+    !! Refit all lines in twice as many samples after each blow, and so on to the end of the record: where they are known from a
+    !! window of samples, their phase is known in the next. The model has to be renewed.
+    integer, intent(in) :: window
+    type(model_type), intent(inout) :: model
+    type(line_type) :: lines(size(model%lines))
+    logical :: done(size(lines)), own(size(lines))
+    type(refit_type) :: found
+    integer :: first, longer, k
+    lines = model%lines
+    done = .false.
+    do while (.not. all(done))
+      first = findloc(done, .false., dim=1)
+      own = cluster_of(model, first)
+      if (count(own) > most_together) own = nearest_lines(model, model%lines(first)%pole, span_of_model(model))
+      found%lines = pack(lines, own)
+      longer = window
+      do while (longer < span_of_model(model))
+        longer = 2*longer
+        call refit(model, own, [found%lines], trial_steps, found, longer)
+      end do
+      do k = 1, size(own)
+        if (own(k)) lines(k) = found%lines(count(own(:k)))
+      end do
+      done = done .or. own
+    end do
+    model%lines = lines
+  end subroutine follow_lines
 
   pure function cluster_of(model, first, span) result(own)
     !! All lines that overlap with one, directly or through others.

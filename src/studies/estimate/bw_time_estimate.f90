@@ -6,6 +6,7 @@ module bw_time_estimate
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
+  use bw_record_search, only: searched_first
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
@@ -72,9 +73,12 @@ contains
     !! of 1 to 8 lines in 600 to 300 000 numbers, on larger ones of 20 lines, and on fits of beams of 1 to 10 pieces.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    real(dp), parameter :: of_search = 0.05_dp, of_number = 3.0e-6_dp, of_solution = 1.0e-4_dp
+    real(dp), parameter :: of_search = 0.05_dp, of_number = 3.0e-6_dp, of_followed = 4.0e-7_dp, of_solution = 1.0e-4_dp
     integer, parameter :: solutions = 350          ! mode solutions per unknown
-    seconds = max(1, layout%cases)*(of_search + of_number*layout%points*layout%record%longest)
+    real(dp) :: numbers, searched                  ! lines of the first part are followed through the others
+    numbers = real(layout%points, dp)*layout%record%longest
+    searched = min(numbers, 2.0_dp*searched_first)
+    seconds = max(1, layout%cases)*(of_search + of_number*searched + of_followed*(numbers - searched))
     if (size(scene%unknowns) > 0) seconds = seconds + size(scene%unknowns)*solutions*(of_solution + modes_seconds(scene))
   end function record_seconds
 
