@@ -1,8 +1,8 @@
 module bw_case_modes
   !! The modes of a case, found by the method that its beam needs (bw_some_modes does the same for studies of many beams).
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_coupling, note_empty_bodies, note_growth, note_no_effect, note_unresolved
-  use bw_case_result, only: case_modes
   use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
   use bw_double_double, only: dd

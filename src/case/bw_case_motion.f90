@@ -2,8 +2,9 @@ module bw_case_motion
   !! The motion of a case before histories are summed: the impact, later events, and the modes to be summed. These are
   !! counted by the scene or chosen by its tolerance.
   use bw_case_modes, only: case_mode_cache
-  use bw_case_notes, only: note_added_energy, note_contacts, note_no_change, note_release, note_rounding
+  use bw_case_notes, only: note_added_energy, note_contacts, note_release, note_rounding
   use bw_case_result, only: case_diverged, case_ill_conditioned, case_motion, case_not_converged
+  use bw_changing_motion, only: happens
   use bw_double_double, only: dd, operator(-)
   use bw_first_count, only: choose_first
   use bw_impact, only: continuum_velocity
@@ -20,7 +21,7 @@ module bw_case_motion
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: mass_struck
   use bw_segment, only: alone, energy_type, lack_type, move_with_energy, segment_type, state_energy, together
-  use bw_timeline, only: change_type, changes_of, occurs_in_record, timeline_type
+  use bw_timeline, only: configurations_of, later_steps, number_of, step_type, time_of, timeline_type
   implicit none (type, external)
   private
   public :: follow_motion, start_motion
@@ -47,7 +48,7 @@ contains
       segment%force = (1.0_dp + given%restitution)*given%mass_ratio
       segment%energy = energy_of_blow(moving, segment%force)
       if (by_tolerance(scene%modes)) then
-        call motion%plan%begin(scene%modes%tolerance, 1 + size(changes_of(scene, motion%units)))
+        call motion%plan%begin(scene%modes%tolerance, 1 + size(later_steps(scene)))
         call continuum_initial_state(moving%set, given, mass_struck(scene, motion%units), motion%initial)
         call choose_first(scene, motion, segment, monitor, modes_cache)
       else if (segment%configuration == together) then
@@ -85,28 +86,22 @@ contains
     type(case_motion), intent(inout) :: motion     !! started
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(case_mode_cache), intent(inout), optional :: modes_cache
-    type(change_type), allocatable :: changes(:)
+    type(step_type), allocatable :: steps(:)
     integer :: i
     if (size(motion%timeline%segments) == 0) return
-    changes = changes_of(scene, motion%units)
-    do i = 1, size(changes)
-      associate (last => motion%timeline%segments(size(motion%timeline%segments)))
-        if (.not. occurs_in_record(changes(i)%seconds, scene, changes(i)%time - last%start, &
-                          motion%modes%configuration(last%configuration)%set)) then
-          call note_no_change(scene, motion)
-          cycle
-        end if
-      end associate
-      call apply_change(scene, changes(i), motion, monitor, modes_cache)
+    steps = later_steps(scene)
+    do i = 1, size(steps)
+      if (.not. happens(scene, steps(i), motion)) exit
+      call apply_change(scene, steps(i), motion, monitor, modes_cache)
       if (monitor%stop_requested()) return
     end do
     if (allocated(scene%recontact)) call find_recontacts(scene, motion, monitor)
   end subroutine follow_motion
 
-  subroutine apply_change(scene, change, motion, monitor, modes_cache)
+  subroutine apply_change(scene, step, motion, monitor, modes_cache)
     !! Apply a change and append the segment after it.
     type(scene_type), intent(in) :: scene
-    type(change_type), intent(in) :: change
+    type(step_type), intent(in) :: step
     type(case_motion), intent(inout) :: motion
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), optional :: modes_cache
@@ -115,8 +110,8 @@ contains
     type(release_type) :: release
     type(energy_type) :: energy
     real(dp) :: speed
-    next%configuration = change%configuration
-    next%start = change%time
+    next%configuration = number_of(configurations_of(scene), step%carried)
+    next%start = time_of(step, motion%units)
     speed = speed_in_plane(scene%rotation, motion%units)
     last = motion%timeline%segments(size(motion%timeline%segments))
     associate (before => motion%modes%configuration(last%configuration), after => motion%modes%configuration(next%configuration))
@@ -139,8 +134,8 @@ contains
       next%handed = projection%place%count
       release = release_mass(projection, after%set, speed, energy, .not. allocated(last%rate))
     end associate
-    release%event%time = change%seconds
-    release%event%end_time = change%seconds
+    release%event%time = step%seconds
+    release%event%end_time = step%seconds
     motion%timeline%segments = [motion%timeline%segments, next]
     motion%timeline%events = [motion%timeline%events, release%event]
     call note_release(scene, release, motion)

@@ -1,51 +1,35 @@
 module bw_case_result
   !! The result of a case, and the values that its stages pass on.
+  use bw_beam_motion, only: beam_motion
   use bw_beam_units, only: beam_units
   use bw_error, only: error_type
   use bw_event, only: event_type
-  use bw_force_step, only: step_end
   use bw_impact, only: impact_type
-  use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_missing, only: missing
-  use bw_mode_set, only: configuration_type, mode_set
+  use bw_mode_set, only: configuration_type, mode_set, search_failure
   use bw_plan, only: plan_type
   use bw_record, only: record_extent
   use bw_record_lines, only: record_lines
   use bw_response, only: response_type
   use bw_response_extremes, only: extreme_type
-  use bw_segment, only: alone, segment_type
+  use bw_scene, only: scene_type
+  use bw_segment, only: segment_type
   use bw_text, only: append, string
-  use bw_timeline, only: timeline_type
   implicit none (type, external)
   private
-  public :: add_notes, octave_of, put_together
+  public :: add_notes, octave_of
 
   integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3, &
     case_misfit = 4, case_no_free_decay = 5
   character(*), parameter, public :: case_words(0:5) = &
     [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned', 'misfit', 'no_free_decay']   !! by number
 
-  type, public :: case_modes
-    !! Sources of modes and the modes held in memory: those that move, or the first few if a tolerance chooses the number.
-    type(configuration_type), allocatable :: configuration(:)   !! the beam alone, and with the mass if it is captured
-    integer :: moving = alone                       !! configuration after t = 0
-    logical :: can_grow = .true.                    !! a mode may be unstable at some angular velocity
-    logical :: resolved = .true.                    !! false: modes are invalid, and nothing is computed from them
-    type(string), allocatable :: notes(:)
-  end type case_modes
-
-  type, public :: case_motion
+  type, extends(beam_motion), public :: case_motion
     !! What is known of a case before its histories are summed.
-    type(beam_units) :: units
-    type(case_modes) :: modes
-    type(initial_state) :: initial
-    type(timeline_type) :: timeline
-    type(step_end), allocatable :: ladder(:, :)     !! step operators for contact forces, by level, (0:levels, configurations)
     type(plan_type) :: plan                         !! how many modes a tolerance sums in each segment
     integer :: ending = case_done                   !! status: why the motion is not known to its end
-    type(string), allocatable :: notes(:)
   end type case_motion
 
   type, public :: block_type
@@ -131,6 +115,17 @@ module bw_case_result
     type(string), allocatable :: notes(:)
   end type load_result
 
+  type, public :: simulation
+    !! A case from its modes to its histories and their errors.
+    type(scene_type) :: counted                     !! the scene with the numbers of modes that were summed
+    type(case_motion), allocatable :: motion
+    type(case_histories) :: histories
+    type(history_errors) :: errors
+    type(contact_result), allocatable :: contact    !! of lasting contacts
+    type(load_result), allocatable :: loads
+    type(search_failure) :: failure                 !! the first mode that was not found
+  end type simulation
+
   type, public :: modal_model
     !! The modal model that a result exports to other programs, SI. Unallocated if there are no modes.
     real(dp), allocatable :: stiffness(:)           !! Mβ², N/m, (modes)
@@ -185,35 +180,6 @@ module bw_case_result
   end type case_result
 
 contains
-
-  subroutine put_together(motion, response, errors, spectrum, result)
-    !! Collect what every simulated case has from its stages. Large arrays are moved, not copied.
-    type(case_motion), intent(inout) :: motion
-    type(response_type), allocatable, intent(inout) :: response
-    type(history_errors), intent(inout) :: errors
-    type(case_spectrum), intent(inout) :: spectrum
-    type(case_result), intent(inout) :: result
-    result%units = motion%units
-    result%can_grow = motion%modes%can_grow
-    result%reached = motion%plan%reached
-    result%within = motion%plan%within
-    result%status = errors%status
-    call move_alloc(motion%timeline%events, result%events)
-    call move_alloc(motion%timeline%segments, result%segments)
-    if (.not. allocated(result%events)) allocate (result%events(0))
-    if (.not. allocated(result%segments)) allocate (result%segments(0))
-    call move_alloc(response, result%response)
-    if (allocated(result%response)) then
-      call move_alloc(errors%displacement, result%response%displacement_error)
-      call move_alloc(errors%displacement_bound, result%response%displacement_bound)
-      call move_alloc(errors%velocity, result%response%velocity_error)
-      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
-      call move_alloc(errors%acceleration, result%response%acceleration_error)
-      call move_alloc(errors%shear_force, result%response%shear_force_error)
-    end if
-    call move_alloc(spectrum%amplitude, result%amplitude)
-    call move_alloc(spectrum%measured, result%measured)
-  end subroutine put_together
 
   pure function octave_of(histories, points, rates) result(largest)
     !! Return the largest displacement, or velocity, that the last octave of modes contributes in any segment, (points).

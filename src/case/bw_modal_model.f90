@@ -11,11 +11,11 @@ module bw_modal_model
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_result, modal_model
   use bw_kinds, only: dp
-  use bw_load_columns, only: find_drive
   use bw_load_modes, only: find_residuals, total_mass
   use bw_mode_set, only: curvatures, damping_rates, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: holds_tip
+  use bw_placed_loads, only: find_drive
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, varying_of
   use bw_static_shape, only: hub_turn

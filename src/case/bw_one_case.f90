@@ -1,39 +1,29 @@
 module bw_one_case
-  !! One case from scene to result. Records are left to bw_record_case, lasting impacts to bw_contact_case and beams
-  !! that change in time to bw_changing_case. All others go modes ► plan ► initial state ► events ► histories ► errors ►
-  !! spectrum; each stage takes the values of those before it and returns its own.
+  !! One case from scene to result: a record (bw_record_case), or a simulation: modes ► motion ► histories ► errors ►
+  !! spectrum. Its motion is followed by bw_contact_case, bw_changing_case or bw_planned_case.
   use bw_amplitude_spectrum, only: spectrum_plan
-  use bw_beam_units, only: units_of
-  use bw_case_errors, only: drop_errors
+  use bw_case_cost, only: answer_share, case_shares, spectrum_share, stage_part
   use bw_case_frequency, only: find_frequency_response
-  use bw_case_histories, only: add_hub_angle
-  use bw_case_loads, only: add_loads, without_tolerance
-  use bw_case_modes, only: find_modes
-  use bw_case_moments, only: find_moments
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_unresolved
-  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors, load_result, &
-    put_together
-  use bw_case_cost, only: answer_share, case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
+  use bw_case_result, only: add_notes, case_motion, case_result, case_spectrum, simulation
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_validity
-  use bw_changing_case, only: run_changing_case
-  use bw_contact_case, only: run_contact_case
+  use bw_changing_case, only: run_changes
+  use bw_contact_case, only: run_contacts
   use bw_history_notes, only: note_history_errors
-  use bw_kept_tolerance, only: find_histories, find_motion, motion_cache
-  use bw_kinds, only: dp
-  use bw_modal_model, only: find_modal_model
-  use bw_mode_set, only: observe_searches, search_failure
+  use bw_kept_tolerance, only: motion_cache
   use bw_missing, only: is_missing
-  use bw_modes_par, only: relaxed_tolerance
+  use bw_modal_model, only: find_modal_model
+  use bw_mode_set, only: first_numbers, mode_set
+  use bw_modes_par, only: by_tolerance, relaxed_tolerance, shown_modes
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_note, only: remark
+  use bw_planned_case, only: run_planned
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
-  use bw_scene, only: changes_in_time, is_loaded, scene_type
-  use bw_segment, only: alone
-  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: shortest, string
+  use bw_scene, only: changes_in_time, has_configurations, is_planned, scene_type, unit_velocity
+  use bw_stopwatch, only: stage_modes, stage_response, stage_spectrum, stopwatch
+  use bw_text, only: string
   implicit none (type, external)
   private
   public :: run_case
@@ -62,26 +52,14 @@ contains
     type(scene_type) :: relaxed
     if (allocated(scene%record)) then
       call run_record_case(scene, layout, watch, monitor, cache%record, result, completed)
-    else if (allocated(scene%contact)) then
-      call run_contact_case(scene, layout, watch, monitor, cache%motion%modes, cache%spectrum, result, completed)
-    else if (changes_in_time(scene)) then
-      call run_changing_case(scene, layout, watch, monitor, cache%motion%modes, cache%spectrum, result, completed)
     else
-      if (is_loaded(scene)) then
-        call simulate_case(without_tolerance(scene), layout, watch, monitor, cache, result, completed, planned, scene)
-      else
-        call simulate_case(scene, layout, watch, monitor, cache, result, completed, planned)
-      end if
+      call simulate_case(scene, layout, watch, monitor, cache, result, completed, planned)
       if (allocated(result%error)) return
       relaxed = scene
-      do while (completed .and. .not. (scene%modes%asked .or. result%within))
+      do while (completed .and. is_planned(scene) .and. .not. (scene%modes%asked .or. result%within))
         relaxed%modes%tolerance = relaxed_tolerance(max(relaxed%modes%tolerance, result%reached))
         if (is_missing(relaxed%modes%tolerance)) exit
-        if (is_loaded(scene)) then
-          call simulate_case(relaxed, layout, watch, monitor, cache, result, completed, loaded=relaxed)
-        else
-          call simulate_case(relaxed, layout, watch, monitor, cache, result, completed)
-        end if
+        call simulate_case(relaxed, layout, watch, monitor, cache, result, completed)
       end do
     end if
     if (completed .and. allocated(scene%frequency_response)) call answer_force(scene, layout, watch, monitor, cache, result, &
@@ -110,8 +88,8 @@ contains
     call watch%lap(stage_response)
   end subroutine answer_force
 
-  subroutine simulate_case(scene, layout, watch, monitor, cache, result, completed, planned, loaded)
-    !! Simulate a case without lasting contacts or changes in time.
+  subroutine simulate_case(scene, layout, watch, monitor, cache, result, completed, planned)
+    !! Simulate a case, with the counts of the scene or by its tolerance.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
@@ -120,128 +98,128 @@ contains
     type(case_result), intent(out) :: result
     logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
     type(case_motion), allocatable, intent(inout), optional :: planned   !! see `run_case`
-    type(scene_type), intent(in), optional :: loaded   !! the scene with its loads and their tolerance; absent: no loads
-    type(case_motion), allocatable :: motion
-    type(case_histories) :: histories
-    type(history_errors) :: errors
+    type(simulation), target :: run
     type(case_spectrum) :: spectrum
-    type(load_result), allocatable :: loads
     type(string), allocatable :: leading_notes(:), validity(:)
     type(part_monitor) :: part
-    type(search_failure), target :: failure
-    real(dp), allocatable :: share(:)
-    logical :: planning
     call watch%start()
-    share = case_shares(scene)
-    completed = .false.
-
-    planning = .false.
-    if (present(planned)) then
-      planning = allocated(planned)
-      call move_alloc(planned, motion)
+    if (present(planned)) call move_alloc(planned, run%motion)
+    if (allocated(scene%contact)) then
+      call run_contacts(scene, watch, monitor, cache%motion%modes, run, result%error)
+    else if (changes_in_time(scene)) then
+      call run_changes(scene, watch, monitor, cache%motion%modes, run, result%error)
+    else
+      call run_planned(scene, watch, monitor, cache%motion, run, result%error)
     end if
-    if (.not. planning) then
-      allocate (motion)
-      motion%units = units_of(scene%beam)
-      part = stage_part(monitor, share, modes_share)
-      call find_modes(scene, motion%units, part, motion%modes, cache%motion%modes)
-      if (monitor%stop_requested()) return
-    end if
-    call observe_searches(motion%modes%configuration, failure, monitor)
-    call watch%lap(stage_modes)
-
-    if (.not. planning) then
-      part = stage_part(monitor, share, events_share)
-      call find_motion(scene, motion, part, cache%motion)
-      if (monitor%stop_requested()) return
-      if (allocated(scene%impact)) call watch%lap(stage_events)
-    end if
-    part = stage_part(monitor, share, histories_share)
-    call find_histories(scene, motion, part, cache%motion, histories, errors, watch)
-    if (monitor%stop_requested()) return
-    if (allocated(histories%response)) then
-      if (scene%response%bending_moment) call find_moments(scene, motion, part, histories, errors)
-      if (monitor%stop_requested()) return
-      call add_hub_angle(scene, motion, part, histories%response)
-      if (monitor%stop_requested()) return
-      call drop_errors(motion, errors)
-      if (present(loaded)) then
-        call add_loads(loaded, motion, part, cache%motion%modes, histories, errors, loads, result%error)
-        completed = allocated(result%error)
-        if (completed) return
-        if (monitor%stop_requested()) return
-      end if
-    end if
-
-    if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
-    if (allocated(histories%response)) then
-      call note_history_errors(scene, histories%response, errors, leading_notes, validity)
-      call drop_unresolved(scene, motion, histories, errors)
+    completed = allocated(result%error)
+    if (monitor%stop_requested() .or. completed) return
+    if (run%motion%modes%resolved) call note_validity(run%counted, run%motion, run%histories%response, run%contact, validity)
+    if (allocated(run%histories%response)) then
+      call note_history_errors(run%counted, run%histories%response, run%errors, leading_notes, validity)
+      call drop_unresolved(run%counted, run%motion, run%histories, run%errors)
       call watch%lap(stage_response)
-      call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
+      call watch%rebook(stage_response, stage_modes, run%histories%response%mode_seconds)
     end if
-    call add_notes(motion%modes%notes, validity)
-
-    if (allocated(scene%spectrum)) then
-      part = stage_part(monitor, share, spectrum_share)
-      call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum, loads)
+    if (allocated(scene%spectrum) .and. allocated(run%histories%response)) then
+      part = stage_part(monitor, case_shares(scene), spectrum_share)
+      call find_spectrum(run%counted, layout, run%motion, run%histories%response, run%errors%status, part, cache%spectrum, &
+                         spectrum, run%loads)
       if (monitor%stop_requested()) return
       call watch%lap(stage_spectrum)
     end if
     completed = .true.
-    result%profile_points = layout%profile
-    call compose(scene, leading_notes, motion, histories, errors, spectrum, result)
-    if (allocated(loads) .and. .not. allocated(scene%impact)) result%mode_count = loads%count
-    call move_alloc(loads, result%loads)
-  end subroutine simulate_case
-
-  subroutine compose(scene, leading_notes, motion, histories, errors, spectrum, result)
-    !! Collect the values of all stages. Large arrays are moved, not copied.
-    type(scene_type), intent(in) :: scene
-    type(string), allocatable, intent(in) :: leading_notes(:)     !! notes that come first
-    type(case_motion), intent(inout) :: motion
-    type(case_histories), intent(inout) :: histories
-    type(history_errors), intent(inout) :: errors
-    type(case_spectrum), intent(inout) :: spectrum
-    type(case_result), intent(inout) :: result
     allocate (result%notes(0))
     call add_notes(result%notes, leading_notes)
     call note_relaxed(scene, result%notes)
-    call add_notes(result%notes, motion%modes%notes)
-    call add_notes(result%notes, motion%notes)
-    call add_notes(result%notes, histories%notes)
-    call add_notes(result%notes, errors%notes)
+    call add_notes(result%notes, run%motion%modes%notes)
+    call add_notes(result%notes, validity)
+    call add_notes(result%notes, run%motion%notes)
+    call add_notes(result%notes, run%histories%notes)
+    call add_notes(result%notes, run%errors%notes)
     call add_notes(result%notes, spectrum%notes)
-    call put_together(motion, histories%response, errors, spectrum, result)
-    call compose_modes(motion, result)
-    if (size(result%events) > 0) then
-      result%impact = motion%initial%impact
-      result%approach_velocity = scene%impact%approach_velocity
+    result%profile_points = layout%profile
+    call compose(scene, run, result)
+    call move_alloc(spectrum%amplitude, result%amplitude)
+    call move_alloc(spectrum%measured, result%measured)
+  end subroutine simulate_case
+
+  subroutine compose(scene, run, result)
+    !! Collect the values of all stages. Large arrays are moved, not copied.
+    type(scene_type), intent(in) :: scene
+    type(simulation), intent(inout) :: run
+    type(case_result), intent(inout) :: result
+    associate (motion => run%motion, initial => run%motion%initial)
+      result%units = motion%units
+      result%can_grow = motion%modes%can_grow
+      result%reached = motion%plan%reached
+      result%within = motion%plan%within
+      result%status = run%errors%status
+      result%approach_velocity = unit_velocity(scene)
+      call move_alloc(motion%timeline%events, result%events)
+      call move_alloc(motion%timeline%segments, result%segments)
+      if (.not. allocated(result%events)) allocate (result%events(0))
+      if (.not. allocated(result%segments)) allocate (result%segments(0))
+      call compose_modes(scene, motion, result)
+      if (allocated(run%loads)) result%mode_count = max(result%mode_count, run%loads%count)
       if (allocated(scene%hub)) then
-        result%lever = scene%hub%radius + scene%impact%position*motion%units%length
-        call remark(result%notes, 'hub: after the last event its mean angular velocity is '// &
-          shortest(sum(result%events%hub_rate_change)*(scene%impact%approach_velocity/motion%units%length), 6)// &
-          ' rad/s, in addition to the steady rotation')
+        result%lever = scene%hub%radius + motion%units%length
+        if (allocated(scene%impact)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
       end if
-      call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
-      call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
-    end if
+      if (.not. allocated(scene%contact)) then
+        if (allocated(scene%impact) .and. size(result%segments) > 0) result%impact = initial%impact
+        call move_alloc(initial%velocity_jump, result%velocity_jump)
+        call move_alloc(initial%modal_displacement, result%modal_displacement)
+        call move_alloc(initial%modal_velocity, result%modal_velocity)
+      end if
+    end associate
+    call move_alloc(run%contact, result%contact)
+    call move_alloc(run%loads, result%loads)
+    call move_alloc(run%histories%response, result%response)
+    if (.not. allocated(result%response)) return
+    call move_alloc(run%errors%displacement, result%response%displacement_error)
+    call move_alloc(run%errors%displacement_bound, result%response%displacement_bound)
+    call move_alloc(run%errors%velocity, result%response%velocity_error)
+    call move_alloc(run%errors%bending_moment, result%response%bending_moment_error)
+    call move_alloc(run%errors%acceleration, result%response%acceleration_error)
+    call move_alloc(run%errors%shear_force, result%response%shear_force_error)
   end subroutine compose
 
-  subroutine compose_modes(motion, result)
-    !! Take the modes after the last event at t = 0, and those of the beam alone if they differ.
+  subroutine compose_modes(scene, motion, result)
+    !! Take the modes after the last event at t = 0, those of the beam alone before a capture, and those of all
+    !! configurations if there may be many. Of modes that a tolerance counted during the run only the first are kept.
+    type(scene_type), intent(in) :: scene
     type(case_motion), intent(inout) :: motion
     type(case_result), intent(inout) :: result
+    class(mode_set), allocatable :: shown
+    logical :: counted
+    integer :: c
+    counted = .not. (by_tolerance(scene%modes) .and. (allocated(scene%contact) .or. changes_in_time(scene)))
     associate (configuration => motion%modes%configuration, moving => motion%modes%moving)
-      if (moving /= alone) call move_alloc(configuration(alone)%set, result%before)
-      call move_alloc(configuration(moving)%set, result%modes)
+      if (motion%modes%resolved) then
+        result%mode_count = configuration(moving)%set%count
+        if (size(result%segments) > 0) result%mode_count = result%segments(1)%count
+      end if
+      do c = 1, size(configuration)
+        if (counted .or. .not. motion%modes%resolved) exit
+        call configuration(c)%source%find(first_numbers(min(shown_modes, configuration(c)%set%count)), shown)
+        call shown%forget_rigid_waves()
+        call move_alloc(shown, configuration(c)%set)
+      end do
+      if (counted .and. allocated(scene%capture)) call keep(configuration(1)%set, result%before)
+      call keep(configuration(moving)%set, result%modes)
     end associate
-    result%mode_count = 0
-    if (size(result%segments) > 0) then
-      result%mode_count = result%segments(1)%count
-    else if (motion%modes%resolved) then
-      result%mode_count = result%modes%count
-    end if
+    if (has_configurations(scene)) call move_alloc(motion%modes%configuration, result%configurations)
+  contains
+    subroutine keep(set, kept)
+      !! Move a set, or copy one that is also kept in its configuration.
+      class(mode_set), allocatable, intent(inout) :: set
+      class(mode_set), allocatable, intent(out) :: kept
+      if (.not. has_configurations(scene)) then
+        call move_alloc(set, kept)
+      else if (allocated(set)) then
+        allocate (kept, source=set)
+      end if
+    end subroutine keep
   end subroutine compose_modes
 
 end module bw_one_case

@@ -1,9 +1,9 @@
 module bw_some_modes
   !! A few modes of the beam alone, for studies of many beams that need only frequencies, damping and shapes. Under
   !! tension a small basis suffices for the frequencies, and waves are left out.
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: find_sources
-  use bw_case_result, only: case_modes
   use bw_damping, only: law_of
   use bw_mode_demand, only: mode_demand
   use bw_mode_set, only: mode_set

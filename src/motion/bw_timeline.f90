@@ -5,24 +5,16 @@ module bw_timeline
   !! A configuration is the set of bodies on the beam. A captured mass is the last of them.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd, to_dd, operator(/)
-  use bw_event, only: event_type, release_event
+  use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
   use bw_scene, only: at_start, has_configurations, scene_type
-  use bw_segment, only: alone, leaves_range, segment_type
+  use bw_segment, only: leaves_range, segment_type
   implicit none (type, external)
   private
-  public :: changes_of, is_released, configurations_of, occurs_in_record, most_configurations, most_events, number_of, start_of, &
-    steps_of
-
-  type, public :: change_type
-    !! A change at a given time.
-    integer :: kind = release_event                 !! of the event
-    integer :: configuration = alone                !! from then on
-    real(dp) :: seconds = 0.0_dp
-    type(dd) :: time                                !! l²/h
-  end type change_type
+  public :: configurations_of, is_released, later_steps, most_configurations, most_events, number_of, occurs_in_record, start_of, &
+    steps_of, time_of
 
   type, public :: carried_type
     !! What the beam carries.
@@ -46,16 +38,6 @@ module bw_timeline
   end type timeline_type
 
 contains
-
-  pure function changes_of(scene, units) result(changes)
-    !! Return the changes after t = 0, in order of time.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(change_type), allocatable :: changes(:)
-    allocate (changes(0))
-    if (allocated(scene%release)) &
-      changes = [change_type(release_event, alone, scene%release%time, to_dd(scene%release%time)/units%time)]
-  end function changes_of
 
   pure function steps_of(scene) result(steps)
     !! Return all events of a scene in order of time. The first entry is the configuration before t = 0.
@@ -89,6 +71,21 @@ contains
       steps = [steps, step]
     end do
   end function steps_of
+
+  pure function later_steps(scene) result(steps)
+    !! Return the events after t = 0 in order of time.
+    type(scene_type), intent(in) :: scene
+    type(step_type), allocatable :: steps(:)
+    steps = steps_of(scene)
+    steps = steps(1 + count(steps%seconds <= 0.0_dp):)
+  end function later_steps
+
+  pure type(dd) function time_of(step, units) result(time)
+    !! Return the time of an event, l²/h.
+    type(step_type), intent(in) :: step
+    type(beam_units), intent(in) :: units
+    time = to_dd(step%seconds)/units%time
+  end function time_of
 
   pure function times_of(scene) result(times)
     !! Return the times at which bodies arrive or leave, ascending and distinct.
@@ -151,14 +148,14 @@ contains
     end do
   end function number_of
 
-  pure logical function occurs_in_record(seconds, scene, since, modes)
-    !! Tell whether a change comes before the end of the record and before a growing mode overflows.
-    real(dp), intent(in) :: seconds                 !! its time
+  pure logical function occurs_in_record(step, scene, since, modes)
+    !! Tell whether an event comes before the end of the record and before a growing mode overflows.
+    type(step_type), intent(in) :: step
     type(scene_type), intent(in) :: scene
     type(dd), intent(in) :: since                   !! since the start of the segment before, l²/h
     class(mode_set), intent(in) :: modes            !! of that segment
     occurs_in_record = .not. leaves_range(modes, since)
-    if (allocated(scene%response)) occurs_in_record = occurs_in_record .and. seconds < scene%response%duration
+    if (allocated(scene%response)) occurs_in_record = occurs_in_record .and. step%seconds < scene%response%duration
   end function occurs_in_record
 
   pure logical function is_released(scene)

@@ -1,156 +1,119 @@
 module bw_changing_case
-  !! A case whose beam changes in time, or starts deflected or rotating: modes ► segments and events ► histories ►
-  !! errors ► spectrum.
+  !! The motion of a case whose beam changes in time, or starts deflected or rotating: modes ► segments and events ►
+  !! histories ► errors.
   !!
   !! The motion is followed with all modes and with some eighths of them, and the differences estimate the truncation
   !! error. A tolerance doubles the number of modes until the error is small enough. The motion under loads is
   !! superposed, as all changes are linear (bw_case_loads).
-  use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: in_joules, units_of
   use bw_case_histories, only: add_hub_angle, sum_histories
   use bw_case_loads, only: add_loads
   use bw_case_modes, only: case_mode_cache, find_modes, most_in_run
   use bw_case_moments, only: find_moments
-  use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, case_result, case_spectrum, &
-    history_errors, load_result, put_together
-  use bw_case_spectrum, only: find_spectrum
-  use bw_case_validity, only: note_validity
+  use bw_case_result, only: add_notes, case_done, case_histories, case_motion, case_not_converged, history_errors, simulation
   use bw_change_of_bodies, only: beam_state
-  use bw_changing_motion, only: follow_changes
-  use bw_event, only: event_words
   use bw_changing_errors, only: add_difference, add_rounding_of_turn, extrapolate, join_state_errors, leave_out_rounding, &
     rounding_of_turn
+  use bw_changing_motion, only: follow_changes
   use bw_contact_errors, only: add_rounding
-  use bw_history_notes, only: note_history_errors
+  use bw_error, only: error_type
+  use bw_event, only: event_words
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_mode_set, only: observe_searches, deflections, first_numbers, mode_set, search_failure
-  use bw_modes_par, only: by_tolerance, shown_modes
+  use bw_mode_set, only: deflections, observe_searches
+  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
-  use bw_result_layout, only: result_layout
   use bw_reached_tolerance, only: is_met, judge_tolerance, part_of_peak, with_counts
   use bw_scene, only: is_loaded, scene_type
-  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: shortest, string
+  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stopwatch
+  use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: compose_modes, run_changing_case
+  public :: run_changes
 
   integer, parameter :: most_count = 2048          !! and the most that it may sum
   real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, left to errors of the states after changes
 
 contains
 
-  subroutine run_changing_case(scene, layout, watch, monitor, cache, plan, result, completed)
+  subroutine run_changes(scene, watch, monitor, cache, run, error)
     !! Run a case with the counts of the scene or by its tolerance.
+    !! **Errors**: those of reading the loads.
     type(scene_type), intent(in) :: scene            !! without sweeps
-    type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
-    class(monitor_type), intent(inout), target :: monitor
+    class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(case_mode_cache), intent(inout), target :: cache
-    type(spectrum_plan), intent(inout) :: plan
-    type(case_result), intent(out) :: result
-    logical, intent(out) :: completed                    !! false if the monitor requested a stop before the end
-    type(scene_type) :: counted
-    type(case_motion) :: motion
-    type(case_histories) :: histories
-    type(history_errors) :: errors
-    type(case_spectrum) :: spectrum
-    type(search_failure), target :: failure
-    type(load_result), allocatable :: loads
-    type(beam_state), allocatable :: before_event(:)   ! of the motion under loads
-    type(string), allocatable :: leading_notes(:), validity(:)
+    type(simulation), intent(inout), target :: run   !! new
+    type(error_type), allocatable, intent(out) :: error
+    type(beam_state), allocatable :: before_event(:) ! of the motion under loads
     integer :: handing
-    completed = .false.
-    call watch%start()
-    call follow_to_tolerance(scene, watch, monitor, cache, failure, counted, motion, histories, errors, handing)
-    if (monitor%stop_requested()) return
-    if (is_loaded(scene) .and. motion%modes%resolved .and. allocated(histories%response)) then
-      call add_loads(scene, motion, monitor, cache, histories, errors, loads, result%error, before_event)
-      completed = allocated(result%error)
-      if (completed) return
+    allocate (run%motion)
+    associate (motion => run%motion, histories => run%histories, errors => run%errors)
+      call follow_to_tolerance(scene, watch, monitor, cache, run, handing)
       if (monitor%stop_requested()) return
-      call follow_changes(times_as_many(counted, handing), 8, handing, motion, monitor, before_event)
-      if (monitor%stop_requested()) return
-    end if
-    if (motion%modes%resolved) then
-      call note_validity(counted, motion, histories%response, validity)
+      if (.not. motion%modes%resolved) then
+        errors%status = case_not_converged
+        return
+      end if
+      if (is_loaded(scene) .and. allocated(histories%response)) then
+        call add_loads(scene, motion, monitor, cache, histories, errors, run%loads, error, before_event)
+        if (monitor%stop_requested() .or. allocated(error)) return
+        call follow_changes(times_as_many(run%counted, handing), 8, handing, motion, monitor, before_event)
+        if (monitor%stop_requested()) return
+      end if
       call note_losses(motion)
-      if (allocated(histories%response)) call note_history_errors(counted, histories%response, errors, leading_notes, validity)
       if (errors%status == case_done) motion%plan%within = is_met(scene%modes, motion%plan%reached)
-      call judge_tolerance(scene%modes, motion%plan%reached, counted%modes%before, 'fewer quantities', histories%response, errors)
-    else
-      errors%status = case_not_converged
-    end if
-    call watch%lap(stage_response)
-    if (motion%modes%resolved .and. allocated(scene%spectrum)) then
-      call find_spectrum(counted, layout, motion, histories%response, errors%status, monitor, plan, spectrum, loads)
-      if (monitor%stop_requested()) return
-      call watch%lap(stage_spectrum)
-    end if
-    allocate (result%notes(0))
-    call add_notes(result%notes, leading_notes)
-    call add_notes(result%notes, motion%modes%notes)
-    call add_notes(result%notes, validity)
-    call add_notes(result%notes, motion%notes)
-    call add_notes(result%notes, histories%notes)
-    call add_notes(result%notes, errors%notes)
-    call add_notes(result%notes, spectrum%notes)
-    call compose(scene, motion, histories, errors, spectrum, result)
-    if (allocated(loads)) result%mode_count = max(result%mode_count, loads%count)
-    call move_alloc(loads, result%loads)
-    result%profile_points = layout%profile
-    completed = .true.
-  end subroutine run_changing_case
+      call judge_tolerance(scene%modes, motion%plan%reached, run%counted%modes%before, 'fewer quantities', histories%response, &
+                           errors)
+    end associate
+  end subroutine run_changes
 
-  subroutine follow_to_tolerance(scene, watch, monitor, cache, failure, counted, motion, histories, errors, handing)
+  subroutine follow_to_tolerance(scene, watch, monitor, cache, run, handing)
     !! Follow the motion with the counts of the scene, or with as many modes as its tolerance needs, and estimate its errors.
     type(scene_type), intent(in) :: scene
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
     type(case_mode_cache), intent(inout), target :: cache
-    type(search_failure), intent(inout), target :: failure
-    type(scene_type), intent(out) :: counted         !! the scene with the final counts
-    type(case_motion), intent(out) :: motion
-    type(case_histories), intent(out) :: histories
-    type(history_errors), intent(out) :: errors
+    type(simulation), intent(inout), target :: run
     integer, intent(out) :: handing                  !! how many times the summed modes are projected at changes
     real(dp), allocatable :: rounding(:, :)
     logical :: enough
     integer :: most
     handing = 1
     most = most_in_run(scene, most_count)
-    counted = with_counts(scene)
-    do
-      motion = case_motion(units=units_of(scene%beam))
-      if (by_tolerance(scene%modes)) motion%plan%tolerance = scene%modes%tolerance
-      call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
-      if (monitor%stop_requested()) return
-      call watch%lap(stage_modes)
-      if (.not. motion%modes%resolved) return
-      call observe_searches(motion%modes%configuration, failure, monitor)
-      call follow_fewer(counted, handing, motion, watch, monitor, histories, errors)
-      if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
-      rounding = rounding_of_turn(counted, motion)
-      call leave_out_rounding(rounding, errors)
-      enough = part_of_peak(histories%response, errors) <= (1.0_dp - state_share)*scene%modes%tolerance
-      call join_state_errors(counted, motion, errors)
+    associate (counted => run%counted, motion => run%motion, histories => run%histories, errors => run%errors)
+      counted = with_counts(scene)
+      do
+        motion = case_motion(units=units_of(scene%beam))
+        motion%of_continuum = by_tolerance(scene%modes)
+        call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
+        if (monitor%stop_requested()) return
+        call watch%lap(stage_modes)
+        if (.not. motion%modes%resolved) return
+        call observe_searches(motion%modes%configuration, run%failure, monitor)
+        call follow_fewer(counted, handing, motion, watch, monitor, histories, errors)
+        if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
+        rounding = rounding_of_turn(counted, motion)
+        call leave_out_rounding(rounding, errors)
+        enough = part_of_peak(histories%response, errors) <= (1.0_dp - state_share)*scene%modes%tolerance
+        call join_state_errors(counted, motion, errors)
+        motion%plan%reached = part_of_peak(histories%response, errors)
+        if (histories%status /= case_done .or. is_met(scene%modes, motion%plan%reached)) exit
+        if (enough) then
+          if (2*handing*counted%modes%before > most) exit
+          handing = 2*handing
+        else
+          if (counted%modes%before >= most) exit
+          counted%modes%before = min(most, 2*counted%modes%before)
+          counted%modes%after = counted%modes%before
+          handing = max(1, min(handing, most/counted%modes%before))
+        end if
+      end do
+      call add_rounding(counted, motion, histories%response, errors)
       motion%plan%reached = part_of_peak(histories%response, errors)
-      if (histories%status /= case_done .or. is_met(scene%modes, motion%plan%reached)) exit
-      if (enough) then
-        if (2*handing*counted%modes%before > most) exit
-        handing = 2*handing
-      else
-        if (counted%modes%before >= most) exit
-        counted%modes%before = min(most, 2*counted%modes%before)
-        counted%modes%after = counted%modes%before
-        handing = max(1, min(handing, most/counted%modes%before))
-      end if
-    end do
-    call add_rounding(counted, motion, histories%response, errors)
-    motion%plan%reached = part_of_peak(histories%response, errors)
-    call add_rounding_of_turn(rounding, errors)
+      call add_rounding_of_turn(rounding, errors)
+    end associate
   end subroutine follow_to_tolerance
 
   pure type(scene_type) function times_as_many(scene, times) result(more)
@@ -248,57 +211,5 @@ contains
       end associate
     end associate
   end subroutine note_losses
-
-  subroutine compose(scene, motion, histories, errors, spectrum, result)
-    !! Collect the values of all stages. Large arrays are moved, not copied.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
-    type(case_histories), intent(inout) :: histories
-    type(history_errors), intent(inout) :: errors
-    type(case_spectrum), intent(inout) :: spectrum
-    type(case_result), intent(inout) :: result
-    call put_together(motion, histories%response, errors, spectrum, result)
-    result%approach_velocity = 1.0_dp                ! m/s: unit of velocities
-    if (motion%modes%resolved) then
-      if (allocated(scene%hub)) then
-        result%lever = scene%hub%radius + motion%units%length
-        if (allocated(scene%impact)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
-      end if
-      if (allocated(scene%impact)) then
-        result%impact = motion%initial%impact
-        call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
-      end if
-    end if
-    call compose_modes(scene, motion, result)
-    call move_alloc(motion%initial%modal_displacement, result%modal_displacement)
-    call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
-  end subroutine compose
-
-  subroutine compose_modes(scene, motion, result)
-    !! Take the modes of all configurations; names without a prefix are those after t = 0. With a tolerance only the
-    !! first are stored.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
-    type(case_result), intent(inout) :: result
-    class(mode_set), allocatable :: shown
-    integer :: c
-    result%mode_count = 0
-    associate (configuration => motion%modes%configuration, moving => motion%modes%moving)
-      if (motion%modes%resolved) then
-        result%mode_count = result%segments(1)%count
-        if (by_tolerance(scene%modes)) then
-          do c = 1, size(configuration)
-            call configuration(c)%source%find(first_numbers(min(shown_modes, configuration(c)%set%count)), shown)
-            call shown%forget_rigid_waves()
-            call move_alloc(shown, configuration(c)%set)
-          end do
-        else if (allocated(scene%capture)) then
-          allocate (result%before, source=configuration(1)%set)
-        end if
-      end if
-      if (allocated(configuration(moving)%set)) allocate (result%modes, source=configuration(moving)%set)
-    end associate
-    call move_alloc(motion%modes%configuration, result%configurations)
-  end subroutine compose_modes
 
 end module bw_changing_case

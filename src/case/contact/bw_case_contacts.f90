@@ -14,12 +14,13 @@ module bw_case_contacts
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_lasting_contact, only: demand_type, lasting_contacts, load_of
-  use bw_load_columns, only: placed_loads, quantities
+  use bw_load_columns, only: quantities
   use bw_loads_beside, only: unit_force
   use bw_missing, only: is_missing, missing, scaled
   use bw_mode_set, only: deflections
   use bw_monitor, only: monitor_type
   use bw_neglected_modes, only: find_neglected, neglected_type
+  use bw_placed_loads, only: placed_loads
   use bw_response, only: response_type
   use bw_result_layout, only: contact_samples
   use bw_scene, only: scene_type, unit_velocity

@@ -8,7 +8,7 @@ module bw_contact_rates
   use bw_force_response, only: force_degree
   use bw_force_step, only: polynomial_of
   use bw_kinds, only: dp
-  use bw_load_columns, only: factor_of_quantity, list_columns, make_view, placed_loads, quantities
+  use bw_load_columns, only: factor_of_quantity, list_columns, make_view, quantities
   use bw_load_course, only: load_course, loads_before, scaled_course
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes
   use bw_loads_beside, only: modes_taking_part, unit_force
@@ -16,6 +16,7 @@ module bw_contact_rates
   use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_neglected_modes, only: project_neglected, neglected_type
+  use bw_placed_loads, only: placed_loads
   use bw_response, only: response_type
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: alone, segment_type

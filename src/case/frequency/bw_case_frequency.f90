@@ -3,9 +3,10 @@ module bw_case_frequency
   !! problem (bw_forced_beam). With one damping ratio for all modes, with tension or taper, or on a free hub it is a
   !! modal sum with a correction for omitted modes (bw_modal_response).
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, extend_source, find_sources
-  use bw_case_result, only: answer_type, case_done, case_modes, case_not_converged
+  use bw_case_result, only: answer_type, case_done, case_not_converged
   use bw_constants, only: two_pi
   use bw_damping, only: law_of
   use bw_double_double, only: dd

@@ -5,38 +5,32 @@ module bw_case_loads
   !! The number of modes is that of the scene, or doubles until the tolerance is met. The quasi-static contribution of
   !! omitted modes is included; the truncation error is how much they lag behind it. It is estimated with twice the
   !! modes, and bounded for displacements.
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: case_mode_cache, find_modes, most_in_run
-  use bw_case_result, only: add_notes, case_diverged, case_done, case_histories, case_modes, case_motion, case_not_converged, &
+  use bw_case_result, only: add_notes, case_diverged, case_done, case_histories, case_motion, case_not_converged, &
     history_errors, load_result
   use bw_change_of_bodies, only: beam_state
   use bw_error, only: error_type
   use bw_kinds, only: dp
-  use bw_load_columns, only: placed_loads, quantities
+  use bw_load_columns, only: quantities
   use bw_load_course, only: impulse_of, largest_load, load_course
   use bw_load_courses, only: courses_of
   use bw_load_run, only: follow_loads, largest_of, loaded_run
   use bw_missing, only: is_missing, missing
-  use bw_modes_par, only: shown_modes
   use bw_monitor, only: monitor_type
+  use bw_placed_loads, only: place_loads, placed_loads
   use bw_reached_tolerance, only: is_met, judge_tolerance, with_counts
   use bw_scene, only: changes_in_time, scene_type
   use bw_text, only: append, shortest, text_of
   implicit none (type, external)
   private
-  public :: add_loads, load_summary, place_loads, without_tolerance
+  public :: add_loads, load_summary
 
   integer, parameter :: most_count = 1024          !! limit of modes for a default tolerance; four times as many for a requested one
   real(dp), parameter :: bound_times = 100.0_dp    !! a proved bound may be so many tolerances
 
 contains
-
-  pure type(scene_type) function without_tolerance(scene) result(counted)
-    !! Return a scene with mode counts, if only loads move the beam: this module chooses the number under a tolerance.
-    type(scene_type), intent(in) :: scene
-    counted = scene
-    if (.not. allocated(scene%impact)) counted = with_counts(scene, shown_modes)
-  end function without_tolerance
 
   subroutine add_loads(scene, motion, monitor, cache, histories, errors, found, error, before_event)
     !! Add the motion under loads to the histories of a case, and its errors to theirs.
@@ -95,17 +89,6 @@ contains
       twice = max(count, min(2*count, most_in_run(scene, 4*most_count)))
     end function twice
   end subroutine add_loads
-
-  pure subroutine place_loads(scene, loads)
-    !! Place the loads: each force is a kind of its own, all base motions are one.
-    type(scene_type), intent(in) :: scene
-    type(placed_loads), intent(inout) :: loads     !! with the courses
-    integer :: l
-    allocate (loads%place(0))
-    if (allocated(scene%forces)) loads%place = scene%forces%position
-    loads%accelerated = allocated(scene%bases)
-    loads%kind = [(min(l, size(loads%place) + 1), l=1, size(loads%course))]
-  end subroutine place_loads
 
   pure type(load_result) function load_summary(scene, courses, units) result(loads)
     !! Summarise the applied loads, and note impulses before t = 0.

@@ -1,32 +1,22 @@
 module bw_load_columns
-  !! The quantities of histories under loads, the modal weights that give them, and the places of loads.
+  !! The quantities of histories under loads, and the modal weights that give them.
   use bw_beam_units, only: beam_units
   use bw_case_moments, only: scale_of_moments
   use bw_kinds, only: dp
-  use bw_load_course, only: load_course
-  use bw_load_modes, only: effective_mass, find_residuals, find_shears, total_mass
+  use bw_load_modes, only: effective_mass, find_residuals, total_mass
   use bw_load_sum, only: load_view
   use bw_mode_set, only: curvatures, deflections, mode_set, turns, values_at
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: arm_of
+  use bw_placed_loads, only: find_drive, placed_loads
   use bw_response_par, only: response_par
   use bw_scene, only: scene_type
-  use bw_static_shape, only: columns, deflection, hub_turn, turning
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: factor_of_quantity, find_drive, list_columns, make_view, residual_at
+  public :: factor_of_quantity, list_columns, make_view
 
   integer, parameter, public :: quantities = 6  !! displacement, velocity, acceleration, bending moment, shear force, hub rotation
   integer, parameter :: weight_of(quantities) = [1, 1, 1, 2, 3, 4], order_of(quantities) = [0, 1, 2, 0, 0, 0]
-
-  type, public :: placed_loads
-    !! Loads and their places.
-    type(load_course), allocatable :: course(:)
-    real(dp), allocatable :: place(:)                !! ξ of forces; each is one kind of load
-    logical :: accelerated = .false.                 !! the last kind is the acceleration of the frame
-    integer, allocatable :: kind(:)                  !! of each course
-  end type placed_loads
 
 contains
 
@@ -106,57 +96,5 @@ contains
       end do
     end associate
   end subroutine make_view
-
-  subroutine find_drive(given, modes, places, accelerated, monitor, drive, points, shear)
-    !! Find the modal loads of each kind: forces at their places, then an acceleration of −1 of the frame.
-    type(varying_beam), intent(in) :: given
-    class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: places(:)                    !! of forces
-    logical, intent(in) :: accelerated                   !! the frame is accelerated
-    class(monitor_type), intent(inout) :: monitor        !! results are invalid if it requests a stop
-    real(dp), allocatable, intent(out) :: drive(:, :)    !! (modes, kinds)
-    real(dp), intent(in) :: points(:)                    !! empty: no shear forces
-    real(dp), intent(out) :: shear(:, :)                 !! shear forces of the modes at the points, (modes, points)
-    real(dp) :: participation(modes%count), motion(modes%count, 2)
-    integer :: i
-    if (accelerated .or. size(points) > 0) call find_shears(given, modes, points, shear, participation, monitor)
-    allocate (drive(modes%count, size(places) + merge(1, 0, accelerated)))
-    do i = 1, size(places)
-      motion = modes%motion_at(places(i))
-      drive(:, i) = motion(:, 1)
-    end do
-    if (accelerated) drive(:, size(places) + 1) = participation
-  end subroutine find_drive
-
-  function residual_at(given, modes, summed, acting, drive, place) result(residual)
-    !! Return the quasi-static displacement and rotation of a place by omitted modes under each load, (2, loads).
-    type(varying_beam), intent(in) :: given
-    class(mode_set), intent(in) :: modes
-    integer, intent(in) :: summed
-    type(placed_loads), intent(in) :: acting
-    real(dp), intent(in) :: drive(:, :)            !! that of `find_drive`
-    real(dp), intent(in) :: place                  !! ξ
-    real(dp) :: residual(2, size(acting%course))
-    integer, parameter :: few = 64                 ! from here on a static solution is faster than beyond all modes
-    real(dp), dimension(size(drive, 2), 1, columns) :: beyond, terms
-    real(dp) :: arm, flexibility(1 + size(acting%place)), motion(modes%count, 2), weights(modes%count, 1, columns)
-    real(dp), allocatable :: soft(:)
-    integer :: l, n
-    n = min(few, summed)
-    weights = 0.0_dp
-    arm = arm_of(given%beam, place)
-    motion = modes%motion_at(place)
-    weights(:, 1, turning) = motion(:, 2)
-    weights(:, 1, hub_turn) = modes%hub_turns()
-    weights(:, 1, deflection) = motion(:, 1) - arm*weights(:, 1, hub_turn)
-    call find_residuals(given, modes, n, acting%place, acting%accelerated, drive, weights, [place], beyond, terms, &
-                        flexibility)
-    beyond(:, 1, deflection) = beyond(:, 1, deflection) + arm*beyond(:, 1, hub_turn)
-    residual = transpose(beyond(acting%kind, 1, [deflection, turning]))
-    soft = 1.0_dp/(modes%modal_mass(n + 1:summed)*modes%beta_squared(n + 1:summed)%hi)
-    do l = 1, size(acting%course)                  ! less modes `few` + 1 to `summed`
-      residual(:, l) = residual(:, l) - matmul(soft*drive(n + 1:summed, acting%kind(l)), motion(n + 1:summed, :))
-    end do
-  end function residual_at
 
 end module bw_load_columns

@@ -1,25 +1,26 @@
 module bw_load_run
   !! The motion of a beam under its loads with a given number of modes, through all changes of the beam: histories and
   !! their truncation errors.
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_bodies, only: beam_of, bodies_of, presence
-  use bw_case_result, only: case_modes
-  use bw_changing_errors, only: error_of_state
   use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type
+  use bw_changing_errors, only: error_of_state
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: event_type
   use bw_kinds, only: dp
   use bw_lack_error, only: lack_error
-  use bw_load_columns, only: factor_of_quantity, find_drive, list_columns, make_view, placed_loads, quantities, residual_at
+  use bw_load_columns, only: factor_of_quantity, list_columns, make_view, quantities
   use bw_load_course, only: lag_bound, load_course, loads_before
   use bw_load_sum, only: load_tail, load_view, rounding_of, sum_loaded_modes, tail_errors
   use bw_missing, only: is_missing
   use bw_mode_set, only: configuration_type, curvatures, deflections, first_numbers, mode_set
   use bw_monitor, only: monitor_type
+  use bw_placed_loads, only: find_drive, placed_loads, residual_at
   use bw_scene, only: scene_type
   use bw_segment, only: growth_ends
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_timeline, only: carried_type, configurations_of, occurs_in_record, number_of, step_type, steps_of
+  use bw_timeline, only: carried_type, configurations_of, later_steps, number_of, occurs_in_record, step_type, time_of
   use bw_unprojected, only: unprojected_errors
   use bw_varying_beam, only: varying_beam
   implicit none (type, external)
@@ -74,7 +75,7 @@ contains
     allocate (run%history(grid%samples, size(run%quantity)), source=0.0_dp)
     allocate (run%error(size(run%quantity)), run%bound(size(scene%response%points)), source=0.0_dp)
     allocate (run%before_event(0))
-    steps = steps_of(scene)
+    steps = later_steps(scene)
     configurations = configurations_of(scene)
     bodies = bodies_of(scene, units)
     where (.not. is_missing(bodies%velocity)) bodies%velocity = 0.0_dp   ! what bodies bring is part of the motion without loads
@@ -88,15 +89,15 @@ contains
     run%samples = grid%samples
     start = to_dd(0.0_dp)
     whole = to_dd(scene%response%duration/units%time%hi)
-    do i = 1 + count(steps%seconds <= 0.0_dp), size(steps) + 1
+    do i = 1, size(steps) + 1
       associate (set => modes%configuration(configuration)%set)
         ends = start%hi + growth_ends(set)
         until = whole
         next = 0
         if (i <= size(steps)) then
-          if (occurs_in_record(steps(i)%seconds, scene, to_dd(steps(i)%seconds)/units%time - start, set)) then
+          if (occurs_in_record(steps(i), scene, time_of(steps(i), units) - start, set)) then
             next = number_of(configurations, steps(i)%carried)
-            until = to_dd(steps(i)%seconds)/units%time
+            until = time_of(steps(i), units)
           end if
         end if
         samples = [first_sample(start, grid), first_sample(until, grid) - 1]

@@ -21,7 +21,7 @@ module bw_case_notes
   implicit none (type, external)
   private
   public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
-  public :: note_added_energy, note_contacts, note_lasting_contacts, note_no_change, note_relaxed, note_release, note_rounding
+  public :: note_added_energy, note_contacts, note_lasting_contacts, note_relaxed, note_release, note_rounding
   public :: most_of, out_of_reach, why_untrusted
 
   integer, parameter, public :: most_modes = 10000000      !! that a tolerance may sum
@@ -131,20 +131,6 @@ contains
         ' of its energy')
     end associate
   end subroutine note_added_energy
-
-  subroutine note_no_change(scene, motion)
-    !! Note why no release comes within the record.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
-    logical :: late
-    late = .false.
-    if (allocated(scene%response)) late = scene%release%time >= scene%response%duration
-    if (late) then
-      call append(motion%notes, 'release: it is after the end of the histories and does not affect them')
-    else
-      call append(motion%notes, 'release: by then the motion has grown beyond the range of double precision')
-    end if
-  end subroutine note_no_change
 
   subroutine note_release(scene, release, motion)
     !! Note the energy balance of a release.

@@ -22,7 +22,7 @@ module bw_case_validity
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
-  public :: note_contact, note_validity
+  public :: note_validity
 
   integer, parameter :: looked_at = 20                        !! the first modes
   real(dp), parameter :: thickest = 0.1_dp                    !! largest D/l of a slender beam
@@ -32,11 +32,12 @@ module bw_case_validity
 
 contains
 
-  subroutine note_validity(scene, motion, response, notes)
+  subroutine note_validity(scene, motion, response, contact, notes)
     !! Note the validity of the beam, and of its motion if a history is requested.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in), optional :: response      !! absent: no history is requested
+    type(contact_result), intent(in), optional :: contact      !! absent: no contact lasts
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp), allocatable :: q(:), rate(:)         ! of the first modes
     integer :: moves
@@ -55,6 +56,7 @@ contains
       call note_units(scene, motion%units, modes, notes)
       call note_thickness(scene, notes)
       call note_rotation(centrifugal_strain(scene), notes)
+      if (present(contact)) call note_contact(scene, motion%units, contact, motion%timeline%events, notes)
       if (.not. present(response)) return
       if (response%finite_samples == 0) return       ! another note explains it
       if (is_loaded(scene) .and. .not. allocated(scene%impact)) then

@@ -13,7 +13,7 @@ module bw_case_peak
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
   use bw_time_grid, only: time_grid
-  use bw_timeline, only: changes_of
+  use bw_timeline, only: configurations_of, later_steps, number_of, time_of
   implicit none (type, external)
   private
   public :: peak_after_changes, previewed_peak
@@ -34,17 +34,19 @@ contains
     type(segment_type) :: next
     integer :: i
     peak = 0.0_dp
-    associate (changes => changes_of(scene, motion%units), configuration => motion%modes%configuration)
-      do i = 1, size(changes)
-        associate (after => configuration(changes(i)%configuration)%source)
+    associate (steps => later_steps(scene), configuration => motion%modes%configuration)
+      do i = 1, size(steps)
+        next = segment_type(number_of(configurations_of(scene), steps(i)%carried), time_of(steps(i), motion%units))
+        associate (after => configuration(next%configuration)%source)
           call after%find(first_numbers(min(first_modes, after%highest)), few%set, grid%samples*grid%step%hi)
         end associate
         if (allocated(projection)) deallocate (projection)
         allocate (projection)
-        call project(segment, configuration(segment%configuration), changes(i)%time, grid%samples*grid%step%hi, 0, few%set, &
+        call project(segment, configuration(segment%configuration), next%start, grid%samples*grid%step%hi, 0, few%set, &
                      projection, monitor)
         if (monitor%stop_requested()) return
-        next = segment_type(changes(i)%configuration, changes(i)%time, q=projection%q_after, rate=projection%rate_after)
+        next%q = projection%q_after
+        next%rate = projection%rate_after
         peak = max(peak, sure*previewed_peak(scene, few, next, few%set%count, time_grid(grid%samples - samples, grid%step), &
                                              motion%units%time%hi, monitor))
       end do

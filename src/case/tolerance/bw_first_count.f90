@@ -14,7 +14,7 @@ module bw_first_count
   use bw_segment, only: segment_type
   use bw_segment_samples, only: stretch_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_timeline, only: change_type, changes_of, occurs_in_record
+  use bw_timeline, only: later_steps, occurs_in_record, step_type, time_of
   use bw_truncation_error, only: lowest_cutoff, displacement_error, find_tail, tail_type
   implicit none (type, external)
   private
@@ -57,13 +57,14 @@ contains
     type(case_motion), intent(in) :: motion
     type(configuration_type), intent(in) :: moving
     type(time_grid), intent(in) :: grid
-    type(change_type), allocatable :: changes(:)
+    type(step_type), allocatable :: steps(:)
     integer :: i
     samples = grid%samples
-    changes = changes_of(scene, motion%units)
-    do i = 1, size(changes)
-      if (occurs_in_record(changes(i)%seconds, scene, changes(i)%time, moving%set)) &
-        samples = min(samples, first_sample(changes(i)%time, grid) - 1)
+    steps = later_steps(scene)
+    do i = 1, size(steps)
+      associate (time => time_of(steps(i), motion%units))
+        if (occurs_in_record(steps(i), scene, time, moving%set)) samples = min(samples, first_sample(time, grid) - 1)
+      end associate
     end do
   end function samples_of_first
 

@@ -1,8 +1,8 @@
 module bw_tried_values
   !! The values with which an effect is tried that a scene lacks, derived from the scene.
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_modes
   use bw_constants, only: pi
   use bw_effect_table, only: effect_type, of_duration, of_first_speed, of_section, of_sphere, of_sphere_radius, own_unit, plain
   use bw_input_table, only: name_row, name_table

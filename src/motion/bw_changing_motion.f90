@@ -1,8 +1,8 @@
 module bw_changing_motion
   !! The motion of a beam that changes in time, from its initial motion through all events. Mode counts are given, and a
   !! fraction of the modes may take part, so that several runs show their convergence.
+  use bw_beam_motion, only: beam_motion
   use bw_case_bodies, only: bodies_of, presence, set_pull
-  use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type, energy_at, energy_of, strike_beam
   use bw_double_double, only: dd, to_dd, operator(/), operator(-)
   use bw_event, only: arrival_event, capture_event, departure_event, event_type, exchange_event, impact_event, release_event
@@ -13,13 +13,13 @@ module bw_changing_motion
   use bw_monitor, only: monitor_type
   use bw_rotation, only: speed_in_plane
   use bw_scene, only: scene_type
-  use bw_segment, only: energy_type, known_energy, leaves_range, move, segment_type, operator(+)
+  use bw_segment, only: energy_type, known_energy, move, segment_type, operator(+)
   use bw_text, only: append, shortest
-  use bw_timeline, only: carried_type, configurations_of, number_of, step_type, steps_of, timeline_type
+  use bw_timeline, only: carried_type, configurations_of, number_of, occurs_in_record, step_type, steps_of, time_of, timeline_type
   use bw_unprojected, only: unprojected_errors
   implicit none (type, external)
   private
-  public :: follow_changes, kind_of_change, note_late_change
+  public :: follow_changes, happens, kind_of_change, note_late_change
 
   type :: now_type
     !! The current state of the motion.
@@ -40,7 +40,7 @@ contains
     type(scene_type), intent(in) :: scene          !! without sweeps, with mode counts
     integer, intent(in) :: eighths                 !! of the modes of each configuration take part, the first
     integer, intent(in) :: handing                 !! how many times the summed modes are projected at changes
-    type(case_motion), intent(inout) :: motion     !! its modes are known
+    class(beam_motion), intent(inout) :: motion     !! its modes are known
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(beam_state), intent(in), optional :: loaded(:)     !! motion under loads before each event after t = 0
     type(step_type), allocatable :: steps(:)
@@ -67,8 +67,8 @@ contains
     motion%initial%events = motion%timeline%events
     call add_segment(to_dd(0.0_dp), handing, motion, now)
     do i = first, size(steps)
-      time = to_dd(steps(i)%seconds)/motion%units%time
-      if (.not. happens(scene, steps(i)%seconds, time, motion)) exit
+      time = time_of(steps(i), motion%units)
+      if (.not. happens(scene, steps(i), motion)) exit
       call advance(time, motion, now)
       if (present(loaded)) then
         if (i - first + 1 > size(loaded)) exit       ! a mode under loads has overflowed
@@ -90,7 +90,7 @@ contains
   subroutine begin(scene, motion, eighths, carried, now)
     !! Set the state at t = 0: deflected by the force of &initial, and rotating.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     integer, intent(in) :: eighths
     type(carried_type), intent(in) :: carried
     type(now_type), intent(out) :: now
@@ -109,28 +109,30 @@ contains
     now%state%rate(n + 1:) = 0.0_dp
   end subroutine begin
 
-  logical function happens(scene, seconds, time, motion)
-    !! Tell whether a change comes before the end of the record and before a growing mode overflows.
+  logical function happens(scene, step, motion)
+    !! Tell whether an event comes before the end of the record and before a growing mode overflows; note why not.
     type(scene_type), intent(in) :: scene
-    real(dp), intent(in) :: seconds
-    type(dd), intent(in) :: time
-    type(case_motion), intent(inout) :: motion
-    happens = .true.
-    if (allocated(scene%response)) happens = seconds < scene%response%duration
-    if (.not. happens) then
-      call note_late_change(seconds, motion)
-      return
-    end if
+    type(step_type), intent(in) :: step
+    class(beam_motion), intent(inout) :: motion
+    logical :: late
     associate (last => motion%timeline%segments(size(motion%timeline%segments)))
-      happens = .not. leaves_range(motion%modes%configuration(last%configuration)%set, time - last%start)
+      happens = occurs_in_record(step, scene, time_of(step, motion%units) - last%start, &
+                                 motion%modes%configuration(last%configuration)%set)
     end associate
-    if (.not. happens) call append(motion%notes, 'late change: by t = '//shortest(seconds, 6)//' s the motion has grown beyond '// &
-                                   'the range of double precision, and later changes are ignored')
+    if (happens) return
+    late = .false.
+    if (allocated(scene%response)) late = step%seconds >= scene%response%duration
+    if (late) then
+      call note_late_change(step%seconds, motion)
+    else
+      call append(motion%notes, 'late change: by t = '//shortest(step%seconds, 6)//' s the motion has grown beyond '// &
+                  'the range of double precision, and later changes are ignored')
+    end if
   end function happens
 
   subroutine note_late_change(seconds, motion)
     real(dp), intent(in) :: seconds
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     call append(motion%notes, 'late change: changes from t = '//shortest(seconds, 6)//' s on are after the end of the '// &
                 'histories and do not affect them')
   end subroutine note_late_change
@@ -138,7 +140,7 @@ contains
   subroutine advance(time, motion, now)
     !! Move the state from the start of the last segment to a time.
     type(dd), intent(in) :: time
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     type(now_type), intent(inout) :: now
     associate (last => motion%timeline%segments(size(motion%timeline%segments)), state => now%state)
       state%q = last%q
@@ -151,7 +153,7 @@ contains
     !! Append a segment of free motion about the equilibrium.
     type(dd), intent(in) :: time
     integer, intent(in) :: handing
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     type(now_type), intent(in) :: now
     type(segment_type) :: segment
     segment%configuration = now%configuration
@@ -184,7 +186,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
     integer, intent(in) :: eighths
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     class(monitor_type), intent(inout), target :: monitor
     logical, intent(in), optional :: with_loads    !! the event's energies and momenta include the motion under loads
@@ -240,7 +242,7 @@ contains
     !! Apply the impact. With a tolerance a captured mass strikes the continuum, not a finite number of modes: only the struck place
     !! changes its velocity, which takes no impulse.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     type(now_type), intent(inout) :: now
     type(event_type), intent(inout) :: event
     class(monitor_type), intent(inout), target :: monitor
@@ -258,7 +260,7 @@ contains
       call set_pull(scene, motion%units, mass)
       speed = speed_in_plane(scene%rotation, motion%units)
       place = sum(energy_at(modes, state%q(:state%count), mass(1), [dot_product(modes%struck, state%q), 0.0_dp], speed**2))
-      if (motion%plan%tolerance > 0.0_dp) then
+      if (motion%of_continuum) then
         energy = energy_of(modes, state) &
           + energy_type(0.5_dp*given%mass_ratio*given%approach_velocity**2 + place, 0.0_dp)
         event%energy_before = known_energy(energy)

@@ -1,6 +1,6 @@
 module bw_contact_flexibility
   !! The residual flexibility of omitted modes under the force of a mass pressed against the beam.
-  use bw_case_result, only: case_motion
+  use bw_beam_motion, only: beam_motion
   use bw_change_of_bodies, only: body_type
   use bw_kinds, only: dp
   use bw_lasting_contact, only: lasting_contacts
@@ -28,7 +28,7 @@ contains
   function flexibility_of(scene, motion, configuration, carried, summed, bodies) result(flexibility)
     !! Return the residual flexibility of the modes of a configuration that are not summed.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     integer, intent(in) :: configuration
     type(carried_type), intent(in) :: carried
     integer, intent(in) :: summed

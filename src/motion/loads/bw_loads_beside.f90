@@ -1,13 +1,13 @@
 module bw_loads_beside
   !! Loads in terms of the beam's modes and of a mass beside it, for any configuration of the beam in lasting contacts.
   use bw_acting_loads, only: acting_loads
-  use bw_case_result, only: case_motion
+  use bw_beam_motion, only: beam_motion
   use bw_kinds, only: dp
-  use bw_load_columns, only: find_drive, placed_loads, residual_at
   use bw_load_course, only: scaled_course
   use bw_load_modes, only: find_residuals
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: arm_of
+  use bw_placed_loads, only: find_drive, placed_loads, residual_at
   use bw_scene, only: scene_type, unit_velocity
   use bw_static_shape, only: deflection, hub_turn
   use bw_varying_beam, only: varying_beam
@@ -20,13 +20,13 @@ contains
   pure real(dp) function unit_force(scene, motion) result(newton)
     !! Return the unit of force of bw_segment, N.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     newton = motion%units%mass*unit_velocity(scene)/motion%units%time%hi
   end function unit_force
 
   pure integer function modes_taking_part(motion, configuration, summed) result(count)
     !! Return how many modes of a configuration take part: the same fraction as of the first.
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     integer, intent(in) :: configuration
     integer, intent(in) :: summed                    !! modes of the first
     associate (all => motion%modes%configuration)
@@ -37,7 +37,7 @@ contains
   subroutine project_loads(scene, motion, configuration, given, summed, loads, monitor, acting, places, at_places)
     !! Express loads in terms of the beam's modes and of the mass beside it.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     integer, intent(in) :: configuration
     type(varying_beam), intent(in) :: given          !! with the bodies that it carries
     integer, intent(in) :: summed                    !! modes that take part

@@ -4,8 +4,8 @@ module bw_first_motion
   !! A free hub is held until t = 0 and released together with the beam. The potential energy depends on deflections
   !! from the hub's line alone, so modal displacements are those of a beam on a hub with prescribed motion:
   !! FΦ_k(ξ_F)/(M_kβ_k²). The rigid rotation, with Φ = 0, returns the hub to where it was held.
+  use bw_beam_motion, only: beam_motion
   use bw_case_bodies, only: beam_of
-  use bw_case_result, only: case_motion
   use bw_kinds, only: dp
   use bw_load_modes, only: find_residuals
   use bw_mode_set, only: mode_set
@@ -25,7 +25,7 @@ contains
     !! has no static deflection, the case becomes unresolved.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: configuration           !! that moves
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     real(dp), allocatable, intent(out) :: q(:), rate(:)   !! m over the unit of time, and m/s, (modes)
     real(dp), allocatable :: shape(:, :)
     real(dp) :: force, turn

@@ -3,8 +3,8 @@ module bw_contact_changes
   !! and flights are followed. At a change the motion is projected onto other modes (bw_contact_projection). From a
   !! capture on the mass is one of the bodies.
   use bw_acting_loads, only: acting_loads
+  use bw_beam_motion, only: beam_motion
   use bw_case_bodies, only: beam_of, bodies_of, presence
-  use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: beam_state
   use bw_changing_motion, only: kind_of_change, note_late_change
   use bw_contact_bodies, only: bodies_after, first_motion
@@ -17,17 +17,17 @@ module bw_contact_changes
   use bw_kinds, only: dp
   use bw_lasting_contact, only: append_segment, begin_contacts, demand_type, finish_contacts, follow_until, go_on, &
     lasting_contacts
-  use bw_load_columns, only: placed_loads
   use bw_loads_beside, only: project_loads, modes_taking_part
   use bw_missing, only: is_missing
   use bw_mode_set, only: damping_rates, mode_set
   use bw_monitor, only: monitor_type
   use bw_oscillators, only: moving_state, oscillators, oscillators_of
+  use bw_placed_loads, only: placed_loads
   use bw_rotation, only: full_speed_in_plane
   use bw_scene, only: scene_type, unit_velocity
   use bw_segment, only: leaves_range, move, segment_type
   use bw_text, only: append
-  use bw_timeline, only: carried_type, number_of, step_type, steps_of
+  use bw_timeline, only: carried_type, number_of, step_type, steps_of, time_of
   implicit none (type, external)
   private
   public :: follow_contacts
@@ -37,7 +37,7 @@ contains
   subroutine follow_contacts(scene, motion, demand, first, monitor, contacts, loads)
     !! Follow contacts and flights from t = 0 to the end of the record.
     type(scene_type), intent(in) :: scene            !! with mode counts
-    type(case_motion), intent(inout) :: motion       !! its modes are known
+    class(beam_motion), intent(inout) :: motion       !! its modes are known
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(inout) :: first
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
@@ -72,7 +72,7 @@ contains
     do i = 1, size(steps) + 1
       time = to_dd(demand%longest)
       if (i <= size(steps)) then
-        if (steps(i)%seconds < scene%response%duration) time = to_dd(steps(i)%seconds)/motion%units%time
+        if (steps(i)%seconds < scene%response%duration) time = time_of(steps(i), motion%units)
       end if
       if (.not. now%run%captured) then
         call follow_until(now%run, time%hi, contacts, monitor)
@@ -120,7 +120,7 @@ contains
   subroutine find_flexibility(scene, motion, summed, now, monitor)
     !! Find the residual flexibility of the current configuration under the contact force and under loads.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     integer, intent(in) :: summed                    !! modes summed
     type(contact_progress), intent(inout) :: now
     class(monitor_type), intent(inout) :: monitor    !! results are invalid if it requests a stop
@@ -134,7 +134,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
     type(dd), intent(in) :: time
-    type(case_motion), intent(inout) :: motion
+    class(beam_motion), intent(inout) :: motion
     type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), target :: monitor
@@ -197,7 +197,7 @@ contains
   subroutine capture_mass(scene, motion, now, contacts, monitor)
     !! Capture the mass with its indentation. The energy stored in the contact and in omitted modes is lost.
     type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(inout) :: contacts
     class(monitor_type), intent(inout), target :: monitor
@@ -231,7 +231,7 @@ contains
 
   logical function advance(motion, time, contacts, now, monitor) result(happens)
     !! Move the state from the last segment to a time. Returns false if it has overflowed by then: no later event happens.
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     type(dd), intent(in) :: time
     type(lasting_contacts), intent(in) :: contacts
     type(contact_progress), intent(inout) :: now

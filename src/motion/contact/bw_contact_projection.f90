@@ -2,8 +2,8 @@ module bw_contact_projection
   !! The state of a beam in lasting contacts, and its projection onto other modes as bodies join or leave. Within a contact, the
   !! quasi-static deflection of omitted modes under its force is projected as well.
   use bw_acting_loads, only: acting_loads
+  use bw_beam_motion, only: beam_motion
   use bw_case_bodies, only: beam_of, presence
-  use bw_case_result, only: case_motion
   use bw_change_of_bodies, only: beam_state, body_type, change_bodies, change_type
   use bw_contact_flexibility, only: flexibility_type
   use bw_contact_steps, only: contact_run
@@ -12,11 +12,11 @@ module bw_contact_projection
   use bw_force_step, only: force_in_step, polynomial_of
   use bw_kinds, only: dp
   use bw_lasting_contact, only: lasting_contacts
-  use bw_load_columns, only: find_drive, placed_loads
   use bw_load_course, only: loads_before
   use bw_loads_beside, only: modes_taking_part
   use bw_mode_set, only: configuration_type, first_numbers, mode_set
   use bw_monitor, only: monitor_type
+  use bw_placed_loads, only: find_drive, placed_loads
   use bw_rotation, only: speed_in_plane
   use bw_scene, only: scene_type
   use bw_timeline, only: carried_type, configurations_of, number_of
@@ -47,7 +47,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(carried_type), intent(in) :: carried
     type(dd), intent(in) :: time
-    type(case_motion), intent(in) :: motion
+    class(beam_motion), intent(in) :: motion
     type(contact_progress), intent(inout) :: now
     type(lasting_contacts), intent(in) :: contacts
     type(event_type), intent(inout) :: event
