@@ -100,6 +100,7 @@ contains
     correlation = correlation*spread(values, 1, sensors)*spread(values, 2, sensors)
     vectors = correlation
     call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
+    if (info /= 0) return
     cost = 0.5_dp*sensors*(sensors - 1)*penalty
     if (valid_count*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
     cost = cost + valid_count*sum(log(noise%variance))

@@ -69,6 +69,7 @@ contains
     call put(conditions, 4*n - 1, here(3, :), 4*n - 3)
     call put(conditions, 4*n, here(1, :) - here(4, :)/(beam%piece(n)%stiffness%hi*(alpha*wave(n))**3), 4*n - 3)   ! never 0
     call zgbsv(4*n, wide, wide, 1, conditions, size(conditions, 1), pivot, factors, 4*n, info)
+    if (info > 0) factors = 0                        ! singular: no shape
     do row = 1, size(position)
       i = max(1, count(ends(:n - 1) < position(row)))
       here = states(i, min(position(row), ends(i)) - ends(i - 1))
