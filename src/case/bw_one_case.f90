@@ -166,7 +166,7 @@ contains
         if (allocated(scene%impact)) result%lever = scene%hub%radius + scene%impact%position*motion%units%length
       end if
       if (.not. allocated(scene%contact)) then
-        if (allocated(scene%impact) .and. size(result%segments) > 0) result%impact = initial%impact
+        if (allocated(scene%impact) .and. size(result%events) > 0) result%impact = initial%impact
         call move_alloc(initial%velocity_jump, result%velocity_jump)
         call move_alloc(initial%modal_displacement, result%modal_displacement)
         call move_alloc(initial%modal_velocity, result%modal_velocity)
