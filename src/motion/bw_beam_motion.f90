@@ -12,7 +12,7 @@ module bw_beam_motion
 
   type, public :: case_modes
     !! Sources of modes and the modes held in memory: those that move, or the first few if a tolerance chooses the number.
-    type(configuration_type), allocatable :: configuration(:)   !! the beam alone, and with the mass if it is captured
+    type(configuration_type), allocatable :: configuration(:)   !! those of `configurations_of` (bw_timeline)
     integer :: moving = alone                       !! configuration after t = 0
     logical :: can_grow = .true.                    !! a mode may be unstable at some angular velocity
     logical :: resolved = .true.                    !! false: modes are invalid, and nothing is computed from them
@@ -20,6 +20,7 @@ module bw_beam_motion
   end type case_modes
 
   type, public :: beam_motion
+    !! What is known of a beam's motion. Units of bw_segment.
     type(beam_units) :: units
     type(case_modes) :: modes
     logical :: of_continuum = .false.               !! a captured mass strikes infinitely many modes, not those held

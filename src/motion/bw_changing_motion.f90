@@ -40,7 +40,7 @@ contains
     type(scene_type), intent(in) :: scene          !! without sweeps, with mode counts
     integer, intent(in) :: eighths                 !! of the modes of each configuration take part, the first
     integer, intent(in) :: handing                 !! how many times the summed modes are projected at changes
-    class(beam_motion), intent(inout) :: motion     !! its modes are known
+    class(beam_motion), intent(inout) :: motion    !! its modes are known
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
     type(beam_state), intent(in), optional :: loaded(:)     !! motion under loads before each event after t = 0
     type(step_type), allocatable :: steps(:)

@@ -37,7 +37,7 @@ contains
   subroutine follow_contacts(scene, motion, demand, first, monitor, contacts, loads)
     !! Follow contacts and flights from t = 0 to the end of the record.
     type(scene_type), intent(in) :: scene            !! with mode counts
-    class(beam_motion), intent(inout) :: motion       !! its modes are known
+    class(beam_motion), intent(inout) :: motion      !! its modes are known
     type(demand_type), intent(in) :: demand
     type(first_motion), intent(inout) :: first
     class(monitor_type), intent(inout), target :: monitor   !! results are invalid if it requests a stop
