@@ -56,8 +56,8 @@ def test_lines_are_found_without_a_sensor_most_of_which_is_flawed(here, bad):
     names = "angular_frequency angular_frequency_error decay_rate decay_rate_bound wavenumber wavenumber_error"
     for name in names.split():
         np.testing.assert_array_equal(result[f"measured_{name}"], alone[f"measured_{name}"], name)
-    for name in "amplitude amplitude_error amplitude_bound phase".split():
-        np.testing.assert_array_equal(result[f"measured_{name}"][[0, 2]], alone[f"measured_{name}"], name)
+    for name in "amplitude amplitude_error amplitude_bound phase".split():  # vector and scalar functions differ in the last bits
+        np.testing.assert_allclose(result[f"measured_{name}"][[0, 2]], alone[f"measured_{name}"], rtol=1e-15, err_msg=name)
         assert results.is_fill(result[f"measured_{name}"][1]).all(), name
     assert results.is_fill(result["noise_deviation"]).tolist() == [False, True, False]
     assert results.is_fill(result["fitted"][1]).all()
