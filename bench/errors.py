@@ -69,8 +69,8 @@ def of_both(kind: str, found: tuple | None) -> Iterator[Row]:
 
 
 def loads(here: Workplace, options: argparse.Namespace) -> Iterator[Row]:
-    """Forces, motions of the base and of the hub, changes under them."""
-    for kind in ("force", "base", "hub", "hub_base", "change"):
+    """Forces, motions of the base and of the hub, changes under them, and the end of a static deflection."""
+    for kind in ("force", "base", "hub", "hub_base", "change", "let_go"):
         rng = np.random.default_rng(options.seed)
         for _ in range(options.scenes or 300):
             scene = load_scenes.draw(rng, kind)

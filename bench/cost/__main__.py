@@ -44,8 +44,8 @@ def runs(program: Path, seed: int, draws: int, directory: Path) -> list[Run]:
     for name, text in drawn(seed, draws):
         scene = directory / f"{name}.nml"
         scene.write_text(text)
-        counted = launched(program.with_name("bench_cost"), scene).said.split()
         try:
+            counted = launched(program.with_name("bench_cost"), scene).said.split()
             _, memory, _, check = expected(program, scene)
             took = []
             for turn in "ab":  # a result that is there would be nothing to do

@@ -5,8 +5,12 @@ from __future__ import annotations
 from typing import Any, Callable, Iterator
 
 import common  # noqa: F401 (finds tests/scenes)
+import contact_scenes
+import load_scenes
 import numpy as np
 from workplace import PAPER_BEAM, group_text
+
+from common.bench import PROJECT
 
 Groups = list[tuple[str, dict[str, Any]]]
 
@@ -86,6 +90,19 @@ def sweeps(dice: Dice) -> Groups:
     return [*few, *swept(dice, RANGES[dice.rng.integers(3)], 3000)]
 
 
+def loaded(dice: Dice) -> Groups:
+    scene = load_scenes.draw(dice.rng, str(dice.rng.choice(["force", "base", "hub", "hub_base", "change"])))
+    return [*scene.items(), *dice.modes(1e-5, 300)]
+
+
+def in_contact(dice: Dice) -> Groups:
+    kind = str(dice.rng.choice(["blow", "initial", "captures", "loads", "changes"]))
+    scene = contact_scenes.draw(dice.rng) if kind == "blow" else contact_scenes.draw_moving(dice.rng, kind)
+    if dice.chance() and "damping" not in scene["contact"]:
+        scene["modes"] = {"tolerance": 1e-4}
+    return list(scene.items())
+
+
 KINDS: dict[str, Callable[[Dice], Groups]] = {
     "frequencies": lambda dice: [*dice.captured(), *dice.turning(), *dice.counts(10, 1e6)],
     "counted": lambda dice: [*dice.captured(), *dice.turning(), *dice.counts(10, 1e5), *dice.response(4e6)],
@@ -101,11 +118,17 @@ KINDS: dict[str, Callable[[Dice], Groups]] = {
     "spectra": lambda dice: [  # amplitudes alone: of places where no waves are measured
         *dice.captured(), *dice.counts(5, 100), *dice.response(1e4, [0.4, 0.9]), ("spectrum", {}), *swept(dice, RANGES[0], 1000)],
     "sweeps": sweeps,
+    "loaded": loaded,
+    "in_contact": in_contact,
 }  # fmt: skip
 
 
 def drawn(seed: int, draws: int) -> Iterator[tuple[str, str]]:
-    """Names and namelists of so many scenes of each kind."""
+    """Names and namelists of so many scenes of each kind, and of all of input/ but records."""
     for k, (name, draw) in enumerate(KINDS.items()):
         for n in range(draws):
             yield f"{name}_{n}", "".join(group_text(*group) for group in draw(Dice(seed, k, n)))
+    for scene in sorted((PROJECT / "input").rglob("*.nml")):
+        text = scene.read_text()
+        if "&record" not in text:
+            yield scene.stem, text

@@ -5,6 +5,8 @@ module bw_monitor
   private
   public :: stops
 
+  integer, parameter, public :: between_questions = 64   !! steps of up to some µs between questions whether to stop
+
   type, abstract, public :: monitor_type
   contains
     procedure(advance_interface), deferred :: advance

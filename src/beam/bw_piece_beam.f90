@@ -194,7 +194,7 @@ contains
   end function root_power
 
   pure function holds_tip(beam) result(held)
-    !! Tell whether deflection and rotation of the tip are rigidly held.
+    !! Return whether deflection and rotation of the tip are rigidly held.
     type(piece_beam), intent(in) :: beam
     logical :: held(2)
     associate (tip => beam%joint(size(beam%joint)))
@@ -203,7 +203,7 @@ contains
   end function holds_tip
 
   pure logical function is_held(beam, xi)
-    !! Tell whether a place is an end of the beam with rigidly held deflection.
+    !! Return whether a place is an end of the beam with rigidly held deflection.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi
     logical :: tip(2)

@@ -12,7 +12,7 @@ module bw_rotation
 contains
 
   pure logical function acts_in_plane(rotation)
-    !! Tell whether the beam moves in the plane of rotation, where the centrifugal force acts on its deflection.
+    !! Return whether the beam moves in the plane of rotation, where the centrifugal force acts on its deflection.
     type(rotation_par), intent(in) :: rotation
     acts_in_plane = rotation%plane == 'in'
   end function acts_in_plane

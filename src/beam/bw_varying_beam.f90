@@ -110,7 +110,7 @@ contains
   end subroutine pull_piece
 
   pure logical function tapers(self)
-    !! Tell whether a property of a section varies along a piece.
+    !! Return whether a property of a section varies along a piece.
     class(varying_beam), intent(in) :: self
     integer :: i
     tapers = .false.

@@ -2,14 +2,19 @@ module bw_case_cost
   !! The cost of a case: seconds of its stages, each a sum of counts known before the run times the seconds of one, and
   !! bytes of its modes. It divides the progress bar and gives the numbers of `check`. Seconds are those of one core,
   !! within a factor of 3.
+  use bw_beam_units, only: slenderness, units_of
   use bw_case_frequency, only: modes_of_answer
-  use bw_case_modes, only: first_modes, most_to_tolerance
+  use bw_case_modes, only: first_modes, most_in_run, most_to_tolerance
   use bw_input_values, only: position_of
+  use bw_constants, only: pi
   use bw_kinds, only: dp, i8
+  use bw_load_course, only: course_of_shape, lag_bound
+  use bw_load_par, only: load_par
+  use bw_missing, only: is_missing
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_scene, only: answers_by_modes, by_pieces, changes_in_time, changes_shapes, converges_in_run, has_configurations, &
-    is_loaded, is_planned, scene_type
+    is_let_go, is_loaded, is_planned, scene_type
   use bw_sum_choice, only: product_seconds, sum_seconds
   use bw_timeline, only: is_released, most_configurations, most_events
   implicit none (type, external)
@@ -36,29 +41,29 @@ module bw_case_cost
 
   ! Fitted: bench/cost prints these lines.
   type(term_type), parameter :: term(*) = [ &
-    term_type(modes_share, 6.0e-8_dp), &             !! a mode in closed form
-    term_type(modes_share, 6.7e-6_dp), &             !! a mode in a piece
-    term_type(modes_share, 6.3e-11_dp), &            !! the cube of the unknowns of Galerkin's method
-    term_type(modes_share, 1.9e-7_dp), &             !! their square
-    term_type(events_share, 2.6e-8_dp), &            !! a mode in closed form at a place of the profile
-    term_type(events_share, 3.6e-8_dp), &            !! any other mode there
-    term_type(events_share, 1.3e-8_dp), &            !! a pair of modes before and after a capture that have no closed form
-    term_type(events_share, 5.2e-4_dp), &            !! a plan by tolerance
-    term_type(later_share, 4.3e-9_dp), &             !! a pair before and after a release in closed form
-    term_type(later_share, 1.2e-6_dp), &             !! such a pair without closed form where a tolerance is planned
-    term_type(later_share, 1.6e-5_dp), &             !! a mode in a contact of any kind
-    term_type(histories_share, 1.4e-9_dp), &         !! a sample of a mode under loads, and of each of its histories
-    term_type(histories_share, 0.90_dp), &           !! a second of the cost model of bw_sum_choice
-    term_type(histories_share, 3.3_dp), &            !! the same for damped modes
-    term_type(histories_share, 6.6e-8_dp), &         !! a mode at a point, where its error is estimated
-    term_type(spectrum_share, 2.7e-8_dp), &          !! a sample and octave of the transforms that a search takes
-    term_type(spectrum_share, 4.7e-2_dp), &          !! a search for lines
-    term_type(spectrum_share, 9.6e-9_dp), &          !! a line in a sample
-    term_type(answer_share, 1.0e-6_dp), &            !! a piece and point at a frequency of a harmonic force
+    term_type(modes_share, 3.6e-8_dp), &             !! a mode in closed form
+    term_type(modes_share, 1.2e-5_dp), &             !! a mode in a piece
+    term_type(modes_share, 2.7e-10_dp), &            !! the cube of the unknowns of Galerkin's method
+    term_type(modes_share, 2.2e-7_dp), &             !! their square
+    term_type(events_share, 3.7e-8_dp), &            !! a mode in closed form at a place of the profile
+    term_type(events_share, 3.7e-8_dp), &            !! any other mode there
+    term_type(events_share, 4.0e-9_dp), &            !! a pair of modes before and after a capture that have no closed form
+    term_type(events_share, 1.9e-4_dp), &            !! a plan by tolerance
+    term_type(later_share, 3.6e-8_dp), &             !! a pair before and after a release in closed form
+    term_type(later_share, 6.1e-6_dp), &             !! such a pair without closed form where a tolerance is planned
+    term_type(later_share, 1.4e-5_dp), &             !! a mode in a contact of any kind
+    term_type(histories_share, 1.5e-9_dp), &         !! a sample of a mode under loads, and of each of its histories
+    term_type(histories_share, 1.8_dp), &            !! a second of the cost model of bw_sum_choice
+    term_type(histories_share, 4.6_dp), &            !! the same for damped modes
+    term_type(histories_share, 1.0e-7_dp), &         !! a mode at a point, where its error is estimated
+    term_type(spectrum_share, 2.8e-8_dp), &          !! a sample and octave of the transforms that a search takes
+    term_type(spectrum_share, 0.12_dp), &            !! a search for lines
+    term_type(spectrum_share, 2.3e-8_dp), &          !! a line in a sample
+    term_type(answer_share, 1.6e-6_dp), &            !! a piece and point at a frequency of a harmonic force
     term_type(answer_share, 1.0e-8_dp), &            !! a mode and point there
-    term_type(whole_run, 3.1e-8_dp), &               !! a number of the result
-    term_type(whole_run, 3.8e-6_dp), &               !! a case
-    term_type(whole_run, 9.1e-3_dp)]                 !! the program and its files
+    term_type(whole_run, 5.2e-8_dp), &               !! a number of the result
+    term_type(whole_run, 6.0e-5_dp), &               !! a case
+    term_type(whole_run, 1.6e-2_dp)]                 !! the program and its files
   integer, parameter, public :: term_count = size(term)
   real(dp), parameter :: times_over = 2.0_dp         !! cost of all mode counts that a tolerance tries, over that of the last
   integer, parameter :: most_loaded = 1024           !! modes that the default tolerance may sum if accelerations are requested
@@ -67,7 +72,10 @@ module bw_case_cost
   real(dp), parameter :: loaded_passes = 4.0_dp*changing_passes/7.0_dp !! of one run under loads, which projects 4 times as many
   real(dp), parameter :: changing_sums = 4.4_dp      !! modes summed in all runs over those of the full run
   real(dp), parameter :: contact_modes = 256.0_dp    !! summed by the default tolerance in a lasting impact
-  real(dp), parameter :: contact_passes = 30.0_dp    !! over the modes of a motion with lasting contacts: two runs of some contacts
+  real(dp), parameter :: cautious = 5.0_dp           !! an estimate over the error, in the median
+  real(dp), parameter :: contact_pass = 8.0_dp       !! over the modes of a motion in two runs of a lasting contact
+  real(dp), parameter :: beside = 5.0_dp             !! time of contacts on a beam that changes or is loaded, over that of others
+  real(dp), parameter :: contact_passes = 30.0_dp    !! of a usual number of them
 
 contains
 
@@ -109,7 +117,11 @@ contains
     moving = merge(after, before, allocated(scene%capture))
     if (converges_in_run(scene) .and. planning) then     ! the run itself finds the count of its tolerance
       moving = first_modes*2
-      if (allocated(scene%contact)) moving = modes_of_contact(scene)
+      if (allocated(scene%contact)) then
+        moving = modes_of_contact(scene)
+      else if (is_loaded(scene) .and. .not. changes_in_time(scene)) then
+        moving = 2.0_dp*modes_under_loads(scene)   ! twice the modes, for the error estimate
+      end if
       before = moving
     end if
     found = before + after
@@ -133,7 +145,8 @@ contains
     if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
       & counts(capture_pairs) = merge(2, 1, is_released(scene))*before*after
     if (is_planned(scene)) counts(plans) = 1.0_dp
-    if (allocated(scene%contact)) counts(contacts) = contact_passes*before
+    if (allocated(scene%contact)) counts(contacts) = min(contact_passes, contact_pass*scene%contact%max_contacts)*before &
+      & *merge(beside, 1.0_dp, is_loaded(scene) .or. changes_in_time(scene))
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (is_released(scene) .and. (planning .or. closed)) &
       & counts(merge(closed_releases, other_releases, closed)) = max(moving, before)*moving
@@ -148,15 +161,14 @@ contains
     if (.not. allocated(scene%response)) return
     associate (response => scene%response, points => size(scene%response%points))
       counts(merge(damped_sums, plain_sums, allocated(scene%damping))) = seconds_of_sums(scene, moving)
-      if (changes_in_time(scene)) counts([damped_sums, plain_sums]) = changing_sums*counts([damped_sums, plain_sums])
+      if (changes_in_time(scene) .and. .not. is_let_go(scene)) &
+        & counts([damped_sums, plain_sums]) = changing_sums*counts([damped_sums, plain_sums])
       counts(error_estimates) = moving*points
       driven = is_loaded(scene)
       if (allocated(scene%contact)) driven = driven .or. response%acceleration .or. response%shear_force
       if (driven) then
-        followed = 2.0_dp*moving                      ! twice the modes, for the error estimate
-        if (planning .and. .not. allocated(scene%contact)) &
-          followed = merge(2*most_loaded, 4*first_modes, response%acceleration .or. &
-                                       (changes_in_time(scene) .and. (response%velocity .or. response%bending_moment)))
+        followed = merge(moving, 2.0_dp*moving, planning .and. .not. allocated(scene%contact))
+        if (planning .and. changes_in_time(scene) .and. .not. allocated(scene%contact)) followed = 2.0_dp*modes_under_loads(scene)
         if (changes_in_time(scene)) counts(capture_pairs) = counts(capture_pairs) &
           + loaded_passes*(most_events(scene, 0) - count([allocated(scene%impact), allocated(scene%capture)]))*followed**2
         if (planning) followed = times_over*followed
@@ -191,6 +203,46 @@ contains
       modes = min(most, modes)
     end associate
   end function modes_of_contact
+
+  pure real(dp) function modes_under_loads(scene) result(modes)
+    !! Return how many modes a tolerance sums under loads: until the part of the last, by how much it lags behind the loads and as far
+    !! as the requested quantities show it, is within the tolerance.
+    type(scene_type), intent(in) :: scene
+    real(dp) :: part
+    integer :: l
+    associate (most => most_in_run(scene, merge(4, 1, scene%modes%asked)*most_loaded), response => scene%response)
+      modes = first_modes
+      if (changes_in_time(scene) .and. (response%velocity .or. response%bending_moment)) modes = most
+      do while (modes < most)
+        part = 0.0_dp
+        if (allocated(scene%forces)) part = maxval([(part_of(scene%forces(l)%load_par), l=1, size(scene%forces))])
+        if (allocated(scene%bases)) part = max(part, maxval([(part_of(scene%bases(l))/modes, l=1, size(scene%bases))]))
+        if (cautious*part <= scene%modes%tolerance) exit
+        modes = min(real(most, dp), 2.0_dp*modes)
+      end do
+    end associate
+  contains
+    pure real(dp) function part_of(load) result(part)
+      !! Return the part of the last mode over that of the first.
+      type(load_par), intent(in) :: load
+      real(dp) :: duration, frequency
+      character(:), allocatable :: shape
+      duration = scene%response%duration - load%start
+      if (.not. is_missing(load%duration)) duration = load%duration
+      shape = load%shape
+      if (shape == 'file') shape = 'triangle'      ! linear between its samples, which are read later
+      frequency = modes**2                         ! over that of the first
+      if (allocated(scene%shear)) frequency = frequency/hypot(1.0_dp, 2.0_dp*pi*modes*slenderness(scene%beam))
+      associate (units => units_of(scene%beam), response => scene%response)
+        associate (unit => units%time%hi)
+          part = lag_bound(course_of_shape(shape, 1.0_dp, load%start/unit, duration/unit, load%frequency*unit), &
+                           response%duration/unit, 1.0_dp/(pi**2*frequency), 0.0_dp)
+        end associate
+        part = part*maxval(frequency**[-2, -1, 0, -2, -2]*modes**[0, 0, 0, 2, 3], &
+          mask=[.true., response%velocity, response%acceleration, response%bending_moment, response%shear_force])
+      end associate
+    end function part_of
+  end function modes_under_loads
 
   pure function shared_terms(scene) result(shared)
     !! Tell which terms a case takes over from the case before: modes in closed form, unless the impact changes.

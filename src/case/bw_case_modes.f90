@@ -8,7 +8,7 @@ module bw_case_modes
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_cache, only: mode_cache
-  use bw_mode_set, only: configuration_type, first_numbers, mode_source
+  use bw_mode_set, only: configuration_type, first_numbers, least_phase, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_piece_beam, only: cut_all
@@ -37,7 +37,6 @@ module bw_case_modes
   character(*), parameter :: lost_mode = &
     'a mode was not found (modes are not sought if rotation bends the beam into more than some hundred waves)'
   character(*), parameter :: no_basis = 'the polynomials of the Galerkin basis do not resolve the modes'
-  real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, phase error of roots over the record without a tolerance
   real(dp), parameter :: phase_share = 1.0e-3_dp      !! share of a tolerance left to phase errors
 
 contains

@@ -129,7 +129,7 @@ contains
   end function first_of_last
 
   pure logical function is_pressed(motion)
-    !! Tell whether a mass is pressed against the beam at the end; the modes include it then.
+    !! Return whether a mass is pressed against the beam at the end; the modes include it then.
     type(case_motion), intent(in) :: motion
     is_pressed = .not. allocated(motion%modes%configuration(last_configuration(motion))%source)
   end function is_pressed

@@ -7,7 +7,7 @@ module bw_result_layout
   use bw_line_windows, only: window_start
   use bw_piece_beam, only: junctions_of
   use bw_record, only: sensor_type
-  use bw_scene, only: answers_by_modes, changes_in_time, converges_in_run, has_configurations, is_loaded, scene_type, &
+  use bw_scene, only: answers_by_modes, changes_in_time, converges_in_run, has_configurations, is_let_go, is_loaded, scene_type, &
     varies_along_pieces
   use bw_scene_cases, only: case_count
   use bw_scene_pieces, only: pieces_of, struck_beam
@@ -77,7 +77,7 @@ module bw_result_layout
     logical :: acceleration = .false.     !! histories of acceleration are requested
     logical :: shear_force = .false.      !! histories of shear force are requested
     logical :: hub = .false.          !! the hub is free to turn
-    logical :: continuum = .false.    !! histories have a limit as modes are added
+    logical :: continuum = .false.    !! errors of displacements against all modes are bounded
     logical :: estimates = .false.    !! errors of histories are estimated
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: contact_samples = 0    !! force samples of each lasting contact
@@ -155,7 +155,7 @@ contains
     layout%shear_force = scene%response%shear_force
     layout%bending_stress = layout%bending_moment .and. has_fibre(scene%beam)
     layout%continuum = (allocated(scene%capture) .and. .not. converges_in_run(scene)) .or. &
-      (is_loaded(scene) .and. .not. (allocated(scene%impact) .or. changes_in_time(scene)))
+      (is_loaded(scene) .and. .not. (allocated(scene%impact) .or. changes_in_time(scene))) .or. is_let_go(scene)
     layout%contacts = allocated(scene%recontact) .or. allocated(scene%contact)
     layout%estimates = layout%continuum .or. layout%contacts .or. changes_in_time(scene)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
@@ -268,9 +268,9 @@ contains
   end function letters_of
 
   pure recursive logical function has(layout, words) result(there)
-    !! Tell whether the result has all that the words name: dimensions; `velocity`, `bending_moment`, `bending_stress`,
-    !! `acceleration`, `shear_force` (histories of them); `hub` (a free one); `contacts`; `continuum` (histories
-    !! converge as modes are added); `estimates` (of their errors); `mode_shapes`; `modal_model`; `blow` (instantaneous
+    !! Return whether the result has all that the words name: dimensions; `velocity`, `bending_moment`, `bending_stress`,
+    !! `acceleration`, `shear_force` (histories of them); `hub` (a free one); `contacts`; `continuum` (displacements
+    !! have a proved bound of their error); `estimates` (of their errors); `mode_shapes`; `modal_model`; `blow` (instantaneous
     !! impact); `record` or `simulated`; `hammer` (measured force); `by_modes` (frequency response); `model` (of the
     !! record's beam); `places` (of all points); `waves`.
     type(result_layout), intent(in) :: layout

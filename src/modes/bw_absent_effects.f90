@@ -64,7 +64,7 @@ contains
   end subroutine absent_changes
 
   pure logical function is_papers_beam(scene) result(is)
-    !! Tell whether the beam is one clamped piece with at most a mass at its tip.
+    !! Return whether the beam is one clamped piece with at most a mass at its tip.
     type(scene_type), intent(in) :: scene
     is = .not. has_parts(scene%groups)
     if (is .and. allocated(scene%capture)) is = scene%impact%position == 1.0_dp

@@ -8,6 +8,7 @@ module bw_beam_parts
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_lapack, only: dgesv
+  use bw_missing, only: no_number
   use bw_piece_beam, only: joint_position
   use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
@@ -105,6 +106,7 @@ contains
       system(i, i) = system(i, i) + 1.0_dp
     end do
     call dgesv(4*stages, 4, system, 4*stages, pivot, slopes, 4*stages, info)
+    if (info /= 0) slopes = no_number()             ! no mode is found with it
     across = 0.0_dp
     do i = 1, 4
       across(i, i) = 1.0_dp
@@ -161,8 +163,8 @@ contains
     !! Return Gauss points on [0, 1], their weights, and the integrals of Lagrange polynomials up to each of them.
     real(dp), intent(out) :: place(stages), weight(stages), a(stages, stages)
     real(dp) :: p(0:stages), slope, x
-    real(dp) :: powers(stages, stages), integrals(stages, stages)
-    integer :: i, info, iteration, j, pivot(stages)
+    real(dp), dimension(stages, 0:stages - 1) :: legendre, integral    ! P_j(x_i), and from −1 to x_i on the scale of [0, 1]
+    integer :: i, iteration, j
     do i = 1, stages
       x = -cos(pi*(i - 0.25_dp)/(stages + 0.5_dp))
       do iteration = 1, 8
@@ -177,15 +179,16 @@ contains
       place(i) = 0.5_dp*(1.0_dp + x)
       weight(i) = 1.0_dp/((1.0_dp - x**2)*slope**2)
       ! ∫_{-1}^{x} P_j = (P_{j+1} - P_{j-1})/(2j + 1)
-      integrals(1, i) = 0.5_dp*(x + 1.0_dp)
+      integral(i, 0) = 0.5_dp*(x + 1.0_dp)
       do j = 1, stages - 1
-        integrals(j + 1, i) = 0.5_dp*(p(j + 1) - p(j - 1))/(2*j + 1)
+        integral(i, j) = 0.5_dp*(p(j + 1) - p(j - 1))/(2*j + 1)
       end do
-      powers(:, i) = p(:stages - 1)
+      legendre(i, :) = p(:stages - 1)
     end do
-    ! a(i, :) solves Σ_k a(i, k) P_j(x_k) = ∫ P_j for all j
-    call dgesv(stages, stages, powers, stages, pivot, integrals, stages, info)
-    a = transpose(integrals)
+    ! the rule integrates P_iP_j exactly, so that Lagrange's polynomial of x_k is w_k Σ_j (2j + 1)P_j(x_k)P_j
+    do i = 1, stages
+      a(i, :) = weight*matmul(legendre, [(2*j + 1, j=0, stages - 1)]*integral(i, :))
+    end do
   end subroutine gauss_rule
 
 end module bw_beam_parts

@@ -14,7 +14,7 @@ module bw_modal_flow
   public :: angle_of, flow, turning_square, exponent_of, slow_exponent, fast_exponent, damping_factor_beyond, energy_gain
   public :: find_angular_frequencies, find_growth_rates
 
-  real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
+  real(dp), parameter, public :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
 
 contains
 

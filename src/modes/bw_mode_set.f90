@@ -14,6 +14,9 @@ module bw_mode_set
     terms_of_set, values_at
 
   integer, parameter, public :: deflections = 1, curvatures = 2, turns = 3   !! quantities of histories, the last for a free hub
+  integer, parameter, public :: batch = 256             !! tuned: modes whose arrays stay in the fastest cache
+  real(dp), parameter, public :: least_phase = 1.0e-13_dp    !! rad, phase error at the end of a history without a tolerance
+  real(dp), parameter, public :: near_critical = 1.0e-2_dp   !! |ω² − Ω²| over ω² below which binary64 frequencies lose digits
 
   type, abstract, public :: mode_set
     !! Modes of one beam and their properties.

@@ -18,6 +18,7 @@ module bw_change_of_bodies
   use bw_missing, only: is_missing, missing
   use bw_mode_set, only: configuration_type, first_struck_mode, mean_rate, mode_set
   use bw_monitor, only: monitor_type, stops
+  use bw_projection, only: projection_rounding
   use bw_segment, only: energy_type, known_energy, shape_term, operator(+)
   implicit none (type, external)
   private
@@ -50,7 +51,6 @@ module bw_change_of_bodies
   end type change_type
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
-  real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! relative error of integrals of two shapes
 
 contains
 
@@ -337,7 +337,7 @@ contains
   end function part_of_energy
 
   elemental logical function is_strained(body)
-    !! Tell whether a body's springs are strained in a straight beam.
+    !! Return whether a body's springs are strained in a straight beam.
     type(body_type), intent(in) :: body
     is_strained = any([body%stiffness, body%turning_stiffness]*body%unstressed /= 0.0_dp)
   end function is_strained

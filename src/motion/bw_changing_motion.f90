@@ -110,7 +110,7 @@ contains
   end subroutine begin
 
   logical function happens(scene, step, motion)
-    !! Tell whether an event comes before the end of the record and before a growing mode overflows; note why not.
+    !! Return whether an event comes before the end of the record and before a growing mode overflows; note why not.
     type(scene_type), intent(in) :: scene
     type(step_type), intent(in) :: step
     class(beam_motion), intent(inout) :: motion

@@ -3,7 +3,7 @@ module bw_oscillators
   !! Weighted sums over them are the gap between tip and mass, or the contact force. Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd, sqrt, to_dd, operator(*), operator(+), operator(-)
   use bw_kinds, only: dp
-  use bw_modal_flow, only: angle_of, flow, turning_square
+  use bw_modal_flow, only: angle_of, flow, joined_below, turning_square
   implicit none (type, external)
   private
   public :: oscillators_of
@@ -34,7 +34,6 @@ module bw_oscillators
     procedure :: extent
   end type oscillators
 
-  real(dp), parameter :: joined_below = 1.0_dp    !! rt below which the two exponentials would cancel
 
 contains
 

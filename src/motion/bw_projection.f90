@@ -25,6 +25,8 @@ module bw_projection
 
   real(dp), parameter :: nearest = 2.5_dp       !! modes with individual overlaps over modes after, and their least number:
   integer, parameter :: least_near = 1024       !! beyond them three terms of a series in (i/k)⁴ have an error of 1e-5
+  real(dp), parameter, public :: projection_rounding = 1.0e-13_dp   !! relative error of integrals of two shapes
+  real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums may be so many times what blocks show
   integer, parameter :: chunk = 256             !! further modes held at a time
 
   type, public :: place_type
@@ -119,7 +121,7 @@ contains
   end subroutine project
 
   pure logical function is_near_known(p, segment, source, after) result(known)
-    !! Tell whether overlaps of individual modes are known from the last projection of the same motion.
+    !! Return whether overlaps of individual modes are known from the last projection of the same motion.
     type(projection_type), intent(in) :: p
     type(segment_type), intent(in) :: segment
     class(mode_source), intent(in) :: source
@@ -327,7 +329,6 @@ contains
     class(mode_set), intent(in) :: after
     type(place_type), intent(in) :: place
     type(lack_type), intent(inout) :: lack
-    real(dp), parameter :: likely = 2.0_dp       ! tuned: close to that of bw_truncation_error
     real(dp) :: blow(after%count), near(after%count), size_of(2)
     if (place%square <= 0.0_dp) then
       lack%bounded = 0

@@ -9,13 +9,12 @@ module bw_release
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_mode_set, only: first_struck_mode, mean_rate, mode_set
-  use bw_projection, only: projection_type
+  use bw_projection, only: projection_rounding, projection_type
   use bw_segment, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   implicit none (type, external)
   private
   public :: energy_after, release_mass
 
-  real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! of integrals of two shapes, relatively
 
   type, public :: release_type
     !! The release of a mass. Units of bw_segment.

@@ -108,7 +108,7 @@ contains
   end function growth_ends
 
   pure logical function leaves_range(modes, elapsed)
-    !! Tell whether a growing mode overflows within a time.
+    !! Return whether a growing mode overflows within a time.
     class(mode_set), intent(in) :: modes
     type(dd), intent(in) :: elapsed
     leaves_range = elapsed%hi > growth_ends(modes)

@@ -149,7 +149,7 @@ contains
   end function number_of
 
   pure logical function occurs_in_record(step, scene, since, modes)
-    !! Tell whether an event comes before the end of the record and before a growing mode overflows.
+    !! Return whether an event comes before the end of the record and before a growing mode overflows.
     type(step_type), intent(in) :: step
     type(scene_type), intent(in) :: scene
     type(dd), intent(in) :: since                   !! since the start of the segment before, l²/h
@@ -159,7 +159,7 @@ contains
   end function occurs_in_record
 
   pure logical function is_released(scene)
-    !! Tell whether a captured mass is released later.
+    !! Return whether a captured mass is released later.
     type(scene_type), intent(in) :: scene
     is_released = allocated(scene%release)
   end function is_released

@@ -16,13 +16,13 @@ module bw_read_record
   use bw_scene, only: scene_type
   use bw_sensor_choice, only: choose_sensors
   use bw_sensor_unit, only: factor_of, force_factor
+  use bw_spectrum_par, only: least_samples
   use bw_text, only: shortest, text_of
   use bw_text_source, only: text_source
   implicit none (type, external)
   private
   public :: choose_source, path_beside, read_record, record_path
 
-  integer, parameter, public :: least_samples = 16     !! as for simulated histories
   real(dp), parameter :: latest = 1.0e11_dp            !! s, 3000 years; later times are not in seconds
   real(dp), parameter :: largest = 1.0e150_dp          !! squares of such numbers are within double precision
 

@@ -108,13 +108,13 @@ contains
   end function clock_text
 
   pure logical function is_even(extent)
-    !! Tell whether the samples are evenly spaced.
+    !! Return whether the samples are evenly spaced.
     type(record_extent), intent(in) :: extent
     is_even = extent%steps(1) >= extent%steps(2)
   end function is_even
 
   pure logical function measure_the_same(sensors, others)
-    !! Tell whether two records have sensors of the same quantities in the same units, whatever their names.
+    !! Return whether two records have sensors of the same quantities in the same units, whatever their names.
     type(sensor_type), intent(in) :: sensors(:), others(:)
     measure_the_same = quantities_of(sensors) == quantities_of(others) .and. size(sensors) == size(others)
   end function measure_the_same

@@ -150,7 +150,7 @@ contains
   end subroutine look_beside_spikes
 
   pure logical function piles_up(below, step)
-    !! Tell whether more samples are at an end of the range than just inside it.
+    !! Return whether more samples are at an end of the range than just inside it.
     real(dp), intent(in) :: below(:)              !! distance from the end
     real(dp), intent(in) :: step
     integer(i8) :: at_it
@@ -159,7 +159,7 @@ contains
   end function piles_up
 
   pure logical function has_steep_sides(values, first, last, step)
-    !! Tell whether the samples adjacent to a run are far from it.
+    !! Return whether the samples adjacent to a run are far from it.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first, last
     real(dp), intent(in) :: step
@@ -192,7 +192,7 @@ contains
   end function end_of_run
 
   pure logical function is_stuck(values, first, last, step)
-    !! Tell whether neither noise nor a smooth motion explains a run.
+    !! Return whether neither noise nor a smooth motion explains a run.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first, last
     real(dp), intent(in) :: step
@@ -217,7 +217,7 @@ contains
   end function equal_share
 
   pure logical function goes_beyond(values, first, last, length, distance)
-    !! Tell whether the record departs from the value of a run by more than a distance, within `length` samples beside it.
+    !! Return whether the record departs from the value of a run by more than a distance, within `length` samples beside it.
     real(dp), intent(in) :: values(:)
     integer(i8), intent(in) :: first, last, length
     real(dp), intent(in) :: distance

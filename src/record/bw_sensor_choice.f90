@@ -54,7 +54,7 @@ contains
   end function flaws_in
 
   pure logical function varies(values, timed)
-    !! Tell whether not all samples of a sensor are equal or missing.
+    !! Return whether not all samples of a sensor are equal or missing.
     real(dp), intent(in) :: values(:)
     logical, intent(in) :: timed(:)
     logical :: is_there(size(values))

@@ -2,6 +2,7 @@ module bw_sensor_unit
   !! Units in laboratory files, what they measure, and their values in SI. A unit is a product of names, each with its prefix
   !! and its power, as in UDUNITS: `mm/s^2`, `m s-2`, `in/sec²`, `µm/m`, `mg`. Names of units that measure no motion are
   !! recognised, and have no factor.
+  use bw_constants, only: gravity
   use bw_kinds, only: dp
   use bw_text, only: lower
   implicit none (type, external)
@@ -15,7 +16,7 @@ module bw_sensor_unit
     character(9) :: prefixes = ''            !! letters of its prefixes; `l`: prefixes that are whole words
   end type unit_name
 
-  real(dp), parameter :: gravity = 9.80665_dp, inch = 0.0254_dp
+  real(dp), parameter :: inch = 0.0254_dp
   character(*), parameter :: short = 'pnumcdk', long = 'l'
   type(unit_name), parameter :: names(*) = [ &
     unit_name('s', 0, 1, 1.0_dp, short), unit_name('sec', 0, 1, 1.0_dp, short), unit_name('secs', 0, 1, 1.0_dp, short), &
@@ -161,7 +162,7 @@ contains
   end subroutine find_behind
 
   pure logical function alike(word, other, exact)
-    !! Tell whether two words are equal, with or without regard to case.
+    !! Return whether two words are equal, with or without regard to case.
     character(*), intent(in) :: word, other
     logical, intent(in) :: exact
     alike = len(word) == len(other)
@@ -191,7 +192,7 @@ contains
   end function plain
 
   pure logical function is_unit(text)
-    !! Tell whether the text is a unit.
+    !! Return whether the text is a unit.
     character(*), intent(in) :: text
     type(sensor_unit_type) :: unit
     unit = unit_of(text)

@@ -75,7 +75,7 @@ contains
   end subroutine fill_unknown
 
   elemental logical function turns_in_record(beta, grid)
-    !! Tell whether a mode completes a cycle in the record. If not, its amplitude q̇/β exceeds its motion, and the
+    !! Return whether a mode completes a cycle in the record. If not, its amplitude q̇/β exceeds its motion, and the
     !! transform's error is relative to the amplitude.
     real(dp), intent(in) :: beta
     type(time_grid), intent(in) :: grid

@@ -70,44 +70,44 @@ module bw_input_name
 contains
 
   elemental logical function is_simulated(group)
-    !! Tell whether the group is an effect or an event.
+    !! Return whether the group is an effect or an event.
     type(input_group), intent(in) :: group
     is_simulated = group%is_effect .or. group%is_event
   end function is_simulated
 
   elemental logical function in_range(range, value)
-    !! Tell whether the range accepts a value.
+    !! Return whether the range accepts a value.
     type(number_range), intent(in) :: range
     real(dp), intent(in) :: value
     in_range = value >= range%low .and. value <= range%high .and. .not. (range%above .and. value == range%low)
   end function in_range
 
   elemental logical function is_number(row)
-    !! Tell whether the name takes one number, real or whole.
+    !! Return whether the name takes one number, real or whole.
     type(input_name), intent(in) :: row
     is_number = row%kind == real_input .or. row%kind == integer_input
   end function is_number
 
   elemental logical function is_list(row)
-    !! Tell whether the name takes several values.
+    !! Return whether the name takes several values.
     type(input_name), intent(in) :: row
     is_list = row%most > 1
   end function is_list
 
   elemental logical function has_unit(row)
-    !! Tell whether the name takes numbers with a unit of their own.
+    !! Return whether the name takes numbers with a unit of their own.
     type(input_name), intent(in) :: row
     has_unit = row%unit /= '' .and. has_numbers(row)
   end function has_unit
 
   elemental logical function has_numbers(row)
-    !! Tell whether the name takes numbers, one or several.
+    !! Return whether the name takes numbers, one or several.
     type(input_name), intent(in) :: row
     has_numbers = is_number(row) .or. row%kind == reals_input
   end function has_numbers
 
   elemental logical function is_sweepable(row)
-    !! Tell whether a `&sweep` may vary the name or, of a list, one of its numbers.
+    !! Return whether a `&sweep` may vary the name or, of a list, one of its numbers.
     type(input_name), intent(in) :: row
     is_sweepable = row%swept .and. has_numbers(row)
   end function is_sweepable
@@ -193,7 +193,7 @@ contains
   end function quoted_words
 
   elemental logical function has_word(words, word)
-    !! Tell whether a list separated by blanks has the word.
+    !! Return whether a list separated by blanks has the word.
     character(*), intent(in) :: words, word
     has_word = index(' '//words//' ', ' '//trim(word)//' ') > 0
   end function has_word

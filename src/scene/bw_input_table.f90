@@ -163,7 +163,7 @@ contains
   end function closest
 
   pure logical function is_part(word, name)
-    !! Tell whether a word is the beginning or the end of a name whose parts are joined by underscores.
+    !! Return whether a word is the beginning or the end of a name whose parts are joined by underscores.
     character(*), intent(in) :: word, name
     is_part = .false.
     if (len(name) > len(word)) is_part = index(name, word//'_') == 1 .or. name(len(name) - len(word):) == '_'//word
@@ -199,7 +199,7 @@ contains
   end function edits
 
   pure logical function swapped(a, b)
-    !! Tell whether a and b end in the same two letters in opposite order.
+    !! Return whether a and b end in the same two letters in opposite order.
     character(*), intent(in) :: a, b
     swapped = .false.
     if (len(a) > 1 .and. len(b) > 1) swapped = a(len(a) - 1:) == b(len(b):)//b(len(b) - 1:len(b) - 1)

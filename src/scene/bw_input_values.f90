@@ -81,7 +81,7 @@ contains
   end subroutine follow
 
   elemental logical function follows_sweep(self)
-    !! Tell whether a number follows a sweep, directly or as a derived value.
+    !! Return whether a number follows a sweep, directly or as a derived value.
     class(input_value), intent(in) :: self
     follows_sweep = .false.
     if (allocated(self%sweeps)) follows_sweep = any(self%sweeps > 0)
@@ -115,14 +115,14 @@ contains
   end function at
 
   pure logical function given(self, name)
-    !! Tell whether the name is given in its group, or a sweep varies it.
+    !! Return whether the name is given in its group, or a sweep varies it.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     given = self%values(self%at(name))%given
   end function given
 
   pure logical function known(self, name)
-    !! Tell whether the name has a value.
+    !! Return whether the name has a value.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     known = self%values(self%at(name))%known
@@ -179,7 +179,7 @@ contains
   end function line_of
 
   pure logical function is_swept(self, name)
-    !! Tell whether a value of the name follows a sweep, directly or as a derived value.
+    !! Return whether a value of the name follows a sweep, directly or as a derived value.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     is_swept = self%values(self%at(name))%follows_sweep()

@@ -33,8 +33,8 @@ module bw_scene
   implicit none (type, external)
   private
   public :: answers_by_modes, by_pieces, changes_shapes, count_methods, varies_along_pieces, effect_names, at_start, &
-    bodies_change, changes_in_time, converges_in_run, has_configurations, has_parts, is_built_up, is_loaded, is_planned, &
-    method_name, unit_velocity
+    bodies_change, changes_in_time, converges_in_run, has_configurations, has_parts, is_built_up, is_let_go, is_loaded, &
+    is_planned, method_name, unit_velocity
 
   type, public :: scene_type
     !! The content of one scene file. With sweeps, the components are those of the first case.
@@ -85,7 +85,7 @@ contains
   end function effect_names
 
   pure logical function changes_shapes(scene) result(changes)
-    !! Tell whether the modes have no closed form: the beam has several pieces, or the table says so of a group or of a
+    !! Return whether the modes have no closed form: the beam has several pieces, or the table says so of a group or of a
     !! number that is not the plain one.
     type(scene_type), intent(in) :: scene
     integer :: g, v
@@ -103,7 +103,7 @@ contains
   end function changes_shapes
 
   pure logical function is_plain(scene, value)
-    !! Tell whether a number equals, in every case, the plain one, for which modes have a closed form.
+    !! Return whether a number equals, in every case, the plain one, for which modes have a closed form.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: value         !! one number
     is_plain = value%numbers(1) == name_table(value%row)%plain
@@ -170,19 +170,19 @@ contains
   end subroutine put_plain
 
   pure logical function by_pieces(scene)
-    !! Tell whether modes have no closed form but are found exactly by pieces, since nothing varies along a piece.
+    !! Return whether modes have no closed form but are found exactly by pieces, since nothing varies along a piece.
     type(scene_type), intent(in) :: scene
     by_pieces = changes_shapes(scene) .and. .not. varies_along_pieces(scene)
   end function by_pieces
 
   pure logical function varies_along_pieces(scene) result(varies)
-    !! Tell whether tension or the section varies along a piece, or the hub is free: then modes are found by Galerkin's method.
+    !! Return whether tension or the section varies along a piece, or the hub is free: then modes are found by Galerkin's method.
     type(scene_type), intent(in) :: scene
     varies = allocated(scene%stiffening) .or. allocated(scene%beam%outer) .or. allocated(scene%hub)
   end function varies_along_pieces
 
   pure logical function answers_by_modes(scene) result(by_modes)
-    !! Tell whether the response to a harmonic force is a sum of modes and not the solution of a boundary problem: with
+    !! Return whether the response to a harmonic force is a sum of modes and not the solution of a boundary problem: with
     !! tension, a taper, a free hub, or the same damping ratio for all modes.
     type(scene_type), intent(in) :: scene
     by_modes = varies_along_pieces(scene)
@@ -190,13 +190,13 @@ contains
   end function answers_by_modes
 
   pure logical function is_loaded(scene)
-    !! Tell whether forces act on the beam or its base is accelerated.
+    !! Return whether forces act on the beam or its base is accelerated.
     type(scene_type), intent(in) :: scene
     is_loaded = allocated(scene%forces) .or. allocated(scene%bases)
   end function is_loaded
 
   pure logical function changes_in_time(scene) result(changes)
-    !! Tell whether the motion is a timeline of several configurations: bodies come or leave, a captured one is released under
+    !! Return whether the motion is a timeline of several configurations: bodies come or leave, a captured one is released under
     !! loads, or the beam has initial conditions. Contacts of finite duration are run in another way.
     type(scene_type), intent(in) :: scene
     changes = .false.
@@ -205,27 +205,34 @@ contains
   end function changes_in_time
 
   pure logical function bodies_change(scene) result(change)
-    !! Tell whether bodies come or leave, also a mass that is captured under loads after a contact of finite duration.
+    !! Return whether bodies come or leave, also a mass that is captured under loads after a contact of finite duration.
     type(scene_type), intent(in) :: scene
     change = allocated(scene%contact) .and. allocated(scene%capture) .and. is_loaded(scene)
     if (allocated(scene%bodies)) change = change &
       .or. any(.not. (is_missing(scene%bodies%from) .and. is_missing(scene%bodies%until)))
   end function bodies_change
 
+  pure logical function is_let_go(scene)
+    !! Return whether a beam with a prescribed root is let go from its static deflection, with at most loads beside that.
+    type(scene_type), intent(in) :: scene
+    is_let_go = allocated(scene%initial) .and. .not. (allocated(scene%impact) .or. allocated(scene%contact) .or. &
+                                                      allocated(scene%hub) .or. bodies_change(scene))
+  end function is_let_go
+
   pure logical function has_configurations(scene) result(has)
-    !! Tell whether the beam may have any number of configurations: it changes in time, also during a contact of finite duration.
+    !! Return whether the beam may have any number of configurations: it changes in time, also during a contact of finite duration.
     type(scene_type), intent(in) :: scene
     has = changes_in_time(scene) .or. bodies_change(scene)
   end function has_configurations
 
   pure logical function is_planned(scene)
-    !! Tell whether the number of modes for a tolerance is found before the run.
+    !! Return whether the number of modes for a tolerance is found before the run.
     type(scene_type), intent(in) :: scene
     is_planned = by_tolerance(scene%modes) .and. .not. converges_in_run(scene)
   end function is_planned
 
   pure logical function converges_in_run(scene)
-    !! Tell whether the number of modes for a tolerance is found during the run, by convergence, and not planned beforehand.
+    !! Return whether the number of modes for a tolerance is found during the run, by convergence, and not planned beforehand.
     type(scene_type), intent(in) :: scene
     converges_in_run = allocated(scene%contact) .or. changes_in_time(scene) .or. &
       (is_loaded(scene) .and. .not. allocated(scene%impact))
@@ -249,14 +256,14 @@ contains
   end function at_start
 
   pure logical function has_parts(groups)
-    !! Tell whether the beam has several pieces, another support than a clamped root and a free tip, or attached parts.
+    !! Return whether the beam has several pieces, another support than a clamped root and a free tip, or attached parts.
     type(group_values), intent(in) :: groups(:)
     has_parts = any(group_table(groups%row)%builds_up)
     if (position_of(groups, 'beam') > 0) has_parts = has_parts .or. groups(position_of(groups, 'beam'))%count_of('length') > 1
   end function has_parts
 
   pure logical function is_built_up(scene)
-    !! Tell whether the beam differs from the paper's, which has no parts and is struck at its tip.
+    !! Return whether the beam differs from the paper's, which has no parts and is struck at its tip.
     type(scene_type), intent(in) :: scene
     integer :: impact
     is_built_up = has_parts(scene%groups)

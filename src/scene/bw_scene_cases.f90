@@ -112,7 +112,7 @@ contains
   end subroutine set_case
 
   pure logical function differs(scene, given, positions, values)
-    !! Tell whether a swept number of a group has changed in any bit, the sign of zero included.
+    !! Return whether a swept number of a group has changed in any bit, the sign of zero included.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: given(:)     !! for all cases
     integer, intent(in) :: positions(:)

@@ -198,7 +198,7 @@ contains
   end function numeric_inputs
 
   pure logical function is_said(group, name)
-    !! Tell whether the resolved scene has a value for the name.
+    !! Return whether the resolved scene has a value for the name.
     type(group_values), intent(in) :: group
     character(*), intent(in) :: name
     associate (value => group%values(group%at(name)))

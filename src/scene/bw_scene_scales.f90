@@ -54,7 +54,7 @@ contains
   end subroutine check_scales
 
   pure logical function is_free(scene, value)
-    !! Tell whether a value needs no check: motions are proportional to the velocity of the mass, shapes can be evaluated
+    !! Return whether a value needs no check: motions are proportional to the velocity of the mass, shapes can be evaluated
     !! anywhere, and closed forms hold for any mass.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: value
@@ -138,7 +138,7 @@ contains
   end subroutine check_input
 
   elemental logical function is_within(value, limit)
-    !! Tell whether a number is zero or within a limit and its inverse.
+    !! Return whether a number is zero or within a limit and its inverse.
     real(qp), intent(in) :: value, limit
     real(qp), parameter :: printed = 1.06_qp         ! limits are printed with two digits, and the printed value is accepted
     is_within = value == 0.0_qp .or. (abs(value) <= printed*limit .and. abs(value) >= 1.0_qp/(printed*limit))

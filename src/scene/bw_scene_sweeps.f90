@@ -146,7 +146,7 @@ contains
   end subroutine check_values
 
   elemental logical function accepts(row, value)
-    !! Tell whether the name would accept the number.
+    !! Return whether the name would accept the number.
     type(input_name), intent(in) :: row
     real(dp), intent(in) :: value
     accepts = in_range(row%range, value) .and. (row%kind /= integer_input .or. value == aint(value))

@@ -50,7 +50,7 @@ contains
   end subroutine find_target
 
   elemental logical function is_taken(by, row)
-    !! Tell whether a `&sweep` may vary the name or, for `&identify`, the name may be unknown: a real number of the beam.
+    !! Return whether a `&sweep` may vary the name or, for `&identify`, the name may be unknown: a real number of the beam.
     character(*), intent(in) :: by
     type(input_name), intent(in) :: row
     is_taken = is_sweepable(row)

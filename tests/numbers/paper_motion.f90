@@ -3,6 +3,7 @@ module paper_motion
   use bw_beam_par, only: beam_par
   use bw_beam_units, only: beam_units, units_of
   use bw_closed_form, only: closed_form_modes, closed_form_set
+  use bw_constants, only: pi
   use bw_damping, only: damping_law
   use bw_double_double, only: to_dd, operator(*)
   use bw_impact, only: capture_mass, capture_type, strike
@@ -30,7 +31,6 @@ contains
 
   type(beam_par) function paper_beam() result(beam)
     !! Length 1 m, a steel rod of 37 mm.
-    real(dp), parameter :: pi = acos(-1.0_dp)
     beam%length = 1.0_dp
     beam%density = 7870.0_dp
     beam%youngs_modulus = 2.0e11_dp

@@ -1,11 +1,11 @@
 module gauss_legendre
   !! Gauss–Legendre quadrature on panels of [0, 1].
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: panel_rule
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 

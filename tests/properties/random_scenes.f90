@@ -2,6 +2,7 @@ module random_scenes
   !! Scenes drawn at random over the whole range of the model: light to heavy masses, standing to well above the
   !! critical speed, a fraction of a period to thousands of them.
   use bw_closed_form, only: closed_form_modes, closed_form_set
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   use bw_text, only: text_of
   use random_streams, only: random_stream
@@ -14,7 +15,6 @@ module random_scenes
   integer, parameter :: most_modes = 60, most_samples = 40
   real(dp), parameter :: most_growth = 300.0_dp
     !! |β|T of the fastest growing mode: squares of what has grown by e³⁰⁰ do not overflow
-  real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 

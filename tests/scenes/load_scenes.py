@@ -28,7 +28,9 @@ def float_in(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def draw(rng: np.random.Generator, kind: str) -> dict:
-    """A scene without its count of modes; `kind` is force, base, hub or hub_base: a hub that is free, or change: a force, and a body that comes."""
+    """A scene without its count of modes; `kind` is force, base, hub or hub_base: a hub that is free, change: a force, and a body that comes, or
+    let_go: from the static deflection under a force.
+    """
     duration = 10 ** float_in(rng, -2.5, 0.5) * SLOWEST * 3
     scene = {"beam": dict(PAPER_BEAM)}
     if kind == "change" or rng.random() < 0.5:
@@ -60,11 +62,13 @@ def draw(rng: np.random.Generator, kind: str) -> dict:
     based = kind.endswith("base")
     if not based:
         load["position"] = 1.0 if "tip_support" not in scene and rng.random() < 0.5 else round(float_in(rng, 0.2, 0.95), 4)
-    scene["base" if based else "force"] = load
+    if kind == "let_go":
+        load = {"force": load["amplitude"], "position": load["position"]}
+    scene["base" if based else "initial" if kind == "let_go" else "force"] = load
     points = sorted({0.0, 1.0, *(round(float(x), 3) for x in rng.uniform(0.05, 1, 3))})
     asked = dict.fromkeys(QUANTITIES[1:], True)
     asked["acceleration"] = based or (kind in ("force", "hub") and load["shape"] != "rectangle")
-    asked["shear_force"] = kind != "change"
+    asked["shear_force"] = kind not in ("change", "let_go")
     scene["response"] = {"duration": duration, "samples": int(rng.choice([300, 1000])), "points": points, **asked}
     return scene
 

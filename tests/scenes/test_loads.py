@@ -402,7 +402,7 @@ def test_a_force_that_ends_with_its_rounding_leaves_accelerations_a_limit(here):
     assert np.isfinite(run(here, "rounded", groups)["acceleration_error"]).all()
 
 
-@pytest.mark.parametrize("kind", ["force", "base", "hub_base"])
+@pytest.mark.parametrize("kind", ["force", "base", "hub_base", "let_go"])
 def test_estimates_and_bounds_hold_in_random_scenes(here, kind):
     rng = np.random.default_rng(2026)
 

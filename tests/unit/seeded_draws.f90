@@ -1,11 +1,11 @@
 module seeded_draws
   !! Random numbers of tests that draw many cases from a seed. BEAMWAVE_DRAWS multiplies how many they draw, by hand.
+  use bw_constants, only: pi
   use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: draws_of, normal, start_draws
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: first_numbers = 40   !! of a generator, dropped: neighbouring seeds begin alike
 
 contains

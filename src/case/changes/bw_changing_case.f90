@@ -3,7 +3,7 @@ module bw_changing_case
   !! histories ► errors.
   !!
   !! The motion is followed with all modes and with some eighths of them, and the differences estimate the truncation
-  !! error. A tolerance doubles the number of modes until the error is small enough. The motion under loads is
+  !! error; that of a beam which is only let go needs one run (bw_let_go_errors). A tolerance doubles the number of modes until the error is small enough. The motion under loads is
   !! superposed, as all changes are linear (bw_case_loads).
   use bw_beam_units, only: in_joules, units_of
   use bw_case_histories, only: add_hub_angle, sum_histories
@@ -19,13 +19,14 @@ module bw_changing_case
   use bw_error, only: error_type
   use bw_event, only: event_words
   use bw_kinds, only: dp
+  use bw_let_go_errors, only: find_let_go_errors
   use bw_missing, only: is_missing
   use bw_mode_set, only: deflections, observe_searches
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_reached_tolerance, only: is_met, judge_tolerance, part_of_peak, with_counts
-  use bw_scene, only: is_loaded, scene_type
+  use bw_scene, only: is_let_go, is_loaded, scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stopwatch
   use bw_text, only: shortest
   implicit none (type, external)
@@ -85,6 +86,7 @@ contains
     associate (counted => run%counted, motion => run%motion, histories => run%histories, errors => run%errors)
       counted = with_counts(scene)
       do
+        if (is_let_go(scene)) handing = max(1, min(4, most_in_run(scene, 4*most_count)/counted%modes%before))
         motion = case_motion(units=units_of(scene%beam))
         motion%of_continuum = by_tolerance(scene%modes)
         call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
@@ -139,13 +141,17 @@ contains
     type(case_motion) :: reduced
     type(history_errors) :: before, early            ! differences of half and a quarter, and of a quarter and an eighth
     integer :: eighths
-    if (allocated(scene%response)) then
+    if (allocated(scene%response) .and. .not. is_let_go(scene)) then
       call run_eighths(scene, 4, handing, motion, watch, monitor, half)
       if (monitor%stop_requested()) return
     end if
     call run_eighths(scene, 8, handing, motion, watch, monitor, histories)
     if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
     errors = history_errors(status=histories%status)
+    if (is_let_go(scene)) then
+      call find_let_go_errors(scene, motion, errors)
+      return
+    end if
     call add_difference(histories%response, half%response, errors)
     reduced = motion
     do eighths = 7, 3, -1

@@ -178,7 +178,7 @@ contains
   end function step_tolerance
 
   pure logical function resolves_contacts(motion, run) result(resolves)
-    !! Tell whether the highest mode completes some periods within the contact of largest impulse. With fewer modes
+    !! Return whether the highest mode completes some periods within the contact of largest impulse. With fewer modes
     !! forces are not resolved, and no convergence rate can be read from their errors.
     type(case_motion), intent(in) :: motion
     type(run_type), intent(in) :: run
@@ -202,7 +202,7 @@ contains
   end function octaves_to
 
   pure logical function is_unreachable(reached, before, tolerance, count, most, octaves, fall)
-    !! Tell whether the tolerance would need far more modes than the limit, at the observed rate of convergence or that of forces.
+    !! Return whether the tolerance would need far more modes than the limit, at the observed rate of convergence or that of forces.
     real(dp), intent(in) :: reached, before, tolerance
     integer, intent(in) :: count, most
     integer, intent(in) :: octaves                   !! doublings since `before`

@@ -257,8 +257,9 @@ contains
       if (allocated(errors%velocity)) errors%velocity = errors%velocity + under_loads(:, 2)
       if (allocated(errors%bending_moment)) errors%bending_moment = errors%bending_moment + under_loads(:, 4)
     else
-      associate (of_sums => rounding_errors(scene, motion, response, .false.))
-        errors%displacement = errors%displacement + of_sums + drift_errors(scene, motion, deflections, .false.)
+      associate (rounding => rounding_errors(scene, motion, response, .false.) + drift_errors(scene, motion, deflections, .false.))
+        errors%displacement = errors%displacement + rounding
+        if (allocated(errors%displacement_bound)) errors%displacement_bound = errors%displacement_bound + rounding
       end associate
       if (allocated(errors%velocity)) errors%velocity = errors%velocity + rounding_errors(scene, motion, response, .true.) &
         + drift_errors(scene, motion, deflections, .true.)

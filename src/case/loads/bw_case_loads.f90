@@ -20,6 +20,7 @@ module bw_case_loads
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
   use bw_placed_loads, only: place_loads, placed_loads
+  use bw_plan, only: bound_times
   use bw_reached_tolerance, only: is_met, judge_tolerance, with_counts
   use bw_scene, only: changes_in_time, scene_type
   use bw_text, only: append, shortest, text_of
@@ -28,7 +29,6 @@ module bw_case_loads
   public :: add_loads, load_summary
 
   integer, parameter :: most_count = 1024          !! limit of modes for a default tolerance; four times as many for a requested one
-  real(dp), parameter :: bound_times = 100.0_dp    !! a proved bound may be so many tolerances
 
 contains
 

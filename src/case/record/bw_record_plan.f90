@@ -5,13 +5,14 @@ module bw_record_plan
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
   use bw_order, only: quantile_of
-  use bw_read_record, only: least_samples, read_record, record_path
+  use bw_read_record, only: read_record, record_path
   use bw_record, only: clock_text, extent_of, measure_the_same, quantities_of, record_extent, record_type
   use bw_record_checksum, only: record_checksums
   use bw_record_view, only: step_of
   use bw_result_layout, only: record_layout, result_layout
   use bw_sample_times, only: used_part
   use bw_scene, only: scene_type
+  use bw_spectrum_par, only: least_samples
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private

@@ -235,7 +235,7 @@ contains
   end function energy_beside
 
   logical function is_missed(scene, motion, response, errors)
-    !! Tell whether the sum misses its tolerance by the estimate or by the bound, both beyond rounding.
+    !! Return whether the sum misses its tolerance by the estimate or by the bound, both beyond rounding.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
@@ -299,7 +299,7 @@ contains
   end function shapes_in
 
   pure logical function is_blurred(segment, grid)
-    !! Tell whether a sample is so close to the contact at a segment's start that it may belong to the other side.
+    !! Return whether a sample is so close to the contact at a segment's start that it may belong to the other side.
     type(segment_type), intent(in) :: segment
     type(time_grid), intent(in) :: grid
     type(dd) :: distance

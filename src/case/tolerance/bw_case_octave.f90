@@ -55,7 +55,7 @@ contains
   end subroutine drop_unresolved
 
   function is_doubtful(history, error) result(doubtful)
-    !! Tell whether the estimated error exceeds the peak of a history and the rounding of a point at rest, (points).
+    !! Return whether the estimated error exceeds the peak of a history and the rounding of a point at rest, (points).
     real(dp), intent(in), optional :: history(:, :)        !! (samples, points); absent: none
     real(dp), intent(in), optional :: error(:)             !! (points)
     logical, allocatable :: doubtful(:)

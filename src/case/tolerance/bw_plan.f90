@@ -86,7 +86,7 @@ contains
   end function part_of_block
 
   elemental logical function is_certain(self)
-    !! Tell whether more modes surely meet the tolerance, for any phases.
+    !! Return whether more modes surely meet the tolerance, for any phases.
     class(plan_type), intent(in) :: self
     real(dp), parameter :: of_few = 0.5_dp   ! least true peak over that with few modes
     is_certain = self%tolerance <= 0.0_dp .or. self%peak <= 0.0_dp .or. self%surely <= of_few*self%tolerance

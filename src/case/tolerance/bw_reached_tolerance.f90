@@ -31,7 +31,7 @@ contains
   end function with_counts
 
   pure logical function is_met(modes, reached)
-    !! Tell whether no more modes are needed.
+    !! Return whether no more modes are needed.
     type(modes_par), intent(in) :: modes
     real(dp), intent(in) :: reached                  !! largest error over its peak
     is_met = .not. by_tolerance(modes) .or. reached <= modes%tolerance

@@ -6,11 +6,11 @@ module bw_closed_form
   use bw_frequency_equation, only: root_type
   use bw_missing, only: missing, no_number
   use bw_mode_cache, only: cached_set, shape_table
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: batch, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
-  use bw_root_list, only: batch, root_values, solve_roots
+  use bw_root_list, only: root_values, solve_roots
   use bw_shape, only: curvature_values, shape_type, shapes_of, shape_values, slope_values
   implicit none (type, external)
   private

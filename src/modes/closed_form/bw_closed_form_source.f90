@@ -8,10 +8,10 @@ module bw_closed_form_source
   use bw_far_modes, only: far_beam, far_terms, light_modes
   use bw_frequency_equation, only: highest_mode
   use bw_mode_cache, only: mode_cache
-  use bw_mode_set, only: mode_set, mode_source, terms_of_set
+  use bw_mode_set, only: batch, mode_set, mode_source, terms_of_set
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: uniform_piece
-  use bw_root_list, only: batch, near_modes
+  use bw_root_list, only: near_modes
   implicit none (type, external)
   private
   public :: source_in_closed_form

@@ -11,17 +11,16 @@ module bw_far_field
   !! Positions are in units of π from the middle of their cell, so their differences lose no digits for high mode numbers.
   !!
   !! **Source**: Fong & Darve (2009), doi:10.1016/j.jcp.2009.08.031.
-  use bw_constants, only: pi
+  use bw_constants, only: pi, qp_pi
   use bw_frequency_equation, only: root_type
   use bw_kinds, only: dp, qp
-  use bw_monitor, only: monitor_type, stops
+  use bw_monitor, only: between_questions, monitor_type, stops
   implicit none (type, external)
   private
   public :: add_far_field, cells_to, first_in_cells
 
   integer, parameter :: leaf = 64                   !! tuned: mode numbers in a cell of the lowest level
   integer, parameter :: nodes = 20                  !! (3 + √8)^(−20) is 5e-16
-  integer, parameter :: between_questions = 64      !! cells, less than a ms
 
   type :: level_type
     real(dp), allocatable :: node(:, :)             !! weights, or sums, at the nodes, (nodes, cells)
@@ -92,10 +91,9 @@ contains
 
   pure type(interpolation) function interpolation_of_cells() result(chebyshev)
     !! Return the interpolation constants, from extended precision, so that rounding does not accumulate over levels.
-    real(qp), parameter :: half_turn = acos(-1.0_qp)
     real(qp) :: place(nodes), series(nodes, 0:nodes - 1), half_place(nodes)
     integer :: half, j, m
-    associate (angle => [((2*m - 1)*half_turn/(2*nodes), m=1, nodes)])
+    associate (angle => [((2*m - 1)*qp_pi/(2*nodes), m=1, nodes)])
       place = cos(angle)
       do j = 0, nodes - 1
         series(:, j) = cos(j*angle)*(merge(1.0_qp, 2.0_qp, j == 0)/nodes)

@@ -68,7 +68,7 @@ contains
   end function root_value
 
   elemental logical function is_light(root)
-    !! Tell whether γα ≲ 1, so that the root, k ≥ 2, is anchored at (k − ½)π.
+    !! Return whether γα ≲ 1, so that the root, k ≥ 2, is anchored at (k − ½)π.
     type(root_type), intent(in) :: root
     is_light = mod(root%eighths, 4) == 2
   end function is_light

@@ -3,8 +3,9 @@ module bw_mode_cache
   !! a cache compute each set once. Cached data equal recomputed ones to the bit.
   use bw_kinds, only: dp, i8
   use bw_double_double, only: dd
+  use bw_mode_set, only: batch
   use bw_refined_root, only: is_coarse, refine_roots
-  use bw_root_list, only: batch, root_values, solve_roots
+  use bw_root_list, only: root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of
   implicit none (type, external)
   private
@@ -45,7 +46,7 @@ module bw_mode_cache
 contains
 
   pure logical function has_room_for_set(number)
-    !! Tell whether these are the first modes, and few enough for the cache.
+    !! Return whether these are the first modes, and few enough for the cache.
     integer, intent(in) :: number(:)             !! ascending
     has_room_for_set = .false.
     if (size(number) == 0 .or. size(number) > most_modes) return
@@ -106,7 +107,7 @@ contains
   ! Shapes at points
 
   pure logical function is_of(self, xi)
-    !! Tell whether the shapes at these points are stored.
+    !! Return whether the shapes at these points are stored.
     class(shape_table), intent(in) :: self
     real(dp), intent(in) :: xi(:)
     is_of = .false.
@@ -115,7 +116,7 @@ contains
   end function is_of
 
   pure logical function has_room_for(modes, xi)
-    !! Tell whether so many modes have few enough shape values at these points for the cache.
+    !! Return whether so many modes have few enough shape values at these points for the cache.
     integer, intent(in) :: modes
     real(dp), intent(in) :: xi(:)
     has_room_for = int(modes, i8)*size(xi) <= most_values

@@ -14,8 +14,9 @@ module bw_overlap
   use bw_far_field, only: add_far_field, cells_to, first_in_cells
   use bw_frequency_equation, only: alternating_series, root_type, root_value
   use bw_kinds, only: dp, i8
-  use bw_monitor, only: monitor_type, stops
-  use bw_root_list, only: batch, root_values
+  use bw_mode_set, only: batch
+  use bw_monitor, only: between_questions, monitor_type, stops
+  use bw_root_list, only: root_values
   use bw_shape, only: shape_type, shapes_of
   implicit none (type, external)
   private
@@ -62,7 +63,7 @@ contains
   end function overlap_without_mass
 
   pure logical function carries_mass(root)
-    !! Tell whether the modes have the mass at the tip.
+    !! Return whether the modes have the mass at the tip.
     type(root_type), intent(in) :: root(:)
     carries_mass = root(1)%gamma > 0.0_dp
   end function carries_mass
@@ -131,7 +132,6 @@ contains
     logical, intent(in) :: onto_free
     real(dp), intent(inout) :: sums(:)
     class(monitor_type), intent(inout), optional :: monitor
-    integer, parameter :: between_questions = 64     ! cells, about a ms
     integer, allocatable :: here(:), there(:)
     integer :: c, cells, first, last
     cells = max(cells_to(onto), cells_to(from))

@@ -10,12 +10,11 @@ module bw_refined_root
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-), operator(/)
   use bw_frequency_equation, only: first_slope, is_light, root_type
   use bw_kinds, only: dp, qp
+  use bw_mode_set, only: least_phase, near_critical
   implicit none (type, external)
   private
   public :: is_coarse, refine_roots, refined_root, sine_and_versine
 
-  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots lose digits
-  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   integer, parameter :: first_far = 25               !! first mode with sech α below 2e-33
 
   integer, parameter :: doublings = 3
@@ -30,7 +29,7 @@ module bw_refined_root
 contains
 
   elemental logical function is_coarse(remainder, alpha, omega, longest) result(coarse)
-    !! Tell whether a root needs extended precision; only such roots are refined.
+    !! Return whether a root needs extended precision; only such roots are refined.
     real(dp), intent(in) :: remainder, alpha           !! of the root
     type(dd), intent(in), optional :: omega       !! in-plane angular velocity in h/l²; absent: none
     real(dp), intent(in), optional :: longest     !! duration of the history in l²/h; absent: none
@@ -39,7 +38,7 @@ contains
     if (present(omega)) coarse = abs(alpha**2 - omega%hi) < near_critical*alpha**2
     if (.not. present(longest)) return
     drift = alpha*(remainder*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `remainder`
-    coarse = coarse .or. abs(drift) > phase_error
+    coarse = coarse .or. abs(drift) > least_phase
   end function is_coarse
 
   pure subroutine refine_roots(root, coarse, alpha)

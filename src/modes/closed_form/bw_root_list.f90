@@ -6,11 +6,11 @@ module bw_root_list
   use bw_double_double, only: dd, dd_pi, operator(*), operator(+)
   use bw_far_modes, only: far_roots, light_modes
   use bw_frequency_equation, only: root_type, solve_root
+  use bw_mode_set, only: batch
   implicit none (type, external)
   private
   public :: solve_roots, root_values, near_modes
 
-  integer, parameter, public :: batch = 256  !! tuned: modes whose arrays stay in the fastest cache
   integer, parameter :: last_to_try = 300    ! at 240 all relevant exponentials have underflowed
 
 contains

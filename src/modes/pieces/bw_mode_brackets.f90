@@ -65,7 +65,7 @@ contains
   end subroutine counted
 
   pure logical function closed_to(bracket, below, edge)
-    !! Tell whether `below` modes lie below the bracket's end beyond a given frequency.
+    !! Return whether `below` modes lie below the bracket's end beyond a given frequency.
     type(mode_bracket), intent(in) :: bracket
     integer, intent(in) :: below
     type(dd), intent(in) :: edge

@@ -233,7 +233,7 @@ contains
   end subroutine find_rigid_modes
 
   pure logical function moves_freely(beam)
-    !! Tell whether deflection is free.
+    !! Return whether deflection is free.
     type(piece_beam), intent(in) :: beam
     moves_freely = .not. (beam%root%holds_deflection .or. beam%root%stiffness%hi > 0.0_dp &
                           .or. any(beam%joint%stiffness%hi > 0.0_dp))

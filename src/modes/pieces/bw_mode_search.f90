@@ -177,7 +177,7 @@ contains
   end subroutine verify_mode
 
   logical function is_apart(search, k, x)
-    !! Tell whether all other modes are far enough from mode k for binary64.
+    !! Return whether all other modes are far enough from mode k for binary64.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
@@ -253,7 +253,7 @@ contains
   end function beyond_gap
 
   logical function counted_at(search, k, x, below)
-    !! Tell whether `below` modes lie below a frequency.
+    !! Return whether `below` modes lie below a frequency.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k, below
     type(dd), intent(in) :: x

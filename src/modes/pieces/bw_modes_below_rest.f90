@@ -28,7 +28,7 @@ contains
   end function growing_modes
 
   pure logical function may_grow(beam)
-    !! Tell whether rotary inertia may destabilise the beam out of plane.
+    !! Return whether rotary inertia may destabilise the beam out of plane.
     type(piece_beam), intent(in) :: beam
     may_grow = .not. beam%in_plane .and. beam%spin_squared%hi > 0.0_dp .and. any(beam%piece%rotary%hi > 0.0_dp)
   end function may_grow

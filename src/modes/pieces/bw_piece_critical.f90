@@ -88,7 +88,7 @@ contains
   end function speed_out_of_plane
 
   logical function is_unstable(beam, speed)
-    !! Tell whether there is a mode with λ < 0 at an angular velocity.
+    !! Return whether there is a mode with λ < 0 at an angular velocity.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: speed
     type(piece_beam) :: turning

@@ -6,7 +6,7 @@ module bw_piece_source
   use bw_missing, only: missing
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, mode_search, search_in
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: least_phase, mode_set, mode_source, near_critical
   use bw_monitor, only: monitor_type, stops
   use bw_piece_beam, only: holds_tip, modes_at_rest, piece_beam, root_power, side_of_tip
   use bw_piece_critical, only: critical_speed_of, without_inertia
@@ -20,8 +20,6 @@ module bw_piece_source
   public :: source_of_pieces, set_of_pieces
 
   integer, parameter :: highest_mode = 10000000, quick_modes = 100000
-  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
-  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies lose digits
 
   type, extends(mode_source), public :: piece_source
     type(dd) :: critical_speed                       !! see mode_set
@@ -131,7 +129,7 @@ contains
   end subroutine size_set
 
   pure logical function is_coarse(search, lambda, longest)
-    !! Tell whether a frequency needs more digits than binary64: a phase has an error of half a unit of 1 in it for any
+    !! Return whether a frequency needs more digits than binary64: a phase has an error of half a unit of 1 in it for any
     !! wave number.
     type(mode_search), intent(in) :: search
     type(dd), intent(in) :: lambda
@@ -143,7 +141,7 @@ contains
     is_coarse = .false.
     if (lambda%hi == 0.0_dp) return
     is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi)
-    if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
+    if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < least_phase)
   end function is_coarse
 
   pure subroutine set_mode(probe, number, lambda, j, set)

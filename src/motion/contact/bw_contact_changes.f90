@@ -95,7 +95,7 @@ contains
   end subroutine follow_contacts
 
   pure logical function nothing_strikes(scene, first) result(nothing)
-    !! Tell whether the mass is 0, or nothing moves.
+    !! Return whether the mass is 0, or nothing moves.
     type(scene_type), intent(in) :: scene
     type(first_motion), intent(in) :: first
     nothing = scene%impact%mass_ratio == 0.0_dp

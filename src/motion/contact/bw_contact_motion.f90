@@ -73,7 +73,7 @@ contains
   end function pull
 
   pure logical function is_pressed(self)
-    !! Tell whether the mass is pressed against the tip, now or in the next instant.
+    !! Return whether the mass is pressed against the tip, now or in the next instant.
     class(contact_motion), intent(in) :: self
     real(dp) :: pull
     pull = self%pull()

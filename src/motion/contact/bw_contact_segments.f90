@@ -60,7 +60,7 @@ contains
   end function elapsed
 
   pure logical function mass_stays(motion, longest) result(stays)
-    !! Tell whether, after an impact, the mass stays pressed against the tip: at once, or as all further rebounds are negligible.
+    !! Return whether, after an impact, the mass stays pressed against the tip: at once, or as all further rebounds are negligible.
     type(contact_motion), intent(in) :: motion
     real(dp), intent(in) :: longest               !! the whole record
     real(dp) :: separation

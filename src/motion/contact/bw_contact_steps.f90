@@ -9,7 +9,7 @@ module bw_contact_steps
   use bw_force_step, only: add_loads, force_in_step, find_force_step, force_step, last_coefficient, mean_force, node_places, &
     polynomial_of
   use bw_kinds, only: dp
-  use bw_monitor, only: monitor_type, stops
+  use bw_monitor, only: between_questions, monitor_type, stops
   use bw_segment, only: alone, load_type
   implicit none (type, external)
   private
@@ -54,7 +54,6 @@ contains
     type(contact_run), intent(inout) :: run
     type(load_type), intent(inout) :: steps
     class(monitor_type), intent(inout), optional :: monitor
-    integer, parameter :: between_questions = 64  ! steps
     type(force_step) :: odd
     real(dp), dimension(force_degree) :: indentation, rate
     real(dp) :: force(0:force_degree), closing(0:force_degree), lack, largest, left, until

@@ -94,7 +94,7 @@ contains
   end function range_of
 
   pure subroutine check_closing(run)
-    !! Tell whether a mass that touches the beam is pressed into it at once.
+    !! Return whether a mass that touches the beam is pressed into it at once.
     type(contact_run), intent(inout) :: run
     run%found = run%bodies%separation() < 0.0_dp
     if (allocated(run%bodies%loads)) run%found = run%found .and. run%bodies%loads%gap(0.0_dp, 0) <= 0.0_dp

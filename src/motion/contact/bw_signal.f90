@@ -6,7 +6,7 @@ module bw_signal
   !! a longer step. Near a zero the steps become Newton's, from the left.
   use bw_double_double, only: accurate_sum
   use bw_kinds, only: dp
-  use bw_monitor, only: monitor_type, stops
+  use bw_monitor, only: between_questions, monitor_type, stops
   use bw_oscillators, only: moving_state, oscillators, weighted_sum
   implicit none (type, external)
   private
@@ -62,7 +62,6 @@ contains
     real(dp), intent(out) :: time                  !! `longest` if none was found
     class(monitor_type), intent(inout), optional :: monitor   !! none is found if it requests a stop
     integer, parameter :: most_steps = 20000000    ! far more than any search needs
-    integer, parameter :: between_questions = 64   ! steps
     real(dp), dimension(size(self%u)) :: change, velocity
     real(dp) :: bend, lower, moved, now, slope, start, step
     integer :: i

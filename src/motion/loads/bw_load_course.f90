@@ -91,7 +91,7 @@ contains
   end subroutine begin_at_rest
 
   elemental logical function is_over(course)
-    !! Tell whether all of a load lies before t = 0.
+    !! Return whether all of a load lies before t = 0.
     type(load_course), intent(in) :: course
     is_over = course%left_out /= 0.0_dp .and. largest_load(course) <= 0.0_dp
   end function is_over

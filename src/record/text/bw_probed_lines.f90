@@ -69,7 +69,7 @@ contains
   end function number_columns
 
   pure logical function any_number(probed, columns)
-    !! Tell whether the last of this many fields is a number in some line.
+    !! Return whether the last of this many fields is a number in some line.
     type(probed_line), intent(in) :: probed(:)
     integer, intent(in) :: columns
     integer :: n
@@ -95,7 +95,7 @@ contains
   end function numbers_in
 
   pure logical function is_row(line, numeric)
-    !! Tell whether a line has numbers, or marks of missing ones, in all columns of numbers.
+    !! Return whether a line has numbers, or marks of missing ones, in all columns of numbers.
     type(probed_line), intent(in) :: line
     logical, intent(in) :: numeric(:)                          !! columns of numbers
     integer :: i

@@ -12,7 +12,7 @@ module bw_text_header
 contains
 
   pure logical function is_comment(line)
-    !! Tell whether the line is empty or a comment.
+    !! Return whether the line is empty or a comment.
     character(*), intent(in) :: line
     integer :: first
     first = verify(line, ' '//tab)
@@ -136,7 +136,7 @@ contains
   end function uncommented
 
   pure logical function fits(fields, closed, columns)
-    !! Tell whether each column has a field, with at most one more: for an empty column, an empty field, or LabVIEW's `Comment`.
+    !! Return whether each column has a field, with at most one more: for an empty column, an empty field, or LabVIEW's `Comment`.
     type(string), intent(in) :: fields(:)
     logical, intent(in) :: closed
     integer, intent(in) :: columns
@@ -147,7 +147,7 @@ contains
   end function fits
 
   pure logical function any_text(fields)
-    !! Tell whether some field is not empty.
+    !! Return whether some field is not empty.
     type(string), intent(in) :: fields(:)
     integer :: i
     any_text = .false.
@@ -157,7 +157,7 @@ contains
   end function any_text
 
   pure logical function are_words(fields)
-    !! Tell whether all fields are words or empty.
+    !! Return whether all fields are words or empty.
     type(string), intent(in) :: fields(:)
     integer :: i
     are_words = count_words(fields) == count([(fields(i)%text /= '', i=1, size(fields))])
@@ -175,7 +175,7 @@ contains
   end function count_words
 
   pure logical function are_units(fields, above, closed, columns)
-    !! Tell whether a line holds units: each field is one, or empty. If only some are known, the line above must have words over
+    !! Return whether a line holds units: each field is one, or empty. If only some are known, the line above must have words over
     !! all fields, and these must not be units.
     type(string), intent(in) :: fields(:)
     type(string), intent(in) :: above(:)                       !! of the line above

@@ -126,7 +126,7 @@ contains
   end function first_row
 
   logical function counts_columns(probed, numeric) result(counts)
-    !! Tell whether the last line but one has the numbers of the columns for names, as `0,1,2` or `,0,1`: consecutive whole
+    !! Return whether the last line but one has the numbers of the columns for names, as `0,1,2` or `,0,1`: consecutive whole
     !! numbers, above a row with decimals and below no names.
     type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers

@@ -63,7 +63,7 @@ contains
   end subroutine judge_row
 
   pure logical function is_number_here(field, mark)
-    !! Tell whether a field has the form of a number, for a message; its size is not checked.
+    !! Return whether a field has the form of a number, for a message; its size is not checked.
     character(*), intent(in) :: field
     character, intent(in) :: mark
     is_number_here = field /= '' .and. verify(field, '0123456789+-eEdD'//mark) == 0 .and. scan(field, '0123456789') > 0 &
@@ -71,7 +71,7 @@ contains
   end function is_number_here
 
   pure logical function is_too_large(field)
-    !! Tell whether an exponent is too large for double precision.
+    !! Return whether an exponent is too large for double precision.
     character(*), intent(in) :: field
     integer :: letter, exponent, stat
     is_too_large = .false.

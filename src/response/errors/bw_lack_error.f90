@@ -6,8 +6,9 @@ module bw_lack_error
   use bw_missing, only: is_missing
   use bw_mode_set, only: curvatures, mode_set
   use bw_mode_survey, only: mode_survey, point_sums
+  use bw_projection, only: likely
   use bw_segment, only: lack_type
-  use bw_truncation_error, only: likely, no_bound, rate_likely, spread_of_samples
+  use bw_truncation_error, only: no_bound, rate_likely, spread_of_samples
   implicit none (type, external)
   private
   public :: find_lack

@@ -7,7 +7,7 @@ module bw_mode_survey
   use bw_double_double, only: dd
   use bw_flexibility, only: flexibility_table
   use bw_kinds, only: dp
-  use bw_mode_set, only: curvatures, first_numbers, mode_set, mode_source, values_at
+  use bw_mode_set, only: batch, curvatures, first_numbers, mode_set, mode_source, values_at
   use bw_monitor, only: monitor_type, stops
   use bw_reach, only: amplitude_of, stretch_type
   implicit none (type, external)
@@ -15,7 +15,6 @@ module bw_mode_survey
 
   integer, parameter :: single = 256               !! modes kept individually
   integer, parameter :: bins_an_octave = 128
-  integer, parameter :: batch = 256                !! tuned: modes whose arrays stay in the cache
   real(dp), parameter :: farthest = 1.0e150_dp !! largest displacement of a growing mode in the sums, whose square does not overflow
 
   type, public :: mode_bin

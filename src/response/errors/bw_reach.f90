@@ -20,7 +20,7 @@ module bw_reach
 contains
 
   elemental logical function turns(beta_squared, c)
-    !! Tell whether a mode oscillates; its phase is then practically random.
+    !! Return whether a mode oscillates; its phase is then practically random.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     type(dd) :: square

@@ -24,13 +24,13 @@ module bw_truncation_error
   use bw_mode_set, only: curvatures
   use bw_mode_survey, only: mode_survey
   use bw_piece_beam, only: piece_beam
+  use bw_projection, only: likely
   use bw_reach, only: turns
   implicit none (type, external)
   private
   public :: lowest_cutoff, block_ends, displacement_error, falling_part, find_rates, find_tail, phase_agreement, rate_error
   public :: spread_of_samples, crest_factor
 
-  real(dp), parameter, public :: likely = 2.0_dp   !! tuned: sums may be so many times what blocks show
   real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same for velocities, in root mean squares
   real(dp), parameter :: least_fall = 0.5_dp       !! largest asymptotic ratio of amplitude sums per octave, with shear
   real(dp), parameter :: steady = 1.5_dp           !! tuned: safety factor if octaves continue to fall as the last two

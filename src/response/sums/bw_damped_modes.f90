@@ -8,6 +8,7 @@ module bw_damped_modes
   use bw_growing_modes, only: add_sample_by_sample
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
+  use bw_mode_set, only: batch
   use bw_monitor, only: monitor_type
   use bw_time_grid, only: time_grid
   use bw_turn, only: phase_angles
@@ -15,7 +16,6 @@ module bw_damped_modes
   private
   public :: add_damped_modes, grows
 
-  integer, parameter :: batch = 256             !! tuned: exponentials whose tables stay in the cache
   integer, parameter :: length = 128            !! tuned: samples of a block
   integer, parameter :: chunk_blocks = 32       !! tuned
   real(dp), parameter :: dead = -60.0_dp        !! exponentials below e^(−60) of their start are negligible
@@ -41,7 +41,7 @@ module bw_damped_modes
 contains
 
   elemental logical function grows(beta_squared, c, longest)
-    !! Tell whether a mode grows; bw_growing_modes sums the growing exponential of such modes.
+    !! Return whether a mode grows; bw_growing_modes sums the growing exponential of such modes.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
     real(dp), intent(in) :: longest                 !! duration
@@ -49,7 +49,7 @@ contains
   end function grows
 
   elemental logical function is_close(beta_squared, c, longest)
-    !! Tell whether a mode's two exponentials would cancel: near critical damping, or too slow.
+    !! Return whether a mode's two exponentials would cancel: near critical damping, or too slow.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c, longest
     type(dd) :: square

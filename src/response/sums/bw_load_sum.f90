@@ -248,7 +248,7 @@ contains
   end function octave_ends
 
   pure logical function knows_omitted(summed, count)
-    !! Tell whether half as many modes again are known as are summed.
+    !! Return whether half as many modes again are known as are summed.
     integer, intent(in) :: summed, count
     knows_omitted = 2*count >= 3*summed
   end function knows_omitted

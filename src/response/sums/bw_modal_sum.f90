@@ -9,6 +9,7 @@ module bw_modal_sum
   !! table of states. As nothing is passed from sample to sample, no error grows with time.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
+  use bw_mode_set, only: batch
   use bw_monitor, only: monitor_type, part_monitor
   use bw_time_grid, only: time_grid
   use bw_lapack, only: dgemm
@@ -17,7 +18,6 @@ module bw_modal_sum
   private
   public :: add_stable_modes, block_length
 
-  integer, parameter :: batch = 256           !! tuned: modes whose tables stay in the cache
   integer, parameter :: chunk_blocks = 64     !! tuned: blocks per table of states
 
   type :: block_states

@@ -14,6 +14,7 @@ module bw_nonuniform_sum
   !! doi:10.1137/18M120885X.
   use bw_kinds, only: dp, i8
   use bw_double_double, only: dd, dd_pi, rounder, operator(*), operator(/)
+  use bw_mode_set, only: batch
   use bw_monitor, only: monitor_type, stops
   use bw_samples_of_grid, only: add_samples, fold_ends
   use bw_sine_sum, only: sine_sum_plan
@@ -25,7 +26,6 @@ module bw_nonuniform_sum
   private
   public :: points_at_once
 
-  integer, parameter :: batch = 256                !! tuned: modes whose positions and coefficients stay in the cache
   integer, parameter :: most_points = 16           !! tuned: points whose coefficients of a batch stay in the cache
   integer, parameter :: most_kept = 2**20          !! numbers of grids kept for the next sum, 8 MB
   integer, parameter :: most_numbers = 2**23       !! of grids in memory at a time, 64 MB; a single grid may be larger

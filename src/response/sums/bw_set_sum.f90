@@ -6,7 +6,7 @@ module bw_set_sum
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent
   use bw_modal_sum, only: add_stable_modes
-  use bw_mode_set, only: mode_set, values_at
+  use bw_mode_set, only: batch, mode_set, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: histories_of, response_type, turns_in_record
@@ -15,7 +15,6 @@ module bw_set_sum
   private
   public :: add_motion, modes_at_once
 
-  integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
   integer, parameter :: most_numbers = 2**22   !! values of shapes in memory at a time
   real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
     !! of the largest number, less rounding errors of a logarithm

@@ -3,7 +3,7 @@ module bw_streamed_modes
   !! and dropped, and the grids are transformed once.
   use bw_double_double, only: dd
   use bw_kinds, only: dp
-  use bw_mode_set, only: deflections, mode_set, mode_source, take_terms
+  use bw_mode_set, only: batch, deflections, mode_set, mode_source, take_terms
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: histories_of, response_type, turns_in_record
@@ -15,7 +15,6 @@ module bw_streamed_modes
   private
   public :: add_modes_of_source
 
-  integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
 
 contains
 

@@ -159,7 +159,7 @@ contains
   end subroutine build_beam
 
   pure logical function tapers(beam)
-    !! Tell whether sections are given at stations.
+    !! Return whether sections are given at stations.
     type(group_values), intent(in) :: beam
     tapers = .false.
     if (beam%known('taper')) tapers = beam%text('taper') == 'linear'
@@ -262,7 +262,7 @@ contains
   end function section_at
 
   pure logical function has_fibre(beam)
-    !! Tell whether stresses follow from moments.
+    !! Return whether stresses follow from moments.
     type(beam_par), intent(in) :: beam
     has_fibre = .not. (beam%is_lumped .or. is_missing(fibre_of(beam%beam_piece)))
   end function has_fibre

@@ -71,7 +71,7 @@ contains
   end subroutine check_body
 
   pure logical function comes_or_leaves(groups)
-    !! Tell whether some body is attached or released during the motion.
+    !! Return whether some body is attached or released during the motion.
     type(group_values), intent(in) :: groups(:)
     integer :: g
     comes_or_leaves = .false.
@@ -105,7 +105,7 @@ contains
     end do
   contains
     pure logical function held(name)
-      !! Tell whether a spring of this body at the root has no effect.
+      !! Return whether a spring of this body at the root has no effect.
       character(*), intent(in) :: name
       held = groups(g)%number(name) > 0.0_dp
       if (held .and. support > 0) held = .not. groups(support)%known(name)
@@ -129,7 +129,7 @@ contains
   end subroutine build_body
 
   pure logical function is_heavy(body)
-    !! Tell whether it has mass or inertia.
+    !! Return whether it has mass or inertia.
     type(group_values), intent(in) :: body
     is_heavy = body%number('rotary_inertia') > 0.0_dp
     if (body%known('mass')) is_heavy = is_heavy .or. body%number('mass') > 0.0_dp

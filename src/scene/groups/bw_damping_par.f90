@@ -65,7 +65,7 @@ contains
   end function build_damping
 
   pure logical function by_ratio(damping)
-    !! Tell whether all modes have the same ratio, rather than Rayleigh's constants.
+    !! Return whether all modes have the same ratio, rather than Rayleigh's constants.
     type(damping_par), intent(in) :: damping
     by_ratio = .not. is_missing(damping%ratio)
   end function by_ratio

@@ -84,7 +84,7 @@ contains
   end subroutine check_hub
 
   pure logical function holds(group, name)
-    !! Tell whether a spring of a body, or the support of the tip, acts on the beam.
+    !! Return whether a spring of a body, or the support of the tip, acts on the beam.
     type(group_values), intent(in) :: group
     character(*), intent(in) :: name
     holds = .false.

@@ -186,7 +186,7 @@ contains
   end function build_load
 
   pure logical function begins_or_ends_at_once(load) result(jumps)
-    !! Tell whether the load jumps, so that accelerations do not converge. A load from a file is checked when it is read.
+    !! Return whether the load jumps, so that accelerations do not converge. A load from a file is checked when it is read.
     type(group_values), intent(in) :: load
     real(dp) :: half_turns
     jumps = .false.

@@ -139,7 +139,7 @@ contains
   end function relaxed_tolerance
 
   pure logical function is_relaxed(modes)
-    !! Tell whether the default tolerance was out of reach and has been relaxed.
+    !! Return whether the default tolerance was out of reach and has been relaxed.
     type(modes_par), intent(in) :: modes
     is_relaxed = by_tolerance(modes) .and. .not. modes%asked .and. modes%tolerance /= default_tolerance
   end function is_relaxed
@@ -152,7 +152,7 @@ contains
   end function wanted_tolerance
 
   pure logical function by_tolerance(modes)
-    !! Tell whether a tolerance determines how many modes are summed.
+    !! Return whether a tolerance determines how many modes are summed.
     type(modes_par), intent(in) :: modes
     by_tolerance = .not. is_missing(modes%tolerance)
   end function by_tolerance

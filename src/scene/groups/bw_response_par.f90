@@ -97,7 +97,7 @@ contains
     end do
   contains
     pure logical function changes()
-      !! Tell whether the motion has jumps that no load causes, at its beginning or later.
+      !! Return whether the motion has jumps that no load causes, at its beginning or later.
       integer :: i
       changes = position_of(groups, 'initial') > 0
       do i = 1, size(groups)

@@ -17,7 +17,7 @@ module bw_spectrum_par
     character(:), allocatable :: ends     !! boundary conditions of the beam: one of the words below
   end type spectrum_par
 
-  integer, parameter :: least_samples = 16
+  integer, parameter, public :: least_samples = 16     !! of a history with a spectrum, simulated or measured
     !! below it, no two peaks are resolved: the main lobe of the widest window covers eight lines of the spectrum
 
   type(input_group), parameter, public :: spectrum_group = input_group( &

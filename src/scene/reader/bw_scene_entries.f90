@@ -49,6 +49,9 @@ contains
     character(:), allocatable :: hint
     hint = ''
     if (.not. (is_number(row) .or. row%along /= '')) return
+    if (row%kind == integer_input .and. size(items) == 2) then
+      if (items(2)%last - items(2)%first /= 2) return   ! thousands have three digits
+    end if
     associate (written => text(items(1)%first:items(size(items))%last))
       if (items(1)%repeat > 1) then
         hint = value_hint(text_of(items(1)%repeat)//'*'//written, row%unit)
@@ -117,7 +120,7 @@ contains
   end subroutine read_number
 
   pure logical function has_decimal_commas(text, items) result(has)
-    !! Tell whether items are pairs of whole numbers, each joined by a comma alone, with blanks between pairs: `0,5 1,0`.
+    !! Return whether items are pairs of whole numbers, each joined by a comma alone, with blanks between pairs: `0,5 1,0`.
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)
     integer :: i

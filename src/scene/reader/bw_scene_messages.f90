@@ -132,7 +132,7 @@ contains
   end function by_line
 
   pure logical function is_later(one, other)
-    !! Tell whether one message comes after the other.
+    !! Return whether one message comes after the other.
     type(located_message), intent(in) :: one, other
     is_later = key(one%line) > key(other%line) .or. (one%line == other%line .and. one%row > other%row)
   end function is_later

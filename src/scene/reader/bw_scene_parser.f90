@@ -133,7 +133,7 @@ contains
   end subroutine check_separation
 
   pure logical function starts_statement(tokens, i)
-    !! Tell whether this token is a name followed by an equals sign.
+    !! Return whether this token is a name followed by an equals sign.
     type(token), intent(in) :: tokens(:)
     integer, intent(in) :: i
     starts_statement = .false.

@@ -47,13 +47,13 @@ contains
   end function name_in
 
   pure logical function ends_word(c)
-    !! Tell whether this character ends a bare word.
+    !! Return whether this character ends a bare word.
     character, intent(in) :: c
     ends_word = index(blanks//',/=!;&''"', c) > 0
   end function ends_word
 
   pure logical function is_name(text)
-    !! Tell whether a text is a Fortran name: a letter, then letters, digits and underscores.
+    !! Return whether a text is a Fortran name: a letter, then letters, digits and underscores.
     character(*), intent(in) :: text
     is_name = .false.
     if (len(text) == 0) return
@@ -61,7 +61,7 @@ contains
   end function is_name
 
   pure logical function is_ascii(text)
-    !! Tell whether all characters have seven bits.
+    !! Return whether all characters have seven bits.
     character(*), intent(in) :: text
     integer :: i
     is_ascii = all([(iachar(text(i:i)) < 128, i=1, len(text))])
@@ -99,7 +99,7 @@ contains
   end function lines_up_to
 
   pure logical function is_utf8(text)
-    !! Tell whether every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
+    !! Return whether every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
     character(*), intent(in) :: text
     integer :: at, letter, length
     logical :: plain

@@ -3,20 +3,18 @@ module bw_blows
   !!
   !! The errors of a long linear prediction of the record, with zeros before the first sample, are noise during a decay, and contain
   !! the motion at a blow. A record that was cut within a decay has its first burst at its first sample.
-  use bw_autoregression, only: autoregression, burg
+  use bw_autoregression, only: autoregression, burg, samples_per_order
   use bw_kinds, only: dp
   use bw_order, only: ascending, quantile_of
-  use bw_penalty, only: chi_squared
+  use bw_penalty, only: chi_median, chi_squared
   use bw_samples, only: runs_of, samples_type, span_of, validity
   implicit none (type, external)
   private
   public :: find_blows
 
   integer, parameter :: order = 64               !! tuned: order of the prediction, more than two for each mode
-  integer, parameter :: samples_per_order = 10
   integer, parameter, public :: enough = 2**22   !! numbers that are enough to locate blows
   real(dp), parameter :: clearly = 4             !! tuned: times the level that noise reaches
-  real(dp), parameter :: chi_median = 0.4549_dp  !! median of χ² with one degree of freedom
   integer, parameter :: fewest = 640             !! fewest sums in which bursts are searched for
   integer, parameter :: first = 4                !! samples that give a sensor's value at rest
   integer, parameter :: interpolations = 8       !! iterations for missing samples

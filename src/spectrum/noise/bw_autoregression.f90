@@ -14,6 +14,7 @@ module bw_autoregression
   private
   public :: burg, robust_levels, running_median
 
+  integer, parameter, public :: samples_per_order = 10   !! tuned: fewer do not determine so high an order
   real(dp), parameter :: least_part = 1.0e-14_dp  !! of the variance: smallest prediction error
   real(dp), parameter :: least_level = 1.0e-12_dp !! of the variance, that a predictor from correlations leaves
   integer, parameter :: patience = 24             !! tuned: orders without a gain after which Burg's recursion ends

@@ -5,11 +5,11 @@ module bw_spikes
   !! c = Σ h_i e_(m−i) and E = Σ h_i². It is a spike if this exceeds what noise reaches anywhere, if it stands out of the errors of the
   !! rows on either side, and if without it the errors are like those. At a blow no single sample explains the errors: the motion
   !! after it does not follow from rest.
-  use bw_autoregression, only: autoregression, burg
+  use bw_autoregression, only: autoregression, burg, samples_per_order
   use bw_kinds, only: dp
   use bw_missing_samples, only: missing_among, project_out_missing
   use bw_order, only: quantile_of
-  use bw_penalty, only: chi_squared
+  use bw_penalty, only: chi_median, chi_squared
   use bw_samples, only: gaps_of, gaps_type, runs_of, samples_type, validity
   use bw_triangle, only: solved, triangulate
   implicit none (type, external)
@@ -18,7 +18,6 @@ module bw_spikes
 
   integer, parameter :: order = 32               !! tuned: of the prediction; more makes close spikes hide each other
   integer, parameter :: least_order = 8          !! of a prediction that follows a motion of a few modes
-  integer, parameter :: samples_per_order = 10
   real(dp), parameter :: products = 2.0e8_dp     !! of a sample with others, which take a fraction of a second
   integer, parameter :: most_together = 3        !! spikes within reach of the prediction
   integer, parameter :: rows_per_spike = 4       !! fewer could explain the beginning of a motion
@@ -27,7 +26,6 @@ module bw_spikes
   real(dp), parameter :: clearly = 4             !! times the largest squared error beside it
   real(dp), parameter :: alike = 2               !! times the mean squared error beside it
   real(dp), parameter :: most = 0.01_dp          !! of the samples; with more, they are the motion or its noise
-  real(dp), parameter :: chi_median = 0.4549_dp  !! median of χ² with one degree of freedom
 
 contains
 

@@ -52,7 +52,7 @@ contains
 
   real(dp) function cost_of_shared_motion(samples) result(cost)
     !! J of noise alone as one motion of all sensors, or of as many of their principal components as the memory limit allows; huge
-    !! if samples are missing.
+    !! if samples are missing or there are no components.
     type(samples_type), intent(in) :: samples
     real(dp), allocatable :: x(:, :), vectors(:, :)
     real(dp), dimension(size(samples%value, 2)) :: mean, deviation, values
@@ -79,6 +79,7 @@ contains
       deviation = sqrt([(vectors(s, s), s=1, sensors)])
       vectors = vectors/(spread(deviation, 1, sensors)*spread(deviation, 2, sensors))
       call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
+      if (info /= 0) return
       vectors = vectors/spread(deviation, 2, sensors)
       associate (own => vectors(:, sensors - most + 1:))
         call dgemm('N', 'N', n, most, sensors, 1.0_dp, samples%value, size(samples%value, 1), own, sensors, 0.0_dp, x, n)

@@ -5,6 +5,8 @@ module bw_penalty
   private
   public :: chi_squared, line_penalty
 
+  real(dp), parameter, public :: chi_median = 0.4549_dp  !! median of χ² with one degree of freedom
+
 contains
 
   pure real(dp) function line_penalty(false_alarm, samples, amplitudes)

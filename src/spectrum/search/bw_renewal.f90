@@ -1,7 +1,7 @@
 module bw_renewal
   !! The renewal of a model's residual: its offset and slope, the noise of its sensors or of their principal components, and its
   !! prediction errors.
-  use bw_autoregression, only: autoregression, robust_levels
+  use bw_autoregression, only: autoregression, robust_levels, samples_per_order
   use bw_component_noise, only: estimate_noise, try_mixing, valid_runs
   use bw_kinds, only: dp
   use bw_line, only: has_trend, line_type
@@ -14,7 +14,6 @@ module bw_renewal
   public :: renew
 
   integer, parameter, public :: highest_order = 64       !! tuned: of a noise's autoregression
-  integer, parameter :: samples_per_order = 10   !! tuned: fewer do not determine so high an order
 
 contains
 

@@ -1,6 +1,7 @@
 module bw_calibration
   !! Detection of sensors and hammers that are reversed or of another scale: the real factor between modal constants
   !! measured by a sensor and those of the model, by least squares.
+  use bw_constants, only: gravity
   use bw_measured_state, only: amplitude_weights, measured_state, sensor_error, state_modes
   use bw_fit_search, only: misfit_chance
   use bw_kinds, only: dp
@@ -114,7 +115,7 @@ contains
     logical, intent(in) :: accelerates           !! an acceleration is measured
     logical, intent(in) :: only_reversed, explained
     character(:), allocatable :: text
-    real(dp), parameter :: gravity = 9.80665_dp, near = 0.05_dp
+    real(dp), parameter :: near = 0.05_dp
     text = ''
     if (factor < 0 .and. (only_reversed .or. explained)) text = '; '//what//' reversed'
     if (only_reversed) then

@@ -81,6 +81,10 @@ contains
     inverse = matrix*spread(unit, 1, n)*spread(unit, 2, n)
     call dpotrf('L', n, inverse, n, info)
     if (info == 0) call dpotri('L', n, inverse, n, info)
+    if (info /= 0) then                          ! beyond the range of numbers: the prior alone
+      inverse = merge(1.0_dp, 0.0_dp, spread([(i, i=1, n)], 1, n) == spread([(i, i=1, n)], 2, n))
+      unit = 1
+    end if
     do j = 1, n
       do i = 1, j - 1
         inverse(i, j) = inverse(j, i)

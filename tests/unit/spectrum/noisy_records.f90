@@ -1,6 +1,7 @@
 module noisy_records
   !! Random records of known lines in noise, the Cramér–Rao bounds of their lines from the whole Jacobian, and how often what
   !! is found keeps to them. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
+  use bw_constants, only: pi
   use bw_estimated_lines, only: estimated_line, drifting, estimate_lines, harmonic
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, qp
@@ -10,7 +11,6 @@ module noisy_records
   private
   public :: analysed, draws_of, judge, made, most_of, noise_behind, start_draws, uniform
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: confidence = 0.95_dp, false_alarm = 0.01_dp
   real(dp), parameter, public :: sigmas = 3    !! of what chance does to a count or a mean of so many draws
 
