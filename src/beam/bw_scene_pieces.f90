@@ -49,18 +49,18 @@ contains
       .and. self%captured == other%captured
   end function same_struck
 
-  pure type(struck_beam) function pieces_of(scene, units, loaded, present) result(pieces)
+  pure type(struck_beam) function pieces_of(scene, units, loaded, attached) result(pieces)
     !! Return the beam with all attachments of a scene. Its pieces are the same for any bodies.
     type(scene_type), intent(in) :: scene          !! without sweeps; the caller adds tension
     type(beam_units), intent(in) :: units
     logical, intent(in) :: loaded                  !! with the captured body
-    logical, intent(in), optional :: present(:)    !! which bodies are attached, (bodies); absent: those at t = 0
+    logical, intent(in), optional :: attached(:)   !! which bodies are attached, (bodies); absent: those at t = 0
     type(full_units) :: full
     type(beam_joint), allocatable :: away(:)       ! bodies that are not attached
     logical, allocatable :: there(:)
     integer :: i
     there = at_start(scene)
-    if (is_given(present)) there = present
+    if (present(attached)) there = attached
     allocate (away(size(there)))
     full = full_units_of(scene%beam)
     associate (beam => pieces%beam)
@@ -108,11 +108,6 @@ contains
       pieces%captured = beam_joint()
     end if
   end function pieces_of
-
-  pure logical function is_given(present_too)
-    logical, intent(in), optional :: present_too(:)
-    is_given = present(present_too)
-  end function is_given
 
   pure type(beam_joint) function merge_joint(joint, there) result(attached)
     !! Return the joint's attachments if the body is there, else none.

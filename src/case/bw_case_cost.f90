@@ -245,7 +245,7 @@ contains
   end function modes_under_loads
 
   pure function shared_terms(scene) result(shared)
-    !! Tell which terms a case takes over from the case before: modes in closed form, unless the impact changes.
+    !! Return which terms a case takes over from the case before: modes in closed form, unless the impact changes.
     type(scene_type), intent(in) :: scene          !! of this case, changed from that of the case before (bw_scene_cases)
     logical :: shared(term_count)
     integer :: impact

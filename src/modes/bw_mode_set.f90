@@ -229,7 +229,7 @@ contains
   end function mean_rate
 
   pure function rigid_modes(self) result(rigid)
-    !! Tell which of the first two modes are rigid-body modes: their shapes are straight to within 1 %. There are no
+    !! Return which of the first two modes are rigid-body modes: their shapes are straight to within 1 %. There are no
     !! others, as a straight line has two parameters.
     class(mode_set), intent(in) :: self
     logical :: rigid(min(2, self%count))

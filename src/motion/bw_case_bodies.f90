@@ -56,7 +56,7 @@ contains
   end subroutine set_pull
 
   pure function presence(scene, carried) result(there)
-    !! Tell which bodies the beam carries in a configuration, (bodies).
+    !! Return which bodies the beam carries in a configuration, (bodies).
     type(scene_type), intent(in) :: scene
     type(carried_type), intent(in) :: carried
     logical, allocatable :: there(:)

@@ -11,7 +11,7 @@ module bw_netcdf_reading
   public :: close_netcdf, find_variable, is_classic, open_netcdf, read_dimensions, read_number, read_numbers, read_text
   public :: read_variable, status_text
 
-  integer, parameter, public :: all_is_well = 0, of_the_file = -1      !! the latter replaces a variable's number
+  integer, parameter, public :: all_is_well = 0
   integer, parameter, public :: no_memory = -61                        !! a status
   integer, parameter :: longest_name = 256                             !! limit of NetCDF
   integer(c_int), parameter :: no_such_attribute = -43
@@ -225,7 +225,7 @@ contains
 
   subroutine read_text(file, variable, name, text, status)
     !! Read an attribute that is one text of either type, without trailing blanks; empty if there is none.
-    integer, intent(in) :: file, variable        !! the latter may be `of_the_file`
+    integer, intent(in) :: file, variable        !! −1 for an attribute of the file
     character(*), intent(in) :: name
     character(:), allocatable, intent(out) :: text
     integer, intent(inout) :: status

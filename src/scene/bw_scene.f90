@@ -213,10 +213,12 @@ contains
   end function bodies_change
 
   pure logical function is_let_go(scene)
-    !! Return whether a beam with a prescribed root is let go from its static deflection, with at most loads beside that.
+    !! Return whether a beam with a prescribed root is let go at rest from its static deflection, with at most loads beside that.
     type(scene_type), intent(in) :: scene
-    is_let_go = allocated(scene%initial) .and. .not. (allocated(scene%impact) .or. allocated(scene%contact) .or. &
-                                                      allocated(scene%hub) .or. bodies_change(scene))
+    is_let_go = .false.
+    if (.not. allocated(scene%initial) .or. allocated(scene%impact) .or. allocated(scene%contact) .or. allocated(scene%hub) .or. &
+        bodies_change(scene)) return
+    is_let_go = .not. scene%groups(position_of(scene%groups, 'initial'))%given('angular_velocity')
   end function is_let_go
 
   pure logical function has_configurations(scene) result(has)
@@ -247,7 +249,7 @@ contains
   end function unit_velocity
 
   pure function at_start(scene) result(present)
-    !! Tell which bodies are attached after all events at t = 0, (bodies).
+    !! Return which bodies are attached after all events at t = 0, (bodies).
     type(scene_type), intent(in) :: scene
     logical, allocatable :: present(:)
     allocate (present(0))

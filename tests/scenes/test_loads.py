@@ -414,3 +414,20 @@ def test_estimates_and_bounds_hold_in_random_scenes(here, kind):
     assert len(judged) > 33 and min(j.bound for j in judged) >= 1
     ratios = np.array([j.estimate for j in judged])
     assert ratios.min() >= 1 and np.median(ratios) <= 8
+
+
+def test_the_bound_of_a_beam_that_is_let_go_is_its_error_at_the_force_at_first(here):
+    asked = {"points": [0.5, 1.0], **dict.fromkeys(EVERYTHING, False)}
+    ds = run(here, "let_go", {"initial": {"force": 1000.0}, "modes": {"before": 8}}, **asked)
+    at_rest = 1000.0 / BENDING * np.array([0.5**2 / 2 - 0.5**3 / 6, 1 / 3])
+    error = np.abs(ds["displacement"].isel(time=0) - at_rest)
+    assert (error <= ds["displacement_bound"]).all()
+    assert float(error[1]) == pytest.approx(float(ds["displacement_bound"][1]), rel=1e-8)
+
+
+@pytest.mark.parametrize("also", [{"hub": {"rotary_inertia": 2.0}}, {"support": {"rotational_stiffness": 1e4}, "turns": 3.0}], ids=["hub", "turning"])
+def test_a_beam_that_turns_too_when_it_is_let_go_has_an_estimate_alone(here, also):
+    turning = {"angular_velocity": also.pop("turns")} if "turns" in also else {}
+    asked = {"samples": 64, **dict.fromkeys(EVERYTHING, False)}
+    ds = run(here, "turning", {**also, "initial": {"force": 10.0, **turning}, "modes": {"before": 8}}, **asked)
+    assert "displacement_bound" not in ds and (ds["displacement_error"] > 0).any()

@@ -3,8 +3,8 @@ module bw_changing_case
   !! histories ► errors.
   !!
   !! The motion is followed with all modes and with some eighths of them, and the differences estimate the truncation
-  !! error; that of a beam which is only let go needs one run (bw_let_go_errors). A tolerance doubles the number of modes until the error is small enough. The motion under loads is
-  !! superposed, as all changes are linear (bw_case_loads).
+  !! error; that of a beam which is only let go needs two runs (bw_let_go_errors). A tolerance doubles the number of modes
+  !! until the error is small enough. The motion under loads is superposed, as all changes are linear (bw_case_loads).
   use bw_beam_units, only: in_joules, units_of
   use bw_case_histories, only: add_hub_angle, sum_histories
   use bw_case_loads, only: add_loads
@@ -34,6 +34,7 @@ module bw_changing_case
   public :: run_changes
 
   integer, parameter :: most_count = 2048          !! and the most that it may sum
+  integer, parameter :: known = 256                !! modes that show how amplitudes of a beam that is let go fall
   real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, left to errors of the states after changes
 
 contains
@@ -86,7 +87,7 @@ contains
     associate (counted => run%counted, motion => run%motion, histories => run%histories, errors => run%errors)
       counted = with_counts(scene)
       do
-        if (is_let_go(scene)) handing = max(1, min(4, most_in_run(scene, 4*most_count)/counted%modes%before))
+        if (is_let_go(scene)) handing = max(1, min(4, known/counted%modes%before))
         motion = case_motion(units=units_of(scene%beam))
         motion%of_continuum = by_tolerance(scene%modes)
         call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
@@ -140,19 +141,20 @@ contains
     type(case_histories) :: half, other, quarter
     type(case_motion) :: reduced
     type(history_errors) :: before, early            ! differences of half and a quarter, and of a quarter and an eighth
-    integer :: eighths
-    if (allocated(scene%response) .and. .not. is_let_go(scene)) then
+    integer :: eighths, fewer
+    if (allocated(scene%response)) then
       call run_eighths(scene, 4, handing, motion, watch, monitor, half)
-      if (monitor%stop_requested()) return
+      if (monitor%stop_requested() .or. .not. motion%modes%resolved) return
+      fewer = motion%timeline%segments(1)%count
     end if
     call run_eighths(scene, 8, handing, motion, watch, monitor, histories)
     if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
     errors = history_errors(status=histories%status)
+    call add_difference(histories%response, half%response, errors)
     if (is_let_go(scene)) then
-      call find_let_go_errors(scene, motion, errors)
+      call find_let_go_errors(scene, motion, fewer, errors)
       return
     end if
-    call add_difference(histories%response, half%response, errors)
     reduced = motion
     do eighths = 7, 3, -1
       if (eighths == 4 .or. size(motion%timeline%events) == 0) cycle

@@ -66,7 +66,7 @@ contains
   end function unknowns_of_joints
 
   pure function is_tied(beam) result(tied)
-    !! Tell which pieces are stiff and link their ends. The first piece of a clamped root is not linked.
+    !! Return which pieces are stiff and link their ends. The first piece of a clamped root is not linked.
     type(piece_beam), intent(in) :: beam
     logical :: tied(size(beam%piece))
     real(dp) :: flexibility(size(beam%piece))      ! of the tip, due to bending of each piece

@@ -18,7 +18,6 @@ module bw_load_modes
   private
   public :: effective_mass, find_residuals, find_shears, total_mass
 
-  integer, parameter, public :: frame_motion = -1 !! replaces a position if the frame is accelerated
 
 contains
 

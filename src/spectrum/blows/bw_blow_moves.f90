@@ -1,7 +1,7 @@
 module bw_blow_moves
   !! Blows are moved to where the lines place them, dropped if they gain less than their penalty, and added where they are missing.
   use bw_blow_gains, only: gain_of_jump, gains_before, gains_from, is_sudden
-  use bw_blow_shift, only: best_shift, fewest, near
+  use bw_blow_shift, only: best_shift, fewest
   use bw_cost, only: penalty_of_place
   use bw_kinds, only: dp
   use bw_line, only: course_type, find_wave, life_of, line_type

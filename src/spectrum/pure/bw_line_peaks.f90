@@ -15,14 +15,14 @@ module bw_line_peaks
   real(dp), parameter :: faint_part = 0.1_dp   !! relative strength, below which a line beside another is faint
   real(dp), parameter :: clear = 10            !! times the residual, above which a line cannot be an artefact of it
 
-  type, public :: place_type
+  type, public :: single_type
     !! The position of a line, in periods per record, and its ratio.
     real(dp) :: position = 0
     real(dp) :: position_error = 0
     real(dp) :: ratio = 0                      !! signed, midpoint to tip
     real(dp) :: ratio_error = 0
     real(dp) :: hidden = 0                     !! fraction of it that may belong to a line hidden beside it
-  end type place_type
+  end type single_type
 
   type, public :: peak_type
     !! A peak of the record: one line, or several that are not resolved. Positions are in periods per record.
@@ -37,7 +37,7 @@ module bw_line_peaks
     integer :: members = 1                     !! number of lines within the resolution; e^(gt) and e^(−gt) count as one
     logical :: at_edge = .false.               !! not resolved from its mirror image at 0 or the Nyquist frequency
     logical :: located = .true.                !! .false.: the fit does not locate the peak, or its residual is as large
-    type(place_type), allocatable :: single    !! the strongest member alone, if all others are faint and may be no lines
+    type(single_type), allocatable :: single    !! the strongest member alone, if all others are faint and may be no lines
   end type peak_type
 
 contains
@@ -126,7 +126,7 @@ contains
     here = strong%position >= lines(1)%position .and. strong%position <= lines(size(lines))%position
     if (count(here) /= 1) return
     associate (line => strong(findloc(here, .true., dim=1)))
-      peak%single = place_type(line%position, line%position_error, line%ratio, line%ratio_error, line%hidden)
+      peak%single = single_type(line%position, line%position_error, line%ratio, line%ratio_error, line%hidden)
     end associate
   end subroutine find_strongest
 

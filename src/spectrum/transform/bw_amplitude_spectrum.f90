@@ -27,7 +27,7 @@ contains
     !! Compute the one-sided amplitude spectrum, in the unit of the samples. A tone of amplitude A at the centre of a bin has the
     !! value A with any window. Amplitudes below 1e-154 of the largest sample may be 0.
     real(dp), intent(in), contiguous :: samples(:)   !! (N), N ≥ 1, finite
-    character(*), intent(in) :: window            !! a word of `known_windows`
+    character(*), intent(in) :: window            !! as the input `spectrum%window`
     type(spectrum_plan), intent(inout) :: plan    !! renewed if the length or the window changes
     real(dp), intent(out), contiguous :: amplitude(0:)   !! (0:N/2)
     real(dp) :: down(2), up(2)

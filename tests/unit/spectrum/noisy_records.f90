@@ -9,7 +9,7 @@ module noisy_records
   use seeded_draws, only: draws_of, normal, start_draws
   implicit none (type, external)
   private
-  public :: analysed, draws_of, judge, made, most_of, noise_behind, start_draws, uniform
+  public :: analysed, draws_of, judge, made, most_of, start_draws, uniform
 
   real(dp), parameter, public :: confidence = 0.95_dp, false_alarm = 0.01_dp
   real(dp), parameter, public :: sigmas = 3    !! of what chance does to a count or a mean of so many draws
@@ -81,18 +81,6 @@ contains
       end do
     end do
   end function made
-
-  function noise_behind(filter, samples) result(record)
-    !! Noise of deviation 1 behind a filter, at one sensor.
-    real(dp), intent(in) :: filter(:)
-    integer, intent(in) :: samples
-    type(samples_type) :: record
-    real(dp) :: white(samples + size(filter) - 1)
-    integer :: n
-    white = [(normal(), n=1, size(white))]
-    record%count = samples
-    record%value = reshape([(dot_product(filter, white(n:n + size(filter) - 1)), n=1, samples)], [samples, 1])/norm2(filter)
-  end function noise_behind
 
   function analysed(samples) result(lines)
     !! What is estimated of a record.
