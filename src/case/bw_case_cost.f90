@@ -120,7 +120,7 @@ contains
       if (allocated(scene%contact)) then
         moving = modes_of_contact(scene)
       else if (is_loaded(scene) .and. .not. changes_in_time(scene)) then
-        moving = 2.0_dp*modes_under_loads(scene)   ! twice the modes, for the error estimate
+        moving = 2.0_dp*modes_under_loads(scene)
       end if
       before = moving
     end if
@@ -167,8 +167,8 @@ contains
       driven = is_loaded(scene)
       if (allocated(scene%contact)) driven = driven .or. response%acceleration .or. response%shear_force
       if (driven) then
-        followed = merge(moving, 2.0_dp*moving, planning .and. .not. allocated(scene%contact))
-        if (planning .and. changes_in_time(scene) .and. .not. allocated(scene%contact)) followed = 2.0_dp*modes_under_loads(scene)
+        followed = 2.0_dp*moving                      ! twice the modes, for the error estimate
+        if (planning .and. .not. allocated(scene%contact)) followed = 2.0_dp*modes_under_loads(scene)
         if (changes_in_time(scene)) counts(capture_pairs) = counts(capture_pairs) &
           + loaded_passes*(most_events(scene, 0) - count([allocated(scene%impact), allocated(scene%capture)]))*followed**2
         if (planning) followed = times_over*followed

@@ -34,7 +34,6 @@ module bw_changing_case
   public :: run_changes
 
   integer, parameter :: most_count = 2048          !! and the most that it may sum
-  integer, parameter :: known = 256                !! modes that show how amplitudes of a beam that is let go fall
   real(dp), parameter :: state_share = 0.3_dp      !! tuned: of a tolerance, left to errors of the states after changes
 
 contains
@@ -87,7 +86,6 @@ contains
     associate (counted => run%counted, motion => run%motion, histories => run%histories, errors => run%errors)
       counted = with_counts(scene)
       do
-        if (is_let_go(scene)) handing = max(1, min(4, known/counted%modes%before))
         motion = case_motion(units=units_of(scene%beam))
         motion%of_continuum = by_tolerance(scene%modes)
         call find_modes(times_as_many(counted, handing), motion%units, monitor, motion%modes, cache)
@@ -95,7 +93,7 @@ contains
         call watch%lap(stage_modes)
         if (.not. motion%modes%resolved) return
         call observe_searches(motion%modes%configuration, run%failure, monitor)
-        call follow_fewer(counted, handing, motion, watch, monitor, histories, errors)
+        call follow_fewer(counted, handing, motion, watch, monitor, cache, histories, errors)
         if (monitor%stop_requested() .or. .not. (allocated(scene%response) .and. motion%modes%resolved)) return
         rounding = rounding_of_turn(counted, motion)
         call leave_out_rounding(rounding, errors)
@@ -128,7 +126,7 @@ contains
     more%modes%after = times*scene%modes%after
   end function times_as_many
 
-  subroutine follow_fewer(scene, handing, motion, watch, monitor, histories, errors)
+  subroutine follow_fewer(scene, handing, motion, watch, monitor, cache, histories, errors)
     !! Follow the motion with all modes and with fewer, and extrapolate the differences to the truncation error (`extrapolate`).
     !! After later arrivals of bodies differences vary irregularly with the count, so the largest of several is taken.
     type(scene_type), intent(in) :: scene            !! with mode counts
@@ -136,6 +134,7 @@ contains
     type(case_motion), intent(inout) :: motion       !! its modes are known
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), target :: cache
     type(case_histories), intent(out) :: histories
     type(history_errors), intent(out) :: errors
     type(case_histories) :: half, other, quarter
@@ -152,7 +151,7 @@ contains
     errors = history_errors(status=histories%status)
     call add_difference(histories%response, half%response, errors)
     if (is_let_go(scene)) then
-      call find_let_go_errors(scene, motion, fewer, errors)
+      call find_let_go_errors(scene, motion, fewer, monitor, cache, errors)
       return
     end if
     reduced = motion

@@ -2,12 +2,15 @@ module bw_let_go_errors
   !! Errors of the histories of a beam that is let go from a static deflection. The amplitude of every mode is known,
   !! q_k = FΦ_k(ξ_F)/(M_kβ_k²), and none moves farther than at first nor faster than β_kq_k. All begin in phase, and so moments
   !! have an error of the sum of their magnitudes; velocities have the part of that sum that the last modes reach of theirs.
+  use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_bodies, only: beam_of
+  use bw_case_modes, only: case_mode_cache, find_modes
   use bw_case_moments, only: scale_of_moments
   use bw_case_result, only: case_motion, history_errors
   use bw_kinds, only: dp
   use bw_mode_set, only: curvatures, deflections, mode_set, values_at
+  use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_static_shape, only: deflection, static_shapes
   use bw_timeline, only: configurations_of
@@ -15,30 +18,58 @@ module bw_let_go_errors
   private
   public :: find_let_go_errors
 
+  integer, parameter :: known = 256                !! modes that show how amplitudes fall, if fewer are summed
+
 contains
 
-  subroutine find_let_go_errors(scene, motion, fewer, errors)
+  subroutine find_let_go_errors(scene, motion, fewer, monitor, cache, errors)
     !! Bound displacements, and estimate the errors of the other quantities, without rounding.
-    type(scene_type), intent(in) :: scene          !! see `is_let_go`, with a response
-    type(case_motion), intent(in) :: motion        !! more modes are known than are summed, if there are that many
+    type(scene_type), intent(in) :: scene          !! see `is_let_go`, with mode counts and a response
+    type(case_motion), intent(in) :: motion
     integer, intent(in) :: fewer                   !! modes
+    class(monitor_type), intent(inout), target :: monitor   !! errors are invalid if it requests a stop
+    type(case_mode_cache), intent(inout), target :: cache
     type(history_errors), intent(inout) :: errors  !! enter as the largest differences from the histories of fewer modes
-    real(dp), dimension(size(scene%response%points)) :: omitted, part
-    real(dp), allocatable :: amplitude(:)
-    associate (modes => motion%modes%configuration(1)%set, segment => motion%timeline%segments(1), response => scene%response)
-      errors%displacement_bound = bound_of_omitted(scene, motion%units, modes, segment%count)
+    type(scene_type) :: more
+    type(case_modes) :: modes
+    modes = motion%modes
+    associate (summed => motion%timeline%segments(1)%count, force => abs(scene%initial%force)/motion%units%mass)
+      errors%displacement_bound = bound_of_omitted(scene, motion%units, modes%configuration(1)%set, summed)
       errors%displacement = errors%displacement_bound
-      amplitude = abs(segment%q)
-      if (response%bending_moment) then
-        call sum_magnitudes(modes, curvatures, amplitude, [fewer, segment%count], response%points, part, omitted)
-        errors%bending_moment = motion%units%time%hi*scale_of_moments(scene)*omitted
-      end if
-      if (.not. response%velocity) return
-      amplitude = amplitude*sqrt(modes%beta_squared%hi)
-      call sum_magnitudes(modes, deflections, amplitude, [fewer, segment%count], response%points, part, omitted)
-      errors%velocity = omitted*merge(2.0_dp*errors%velocity/part, 1.0_dp, 2.0_dp*errors%velocity < part)
+      more = scene
+      more%modes%before = min(4*summed, known)
+      more%modes%after = more%modes%before
+      if (more%modes%before > summed) call find_modes(more, motion%units, monitor, modes, cache)
+      if (monitor%stop_requested()) return
+      if (.not. modes%resolved) modes = motion%modes
+      call find_others(scene, motion%units, modes%configuration(1)%set, force, [fewer, summed], errors)
     end associate
   end subroutine find_let_go_errors
+
+  subroutine find_others(scene, units, modes, force, summed, errors)
+    !! Estimate the errors of velocities and moments.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(mode_set), intent(in) :: modes           !! more than are summed
+    real(dp), intent(in) :: force                  !! over the mass of the beam, m/s²
+    integer, intent(in) :: summed(2)               !! fewer modes, and all
+    type(history_errors), intent(inout) :: errors
+    real(dp), dimension(size(scene%response%points)) :: omitted, part
+    real(dp) :: shape(modes%count, 1)
+    shape = abs(modes%some_shapes(1, modes%count, [scene%initial%position]))
+    associate (response => scene%response, square => modes%beta_squared%hi)
+      if (response%bending_moment) then
+        call sum_magnitudes(modes, curvatures, shape(:, 1)/(modes%modal_mass*square), summed, response%points, part, omitted)
+        errors%bending_moment = force*units%time%hi**2*scale_of_moments(scene)*omitted
+      end if
+      if (.not. response%velocity) return
+      call sum_magnitudes(modes, deflections, shape(:, 1)/(modes%modal_mass*sqrt(square)), summed, response%points, part, omitted)
+      associate (velocity => force*units%time%hi, reached => 2.0_dp*errors%velocity)
+        where (reached < velocity*part) omitted = omitted*(reached/(velocity*part))
+        errors%velocity = velocity*omitted
+      end associate
+    end associate
+  end subroutine find_others
 
   function bound_of_omitted(scene, units, modes, summed) result(bound)
     !! Bound the displacements of omitted modes, m, (points): F Σ|Φ_k(ξ)Φ_k(ξ_F)|/(M_kβ_k²) ≤ F √(r(ξ)r(ξ_F)), with their
