@@ -75,7 +75,7 @@ module bw_case_cost
   real(dp), parameter :: cautious = 5.0_dp           !! an estimate over the error, in the median
   real(dp), parameter :: contact_pass = 8.0_dp       !! over the modes of a motion in two runs of a lasting contact
   real(dp), parameter :: beside = 5.0_dp             !! time of contacts on a beam that changes or is loaded, over that of others
-  real(dp), parameter :: contact_passes = 30.0_dp    !! of a usual number of them
+  real(dp), parameter :: usual_contacts = 8.0_dp     !! of a long record
 
 contains
 
@@ -145,7 +145,7 @@ contains
     if (allocated(scene%capture) .and. .not. (planning .or. closed)) &
       & counts(capture_pairs) = merge(2, 1, is_released(scene))*before*after
     if (is_planned(scene)) counts(plans) = 1.0_dp
-    if (allocated(scene%contact)) counts(contacts) = min(contact_passes, contact_pass*scene%contact%max_contacts)*before &
+    if (allocated(scene%contact)) counts(contacts) = contact_pass*number_of_contacts(scene)*before &
       & *merge(beside, 1.0_dp, is_loaded(scene) .or. changes_in_time(scene))
     if (has_configurations(scene)) counts(capture_pairs) = changing_passes*most_events(scene, 0)*moving**2
     if (is_released(scene) .and. (planning .or. closed)) &
@@ -203,6 +203,21 @@ contains
       modes = min(most, modes)
     end associate
   end function modes_of_contact
+
+  pure real(dp) function number_of_contacts(scene) result(number)
+    !! Estimate the number of lasting contacts: no more than the record has room for, each as long as one with a wall, about 3d/V
+    !! with the largest indentation d.
+    type(scene_type), intent(in) :: scene
+    real(dp) :: depth, speed
+    associate (contact => scene%contact, units => units_of(scene%beam))
+      number = min(usual_contacts, real(contact%max_contacts, dp))
+      speed = abs(scene%impact%approach_velocity)
+      if (speed == 0.0_dp) return
+      depth = ((contact%exponent + 1.0_dp)/2.0_dp*scene%impact%mass_ratio*units%mass*speed**2/contact%stiffness) &
+        **(1.0_dp/(contact%exponent + 1.0_dp))
+      number = min(number, 1.0_dp + scene%response%duration/max(3.0_dp*depth/speed, tiny(depth)))
+    end associate
+  end function number_of_contacts
 
   pure real(dp) function modes_under_loads(scene) result(modes)
     !! Return how many modes a tolerance sums under loads: until the part of the last, by how much it lags behind the loads and as far

@@ -73,7 +73,7 @@ contains
     !! of 1 to 8 lines in 600 to 300 000 numbers, on larger ones of 20 lines, and on fits of beams of 1 to 10 pieces.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    real(dp), parameter :: of_search = 0.05_dp, of_number = 3.0e-6_dp, of_followed = 4.0e-7_dp, of_solution = 1.0e-4_dp
+    real(dp), parameter :: of_search = 0.1_dp, of_number = 3.0e-6_dp, of_followed = 4.0e-7_dp, of_solution = 1.0e-4_dp
     integer, parameter :: solutions = 350          ! mode solutions per unknown
     real(dp) :: numbers, searched                  ! lines of the first part are followed through the others
     numbers = real(layout%points, dp)*layout%record%longest
