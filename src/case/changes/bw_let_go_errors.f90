@@ -39,7 +39,7 @@ contains
       more = scene
       more%modes%before = min(4*summed, known)
       more%modes%after = more%modes%before
-      if (more%modes%before > summed) call find_modes(more, motion%units, monitor, modes, cache)
+      if (more%modes%before >= 2*summed) call find_modes(more, motion%units, monitor, modes, cache)
       if (monitor%stop_requested()) return
       if (.not. modes%resolved) modes = motion%modes
       call find_others(scene, motion%units, modes%configuration(1)%set, force, [fewer, summed], errors)
