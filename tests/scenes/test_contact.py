@@ -137,6 +137,12 @@ def test_the_force_integrates_to_the_impulse_and_its_largest_value_is_given(here
     assert force.max() == pytest.approx(ds["event_force"][0].item(), rel=1e-3)
 
 
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_the_largest_indentation_has_the_largest_force_of_a_contact_that_does_not_damp(here, exponent):
+    ds = run(here, "deep", struck({"stiffness": 1e7, "exponent": exponent}, modes={"before": 20}))
+    assert float(ds["event_force"].max()) == pytest.approx(1e7 * float(ds["largest_indentation"]) ** exponent, rel=1e-6)
+
+
 def test_a_blow_from_the_other_side_is_the_mirrored_one(here):
     one = run(here, "one", struck(modes={"before": 20}))
     other = run(here, "other", struck(impact={"approach_velocity": -1.0}, modes={"before": 20}))

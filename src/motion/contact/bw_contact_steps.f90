@@ -2,7 +2,7 @@ module bw_contact_steps
   !! The steps of one contact, from its start or a change of the beam to its end, the next change, or the end of the
   !! record. bw_lasting_contact explains their lengths. Units of bw_segment.
   use bw_contact_bodies, only: contact_bodies
-  use bw_contact_force, only: end_in_step, first_zero
+  use bw_contact_force, only: end_in_step, find_largest, first_zero
   use bw_contact_law, only: contact_law, undamped_force, solve_contact
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_force_response, only: force_degree
@@ -206,7 +206,8 @@ contains
     type(load_type), intent(inout) :: load
     real(dp), intent(in) :: length, force(0:), indentation(:)
     integer, intent(in) :: level
-    type(load_type) :: longer
+    type(load_type) :: longer, depth
+    real(dp) :: deepest, time
     if (run%steps == size(load%length)) then
       allocate (longer%length(2*run%steps), longer%level(2*run%steps), longer%force(0:force_degree, 2*run%steps))
       longer%length(:run%steps) = load%length
@@ -220,7 +221,15 @@ contains
     load%length(run%steps) = length
     load%level(run%steps) = level
     load%force(:, run%steps) = force
-    run%deepest = max(run%deepest, maxval(indentation))
+    depth%force = reshape([run%last_indentation, indentation], [force_degree + 1, 1])
+    if (maxval(depth%force) >= run%deepest) then
+      deepest = indentation(force_degree)
+      if (maxval(depth%force) > deepest) then         ! the peak is in this step
+        depth%length = [length]
+        call find_largest(depth, deepest, time)
+      end if
+      run%deepest = max(run%deepest, deepest)
+    end if
     run%impulse = run%impulse + length*mean_force(force)
   end subroutine append_step
 
