@@ -425,9 +425,12 @@ def test_the_bound_of_a_beam_that_is_let_go_is_its_error_at_the_force_at_first(h
     assert float(error[1]) == pytest.approx(float(ds["displacement_bound"][1]), rel=1e-8)
 
 
-@pytest.mark.parametrize("also", [{"hub": {"rotary_inertia": 2.0}}, {"support": {"rotational_stiffness": 1e4}, "turns": 3.0}], ids=["hub", "turning"])
-def test_a_beam_that_turns_too_when_it_is_let_go_has_an_estimate_alone(here, also):
-    turning = {"angular_velocity": also.pop("turns")} if "turns" in also else {}
+@pytest.mark.parametrize(
+    ("root", "turning"),
+    [({"hub": {"rotary_inertia": 2.0}}, {}), ({"support": {"rotational_stiffness": 1e4}}, {"angular_velocity": 3.0})],
+    ids=["hub", "turning"],
+)
+def test_a_beam_that_turns_too_when_it_is_let_go_has_an_estimate_alone(here, root, turning):
     asked = {"samples": 64, **dict.fromkeys(EVERYTHING, False)}
-    ds = run(here, "turning", {**also, "initial": {"force": 10.0, **turning}, "modes": {"before": 8}}, **asked)
+    ds = run(here, "turning", {**root, "initial": {"force": 10.0, **turning}, "modes": {"before": 8}}, **asked)
     assert "displacement_bound" not in ds and (ds["displacement_error"] > 0).any()

@@ -2,6 +2,7 @@ module bw_let_go_errors
   !! Errors of the histories of a beam that is let go from a static deflection. The amplitude of every mode is known,
   !! q_k = FΦ_k(ξ_F)/(M_kβ_k²), and none moves farther than at first nor faster than β_kq_k. All begin in phase, and so moments
   !! have an error of the sum of their magnitudes; velocities have the part of that sum that the last modes reach of theirs.
+  !! **Limit**: only the bound includes a local mode far above those that are known, such as that of a stiff piece at the tip.
   use bw_beam_motion, only: case_modes
   use bw_beam_units, only: beam_units
   use bw_case_bodies, only: beam_of
